@@ -56,7 +56,7 @@ pub unsafe fn call(
     let constants = unsafe { *c.cast::<[f64; CONSTANTS]>() };
     let mut kept = kept.borrow_mut();
     let ready = match &mut *kept {
-        Some(ready) if ready.constants == constants => ready,
+        Some(ready) if same(&ready.constants, &constants) => ready,
         kept => match make_ready(prepare, constants) {
             Some(ready) => kept.insert(ready),
             None => return,
@@ -84,6 +84,16 @@ pub unsafe fn call(
     if let Err(error) = ready.batch.run(&cells, results) {
         failed(&error, results);
     }
+}
+
+/// Whether constants are the same to the last bit, decided once for all.
+#[inline(always)]
+fn same(a: &[f64; CONSTANTS], b: &[f64; CONSTANTS]) -> bool {
+    let mut different = 0;
+    for k in 0..CONSTANTS {
+        different |= a[k].to_bits() ^ b[k].to_bits();
+    }
+    different == 0
 }
 
 #[cold]

@@ -50,10 +50,27 @@ const CELLS: usize = 11;
 fn results<F: Form<D>, S: Sizes, const D: usize>(
     form: F,
     components: usize,
+    degrees: [usize; 2],
+    shape: CellShape,
+    facet: usize,
+    set: InstructionSet,
+) -> [Vec<f64>; 2] {
+    ordered_results::<F, S, D>(form, components, degrees, shape, facet, set, 2, |node, component, _| {
+        node * components + component
+    })
+}
+
+/// The same by a rule of some degree, with the row of each component of a node among those of so many nodes.
+#[allow(clippy::too_many_arguments)]
+fn ordered_results<F: Form<D>, S: Sizes, const D: usize>(
+    form: F,
+    components: usize,
     [shape_degree, degree]: [usize; 2],
     shape: CellShape,
     facet: usize,
     set: InstructionSet,
+    rule: usize,
+    row: impl Fn(usize, usize, usize) -> usize,
 ) -> [Vec<f64>; 2] {
     let element = |degree| Lagrange::new(shape, degree).expect("it is known");
     let (geometry, own, linear) = (element(shape_degree), element(degree), element(1));
@@ -71,7 +88,7 @@ fn results<F: Form<D>, S: Sizes, const D: usize>(
             FieldLayout { name: "u".into(), element: own, offsets: offsets(own, 0, components) },
             FieldLayout { name: "gap".into(), element: linear, offsets: offsets(linear, width, 1) },
         ],
-        rows: (0..width).collect(),
+        rows: (0..width).map(|k| row(k / components, k % components, own.nodes())).collect(),
     };
     let reference = geometry.node_points::<D>();
     let mut coordinates = noise(CELLS * reference.len() * D);
@@ -81,7 +98,7 @@ fn results<F: Form<D>, S: Sizes, const D: usize>(
     let coefficients: Vec<f64> =
         noise(CELLS * (width + linear.nodes())).iter().map(|value| 0.1 * value).collect();
     let cells = ElementCells { count: CELLS, coordinates: &coordinates, coefficients: &coefficients, facet };
-    let quadrature = Quadrature::Degree(2);
+    let quadrature = Quadrature::Degree(rule);
     let kernel = ElementKernel::<F, S, D>::with_instructions(form, layout, &quadrature, set);
     let mut kernel = kernel.expect("it fits");
     let size = kernel.size();
@@ -142,6 +159,46 @@ compare!(quadratic_tetrahedra, Tetrahedron, 3, geometry 1, degree 2, 10, 4, 3, 4
     cells [elasticity 3], facets []);
 compare!(curved_quadrilaterals, Quadrilateral, 2, geometry 2, degree 2, 9, 4, 2, 9,
     cells [diffusion 1], facets [contact]);
+
+/// Matrices of two components are written block by block, those of linear simplices at one point as a whole: wherever the rows are, and
+/// for fewer cells than lanes at the end.
+#[test]
+fn rows_stand_in_any_order() {
+    let data = Data::<2> { mu: 0.7, lambda: 1.3, gap: 0.0.into() };
+    let omega = Omega::on("all");
+    let triangle = CellShape::Triangle;
+    let orders: [(&str, fn(usize, usize, usize) -> usize); 4] = [
+        ("node by node", |node, component, _| 2 * node + component),
+        ("from the last node on", |node, component, nodes| 2 * (nodes - 1 - node) + component),
+        ("component by component", |node, component, nodes| component * nodes + node),
+        ("components exchanged", |node, component, _| 2 * node + 1 - component),
+    ];
+    for set in InstructionSet::available() {
+        for (name, row) in orders {
+            let form = || elasticity::<2>(&data, &omega);
+            let linear = [
+                ordered_results::<_, Fixed<3, 1, 3>, 2>(form(), 2, [1, 1], triangle, 0, set, 1, row),
+                ordered_results::<_, Counted, 2>(form(), 2, [1, 1], triangle, 0, set, 1, row),
+            ];
+            agree(&linear[0], &linear[1], &format!("{set}, linear, {name}"));
+            let quadratic = [
+                ordered_results::<_, Fixed<6, 3, 3>, 2>(form(), 2, [1, 2], triangle, 0, set, 2, row),
+                ordered_results::<_, Counted, 2>(form(), 2, [1, 2], triangle, 0, set, 2, row),
+            ];
+            agree(&quadratic[0], &quadratic[1], &format!("{set}, quadratic, {name}"));
+        }
+        let orders: [(&str, fn(usize, usize, usize) -> usize); 2] =
+            [("in our order", |node, _, _| node), ("backwards", |node, _, nodes| nodes - 1 - node)];
+        for (name, row) in orders {
+            let form = || diffusion::<2>(&data, &omega);
+            let numbers = [
+                ordered_results::<_, Fixed<3, 1, 3>, 2>(form(), 1, [1, 1], triangle, 0, set, 1, row),
+                ordered_results::<_, Counted, 2>(form(), 1, [1, 1], triangle, 0, set, 1, row),
+            ];
+            agree(&numbers[0], &numbers[1], &format!("{set}, numbers, {name}"));
+        }
+    }
+}
 
 #[test]
 fn lengths_that_do_not_fit_are_named() {

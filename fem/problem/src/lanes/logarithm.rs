@@ -47,11 +47,28 @@ pub(super) fn ln<L: Split>(x: L) -> L {
     let exponent = L::select(large, exponent + one, exponent);
     let s = (mantissa - one) / (mantissa + one);
     let z = s * s;
-    let mut sum = L::splat(SERIES[0]);
-    for k in 1..SERIES.len() {
-        sum = sum.multiply_add(z, L::splat(SERIES[k]));
-    }
+    let sum = series(z);
     let double = s + s;
     let series = (sum * z).multiply_add(double, exponent * L::splat(LN_2_LOW));
     exponent.multiply_add(L::splat(LN_2_HIGH), double + series)
+}
+
+/// The series in z. Pairs of terms, then pairs of those: one term after the other each would wait for the one before, and a kernel with
+/// a logarithm at each point for all of them.
+#[inline(always)]
+fn series<L: Lane>(z: L) -> L {
+    let square = z * z;
+    let fourth = square * square;
+    let mut parts = [L::splat(SERIES[0]); 3];
+    // From the lowest powers on: z⁰ to z³, z⁴ to z⁷, z⁸ to z¹⁰.
+    for k in 0..3 {
+        let lowest = SERIES.len() - 1 - 4 * k;
+        let low = L::splat(SERIES[lowest - 1]).multiply_add(z, L::splat(SERIES[lowest]));
+        let mut high = L::splat(SERIES[lowest - 2]);
+        if lowest > 2 {
+            high = L::splat(SERIES[lowest - 3]).multiply_add(z, high);
+        }
+        parts[k] = high.multiply_add(square, low);
+    }
+    parts[2].multiply_add(fourth, parts[1]).multiply_add(fourth, parts[0])
 }

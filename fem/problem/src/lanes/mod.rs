@@ -70,6 +70,10 @@ pub(crate) trait SimdLane: Lane {
     /// Number of values that the processor's registers hold.
     const REGISTERS: usize;
 
+    /// Whether a few entries at a time go to memory by [`SimdLane::store_few`] from the registers where they were made: quicker than all of
+    /// them at the end where few shuffles part the lanes.
+    const STORES_FEW: bool = false;
+
     /// Whether a mask holds in some lane.
     #[inline(always)]
     fn any(mask: Self::Mask) -> bool {
@@ -137,6 +141,20 @@ pub(crate) trait SimdLane: Lane {
     ) {
         store_entries::<ADD, _>(source, 0..source.count(), filled, target, stride);
     }
+
+    /// Writes COUNT entries of all lanes side by side to `target[lane * stride + place..]`.
+    ///
+    /// # Panics
+    /// When `target` is too short.
+    #[inline(always)]
+    fn store_few<const COUNT: usize>(
+        entries: [Self; COUNT],
+        target: &mut [f64],
+        place: usize,
+        stride: usize,
+    ) {
+        store_entries::<false, _>(&entries[..], 0..COUNT, Self::WIDTH, &mut target[place..], stride);
+    }
 }
 
 /// Starts of the lists of a batch's cells, one per lane.
@@ -186,6 +204,11 @@ pub(crate) trait Entries<L>: Copy {
     fn count(&self) -> usize;
     /// The k-th entry.
     fn entry(&self, k: usize) -> &L;
+    /// The k-th entry and its three successors.
+    #[inline(always)]
+    fn four(&self, k: usize) -> [&L; 4] {
+        [self.entry(k), self.entry(k + 1), self.entry(k + 2), self.entry(k + 3)]
+    }
 }
 
 /// [`SimdLane::store_transposed`] as work of its own, without adding.

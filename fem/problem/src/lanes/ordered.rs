@@ -64,4 +64,21 @@ impl<L> Entries<L> for Ordered<'_, L> {
         // check that again for each entry would take a third of the time of the passage from lanes to memory.
         unsafe { &*self.values.as_ptr().byte_add(distance) }
     }
+    /// Places are read two at a time: on their way from lanes to memory four entries take as many accesses to memory as the processor
+    /// makes in a given time.
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    fn four(&self, k: usize) -> [&L; 4] {
+        let pairs = self.scaled[k..k + 4].as_ptr().cast::<u64>();
+        // SAFETY: four numbers of 32 bits are two of 64 bits; places as in `entry`.
+        unsafe {
+            let (first, second) = (pairs.read_unaligned(), pairs.add(1).read_unaligned());
+            let value = |scaled: u64| {
+                let distance = scaled as usize * (size_of::<L>() / WIDEST);
+                &*self.values.as_ptr().byte_add(distance)
+            };
+            const LOW: u64 = u32::MAX as u64;
+            [value(first & LOW), value(first >> 32), value(second & LOW), value(second >> 32)]
+        }
+    }
 }

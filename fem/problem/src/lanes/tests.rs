@@ -175,6 +175,89 @@ fn transposed_lanes_stand_one_after_the_other() {
     }
 }
 
+/// Entries in another order, of all lanes.
+struct Reordered<'a>(&'a [u32]);
+
+impl LaneWork for Reordered<'_> {
+    type Output = (usize, Vec<f64>);
+
+    #[inline(always)]
+    fn run<L: SimdLane>(self) -> Self::Output {
+        let mut entries = Vec::new();
+        for k in 0..self.0.len() {
+            let mut lanes = [0.0; WIDEST];
+            for lane in 0..L::WIDTH {
+                lanes[lane] = (100 * lane + k) as f64;
+            }
+            entries.push(L::load(&lanes));
+        }
+        let order = Order::new(self.0.to_vec());
+        let mut target = vec![-1.0; L::WIDTH * self.0.len()];
+        let source = Ordered::new(&entries, &order, self.0.len());
+        L::store_transposed::<false>(source, L::WIDTH, &mut target, self.0.len());
+        (L::WIDTH, target)
+    }
+}
+
+#[test]
+fn entries_come_out_in_their_order() {
+    for count in [1, 3, 4, 7, 9, 16, 37] {
+        // All places, each once: 5 is no divisor of a count.
+        let places: Vec<u32> = (0..count).map(|k| (5 * k + 2) % count).collect();
+        for set in of_machine() {
+            let (lanes, found) = run_in(set, Reordered(&places));
+            for (index, value) in found.iter().enumerate() {
+                let (lane, k) = (index / places.len(), index % places.len());
+                let expected = (100 * lane) as f64 + f64::from(places[k]);
+                assert!(lane < lanes && *value == expected, "{set}: lane {lane}, entry {k}: {value}");
+            }
+        }
+    }
+}
+
+/// COUNT entries of all lanes, beside what is there.
+struct Few<const COUNT: usize>;
+
+impl<const COUNT: usize> LaneWork for Few<COUNT> {
+    type Output = Vec<f64>;
+
+    #[inline(always)]
+    fn run<L: SimdLane>(self) -> Self::Output {
+        let mut entries = [L::splat(0.0); COUNT];
+        for k in 0..COUNT {
+            let mut lanes = [0.0; WIDEST];
+            for lane in 0..L::WIDTH {
+                lanes[lane] = (100 * lane + k) as f64;
+            }
+            entries[k] = L::load(&lanes);
+        }
+        // No room beyond the last.
+        let mut target = vec![-1.0; (L::WIDTH - 1) * 9 + 2 + COUNT];
+        L::store_few(entries, &mut target, 2, 9);
+        target
+    }
+}
+
+fn few<const COUNT: usize>() {
+    for set in of_machine() {
+        for (index, value) in run_in(set, Few::<COUNT>).iter().enumerate() {
+            let (lane, k) = (index / 9, index % 9);
+            let inside = (2..2 + COUNT).contains(&k);
+            let expected = if inside { (100 * lane + k - 2) as f64 } else { -1.0 };
+            assert!(*value == expected, "{set}: {COUNT} entries, lane {lane}, place {k}: {value}");
+        }
+    }
+}
+
+#[test]
+fn a_few_entries_stand_side_by_side() {
+    few::<1>();
+    few::<2>();
+    few::<3>();
+    few::<4>();
+    few::<7>();
+}
+
 /// COUNT entries from each lane's place, and from the starts of lists of seven.
 struct Gathered<'a, const COUNT: usize> {
     values: &'a [f64],

@@ -266,6 +266,11 @@ fn run_fixed<const D: usize>(
     cells: &ElementCells,
     target: &mut [f64],
 ) -> Result<(), AssemblyError> {
+    // Mostly there is one.
+    if let [Prepared::Fixed(groups)] = integrals {
+        of_facet(form, groups, cells.facet)?.run(cells, target, false);
+        return Ok(());
+    }
     if integrals.is_empty() {
         target.fill(0.0);
     }

@@ -140,7 +140,7 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> SharedWork<L>
             MatrixCall::Pairs { symmetric, blocks } => {
                 let (cell, tests, trials) = (&copied(cell), &own_tests[..], &own_trials[..]);
                 let (nodes, symmetric) = (*nodes, *symmetric);
-                NodePairs { kernel, cell, tests, trials, nodes, points, symmetric }.sum(blocks);
+                NodePairs { kernel, cell, tests, trials, nodes, points, symmetric }.sum(&mut **blocks);
             }
             MatrixCall::Numbers { pair: [s, t], place_of, target } => {
                 let cell = &copied(cell);
@@ -153,7 +153,8 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> SharedWork<L>
             MatrixCall::Tensor { geometry, tensor, map, directions, blocks } => {
                 if const { suits::<K, D>() } {
                     let ((determinant, inverse), cell) = (**map, kernel.cell(geometry));
-                    contract::<K, L, D>(kernel, &cell, tensor, determinant, &inverse, directions, blocks);
+                    let blocks = &mut **blocks;
+                    contract::<K, L, _, D>(kernel, &cell, tensor, determinant, &inverse, directions, blocks);
                 }
             }
         }

@@ -1,6 +1,7 @@
 //! The calls of a kernel on the entities of a region, cells and facets alike: element matrices and vectors.
 
 mod bilinear_calls;
+pub(super) mod block_sink;
 mod constants;
 mod linear_calls;
 mod node_pairs;

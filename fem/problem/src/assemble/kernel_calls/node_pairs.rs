@@ -2,10 +2,11 @@
 
 // Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
 // loops over lane values are plain.
-#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
+#![allow(clippy::needless_range_loop)]
 
 use forms_core::contract::BilinearKernel;
 
+use super::block_sink::BlockSink;
 use crate::lanes::SimdLane;
 
 /// Bytes of trial factors that stay in the first cache while others pass by: half of the 32 KB that the smaller ones hold.
@@ -25,23 +26,23 @@ pub(in crate::assemble) struct NodePairs<'a, K: BilinearKernel<D>, L: SimdLane, 
 }
 
 impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> NodePairs<'_, K, L, D> {
-    /// The blocks of all pairs (i, j), one after the other; of symmetric ones only i ≤ j.
+    /// The blocks of all pairs (i, j); of symmetric ones only i ≤ j.
     #[inline(always)]
-    pub fn sum(&self, blocks: &mut [L]) {
+    pub fn sum<S: BlockSink<L> + ?Sized>(&self, sink: &mut S) {
         match const { tile(size_of::<K::Accumulator<L>>() / size_of::<L>(), L::REGISTERS) } {
-            44 => self.sweep::<4, 4>(blocks),
-            24 => self.sweep::<2, 4>(blocks),
-            14 => self.sweep::<1, 4>(blocks),
-            12 => self.sweep::<1, 2>(blocks),
-            21 => self.sweep::<2, 1>(blocks),
-            _ => self.sweep::<1, 1>(blocks),
+            44 => self.sweep::<S, 4, 4>(sink),
+            24 => self.sweep::<S, 2, 4>(sink),
+            14 => self.sweep::<S, 1, 4>(sink),
+            12 => self.sweep::<S, 1, 2>(sink),
+            21 => self.sweep::<S, 2, 1>(sink),
+            _ => self.sweep::<S, 1, 1>(sink),
         }
     }
 
     /// All blocks, in tiles of ROWS × COLUMNS pairs, for some trial functions after the other: as many as the first cache keeps
     /// while the test functions pass by.
     #[inline(always)]
-    fn sweep<const ROWS: usize, const COLUMNS: usize>(&self, blocks: &mut [L]) {
+    fn sweep<S: BlockSink<L> + ?Sized, const ROWS: usize, const COLUMNS: usize>(&self, sink: &mut S) {
         let [rows, columns] = self.nodes;
         let fitting = KEPT / (self.points * size_of::<K::Trial<L>>()).max(1);
         let width = if fitting < columns { (fitting / COLUMNS).max(1) * COLUMNS } else { columns };
@@ -51,12 +52,12 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> NodePairs<'_, K, L, D> {
             let last = if self.symmetric { end } else { rows };
             let mut i = 0;
             while i + ROWS <= last {
-                self.row::<ROWS, COLUMNS>(i, start, end, blocks);
+                self.row::<S, ROWS, COLUMNS>(i, start, end, sink);
                 i += ROWS;
             }
             if const { ROWS > 1 } {
                 while i < last {
-                    self.row::<1, COLUMNS>(i, start, end, blocks);
+                    self.row::<S, 1, COLUMNS>(i, start, end, sink);
                     i += 1;
                 }
             }
@@ -66,38 +67,51 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> NodePairs<'_, K, L, D> {
 
     /// The blocks of ROWS test functions and the trial functions in a range.
     #[inline(always)]
-    fn row<const ROWS: usize, const COLUMNS: usize>(
+    fn row<S: BlockSink<L> + ?Sized, const ROWS: usize, const COLUMNS: usize>(
         &self,
         i: usize,
         start: usize,
         end: usize,
-        blocks: &mut [L],
+        sink: &mut S,
     ) {
+        let points = self.points;
+        let mut tests = [&self.tests[..0]; ROWS];
+        for a in 0..ROWS {
+            tests[a] = &self.tests[(i + a) * points..][..points];
+        }
         let mut j = if self.symmetric { start.max(i) } else { start };
+        // What is left of the trial functions' factors: no place is computed per tile.
+        let mut trials = &self.trials[j * points..end * points];
         while j + COLUMNS <= end {
-            self.tile::<ROWS, COLUMNS>(i, j, blocks);
+            let (own, others) = trials.split_at(COLUMNS * points);
+            self.tile::<S, ROWS, COLUMNS>(&tests, own, [i, j], sink);
+            trials = others;
             j += COLUMNS;
         }
         if const { COLUMNS > 1 } {
             while j < end {
-                self.tile::<ROWS, 1>(i, j, blocks);
+                let (own, others) = trials.split_at(points);
+                self.tile::<S, ROWS, 1>(&tests, own, [i, j], sink);
+                trials = others;
                 j += 1;
             }
         }
     }
 
     #[inline(always)]
-    fn tile<const ROWS: usize, const COLUMNS: usize>(&self, i: usize, j: usize, blocks: &mut [L]) {
+    fn tile<S: BlockSink<L> + ?Sized, const ROWS: usize, const COLUMNS: usize>(
+        &self,
+        tests: &[&[K::Test<L>]; ROWS],
+        factors: &[K::Trial<L>],
+        [i, j]: [usize; 2],
+        sink: &mut S,
+    ) {
         let columns = self.nodes[1];
-        let entries = K::TEST_COMPONENTS * K::TRIAL_COMPONENTS;
         let mut accumulators = [[K::zero::<L>(); COLUMNS]; ROWS];
         let points = self.points;
-        let (mut tests, mut trials) = ([&self.tests[..0]; ROWS], [&self.trials[..0]; COLUMNS]);
-        for a in 0..ROWS {
-            tests[a] = &self.tests[(i + a) * points..][..points];
-        }
+        let mut trials = [factors; COLUMNS];
         for b in 0..COLUMNS {
-            trials[b] = &self.trials[(j + b) * points..][..points];
+            trials[b] = &factors[b * points..][..points];
         }
         for q in 0..points {
             for a in 0..ROWS {
@@ -115,7 +129,7 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> NodePairs<'_, K, L, D> {
                 }
                 let before = if self.symmetric { i * columns - i * (i + 1) / 2 } else { i * columns };
                 let block = self.kernel.finish(self.cell, &accumulators[a][b]);
-                copy_block(block.as_ref(), &mut blocks[(before + j) * entries..][..entries]);
+                sink.put(before + j, &block.as_ref()[..K::TEST_COMPONENTS * K::TRIAL_COMPONENTS]);
             }
         }
     }
@@ -129,17 +143,8 @@ const fn tile(accumulators: usize, registers: usize) -> usize {
         (0 | 1, true) => 44,
         (0 | 1, false) => 24,
         (2..=4, true) => 14,
-        (2..=4, false) => 12,
+        (2..=6, false) => 12,
         (5..=9, true) => 21,
         _ => 11,
-    }
-}
-
-/// Copies a block. Copying slices as such would be a call.
-#[inline(always)]
-fn copy_block<L: Copy>(block: &[L], target: &mut [L]) {
-    let block = &block[..target.len()];
-    for entry in 0..target.len() {
-        target[entry] = block[entry];
     }
 }

@@ -12,7 +12,9 @@ mod scalars;
 use forms_core::contract::BilinearKernel;
 
 use self::blocks::Terms;
+pub(in crate::assemble) use self::scalars::{InLanes, contract as contract_numbers};
 use super::BilinearConstants;
+use super::block_sink::BlockSink;
 use crate::assemble::walk::GroupSide;
 use crate::compiled_here::compiled_here;
 use crate::lanes::SimdLane;
@@ -66,47 +68,53 @@ impl ReferenceTensor {
         }
         let nonzero = kernel.nonzero.iter().filter(|nonzero| **nonzero).count();
         let terms = Terms::new(side, elements, weights, symmetric, kernel.requirements);
-        let directions = terms.directions();
-        let blocks = directions * directions * (count.pair + count.finish);
-        let made = blocks + directions * (count.test + count.trial) + terms.count() * nonzero;
+        let directions = blocks::direction_count::<D>(kernel.requirements);
+        let made = directions * directions * (count.pair + count.finish);
+        let made = made + directions * (count.test + count.trial) + terms.count() * nonzero;
         (made < loops).then_some(ReferenceTensor::Blocks(terms))
     }
 }
 
 /// The blocks of all pairs by a reference tensor. `directions` is memory that is kept.
 #[inline(always)]
-pub(in crate::assemble) fn contract<K: BilinearKernel<D>, L: SimdLane, const D: usize>(
+pub(in crate::assemble) fn contract<
+    K: BilinearKernel<D>,
+    L: SimdLane,
+    S: BlockSink<L> + ?Sized,
+    const D: usize,
+>(
     kernel: &K,
     cell: &K::Cell<L>,
     tensor: &ReferenceTensor,
     determinant: L,
     inverse: &[[L; D]; D],
     directions: &mut Vec<L>,
-    blocks: &mut [L],
+    sink: &mut S,
 ) {
     match tensor {
         // Constant blocks: only the case that is used is compiled.
         ReferenceTensor::Numbers(coefficients) => {
             if const { BilinearConstants::of::<K, D>().scalar() } {
-                scalars::contract::<K, L, D>(kernel, cell, coefficients, determinant, inverse, blocks);
+                let blocks = sink.numbers();
+                scalars::contract::<K, L, f64, D>(kernel, cell, coefficients, determinant, inverse, blocks);
             }
         }
         ReferenceTensor::Blocks(terms) => match const { K::TEST_COMPONENTS * K::TRIAL_COMPONENTS } {
             1 => {}
             4 => {
-                blocks::contract::<K, L, 4, D>(kernel, cell, terms, determinant, inverse, directions, blocks)
+                blocks::contract::<K, L, S, 4, D>(kernel, cell, terms, determinant, inverse, directions, sink)
             }
             9 => {
-                blocks::contract::<K, L, 9, D>(kernel, cell, terms, determinant, inverse, directions, blocks)
+                blocks::contract::<K, L, S, 9, D>(kernel, cell, terms, determinant, inverse, directions, sink)
             }
-            _ => blocks::contract::<K, L, LARGEST_BLOCK, D>(
+            _ => blocks::contract::<K, L, S, LARGEST_BLOCK, D>(
                 kernel,
                 cell,
                 terms,
                 determinant,
                 inverse,
                 directions,
-                blocks,
+                sink,
             ),
         },
     }

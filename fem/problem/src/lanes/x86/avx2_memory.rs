@@ -13,6 +13,7 @@ use crate::lanes::{Entries, SharedWork, SimdLane, Starts, WIDEST, store_entries}
 
 impl SimdLane for Avx2 {
     const REGISTERS: usize = 16;
+    const STORES_FEW: bool = true;
 
     #[inline(always)]
     fn any(mask: __m256d) -> bool {
@@ -57,11 +58,11 @@ impl SimdLane for Avx2 {
         if filled == Self::WIDTH {
             assert!(count <= stride && (Self::WIDTH - 1) * stride + count <= target.len());
             let row = target.as_mut_ptr();
-            // SAFETY: each entry is four doubles; nothing goes beyond `count`, for which each lane has room.
+            // SAFETY: nothing goes beyond `count`, for which each lane has room.
             unsafe {
                 while done + 4 <= count {
-                    let entry = |k: usize| std::ptr::from_ref(source.entry(done + k)).cast::<f64>();
-                    store_tile::<ADD>(entry(0), entry(1), entry(2), entry(3), row.add(done), stride);
+                    let [a, b, c, d] = source.four(done);
+                    store_rows::<ADD>(*a, *b, *c, *d, row.add(done), stride);
                     done += 4;
                 }
                 if done + 2 <= count {
@@ -76,6 +77,35 @@ impl SimdLane for Avx2 {
         }
         store_entries::<ADD, _>(source, done..count, filled, target, stride);
     }
+
+    #[inline(always)]
+    fn store_few<const COUNT: usize>(
+        entries: [Self; COUNT],
+        target: &mut [f64],
+        place: usize,
+        stride: usize,
+    ) {
+        let length = (Self::WIDTH - 1) * stride + COUNT;
+        assert!(length <= target.len() && place <= target.len() - length);
+        let row = target.as_mut_ptr();
+        let mut done = 0;
+        // SAFETY: no lane's place is beyond the length that was checked.
+        unsafe {
+            let row = row.add(place);
+            while done + 4 <= COUNT {
+                let [a, b, c, d] = [entries[done], entries[done + 1], entries[done + 2], entries[done + 3]];
+                store_rows::<false>(a, b, c, d, row.add(done), stride);
+                done += 4;
+            }
+            if done + 2 <= COUNT {
+                store_pair::<false>(&entries[done], &entries[done + 1], row.add(done), stride);
+                done += 2;
+            }
+            if done < COUNT {
+                store_lanes(entries[done], row.add(done), stride);
+            }
+        }
+    }
 }
 
 /// Writes or adds four numbers of a row.
@@ -89,6 +119,19 @@ unsafe fn store_row<const ADD: bool>(row: *mut f64, values: __m256d) {
 }
 
 /// Writes four lanes of four entries, lane by lane, or adds them.
+///
+/// # Safety
+/// Each of four rows of the target (`stride` apart) can be read and written for four doubles.
+#[inline(always)]
+unsafe fn store_rows<const ADD: bool>(a: Avx2, b: Avx2, c: Avx2, d: Avx2, target: *mut f64, stride: usize) {
+    let rows = transposed(a, b, c, d);
+    for lane in 0..4 {
+        // SAFETY: the caller's contract.
+        unsafe { store_row::<ADD>(target.add(lane * stride), rows[lane].0) };
+    }
+}
+
+/// The same of four of the lanes of wider entries in memory.
 ///
 /// # Safety
 /// Each entry can be read for four doubles, each of four rows of the target (`stride` apart) read and written for
@@ -156,6 +199,22 @@ unsafe fn store_single<const ADD: bool>(entry: &Avx2, target: *mut f64, stride: 
             let (value, row) = (*values.add(lane), target.add(lane * stride));
             *row = if ADD { *row + value } else { value };
         }
+    }
+}
+
+/// Writes four lanes of an entry that is in a register.
+///
+/// # Safety
+/// Each of four rows of the target (`stride` apart) can be written there.
+#[inline(always)]
+unsafe fn store_lanes(entry: Avx2, target: *mut f64, stride: usize) {
+    // SAFETY: the caller's contract, and the machine's instructions as for all lanes.
+    unsafe {
+        let (low, high) = (_mm256_castpd256_pd128(entry.0), _mm256_extractf128_pd::<1>(entry.0));
+        _mm_storel_pd(target, low);
+        _mm_storeh_pd(target.add(stride), low);
+        _mm_storel_pd(target.add(2 * stride), high);
+        _mm_storeh_pd(target.add(3 * stride), high);
     }
 }
 

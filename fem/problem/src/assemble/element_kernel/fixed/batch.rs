@@ -15,6 +15,7 @@ use crate::element::Tables;
 use crate::lanes::{SimdLane, Starts};
 
 /// A batch of cells, with loops of fixed lengths.
+#[derive(Clone, Copy)]
 pub(super) struct FixedBatch<'a, L: SimdLane, S: Sizes, const D: usize> {
     pub tables: &'a FixedTables<S, D>,
     nodes: S::GeometryNodes<[L; D]>,
@@ -198,30 +199,27 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         }
     }
 
-    /// Values and gradients of the test functions at the q-th point.
+    /// Value and gradient of a test function at the q-th point.
     #[inline(always)]
-    pub fn evaluate_basis(
+    pub fn basis(
         &self,
         requirements: &Requirements,
         q: usize,
         map: &PointMap<L, D>,
-        basis: &mut S::Nodes<Basis<L, D>>,
-    ) {
+        node: usize,
+    ) -> Basis<L, D> {
         let arguments = &self.tables.arguments;
-        let values = arguments.values.entries()[q].entries();
-        let slopes = arguments.slopes.entries()[q].entries();
-        let basis = basis.entries_mut();
-        let (values, slopes) = (&values[..basis.len()], &slopes[..basis.len()]);
-        for node in 0..basis.len() {
-            if requirements.basis_value {
-                basis[node].value = L::splat(values[node]);
-            }
-            if requirements.basis_gradient && const { FixedTables::<S, D>::LINEAR } {
-                basis[node].gradient = barycentric(&map.inverse, node);
-            } else if requirements.basis_gradient {
-                basis[node].gradient = transformed(&map.inverse, &slopes[node]);
-            }
+        let zero = L::splat(0.0);
+        let mut basis = Basis { value: zero, gradient: [zero; D] };
+        if requirements.basis_value {
+            basis.value = L::splat(arguments.values.entries()[q].entries()[node]);
         }
+        if requirements.basis_gradient && const { FixedTables::<S, D>::LINEAR } {
+            basis.gradient = barycentric(&map.inverse, node);
+        } else if requirements.basis_gradient {
+            basis.gradient = transformed(&map.inverse, &arguments.slopes.entries()[q].entries()[node]);
+        }
+        basis
     }
 }
 

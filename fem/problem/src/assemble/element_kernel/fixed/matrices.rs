@@ -3,14 +3,18 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]
 
-use forms_core::contract::{Basis, BilinearKernel};
+use forms_core::contract::BilinearKernel;
 
 use super::batch::FixedBatch;
 use super::fields::FieldBuffers;
+use super::in_place::{self, BlockPlaces};
 use super::{Call, FixedIntegral, FixedTables, store};
 use crate::assemble::element_kernel::ElementCells;
 use crate::assemble::element_kernel::sizes::{Array, Sizes};
-use crate::assemble::kernel_calls::reference_tensor::{ReferenceTensor, contract, suits};
+use crate::assemble::kernel_calls::block_sink::BlockSink;
+use crate::assemble::kernel_calls::reference_tensor::{
+    InLanes, ReferenceTensor, contract, contract_numbers, suits,
+};
 use crate::assemble::kernel_calls::{BilinearConstants, NodePairs};
 use crate::assemble::walk::Group;
 use crate::lanes::{LaneWork, Order, Ordered, SharedWork, SimdLane};
@@ -29,7 +33,12 @@ struct Matrices<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> {
     kernel: K,
     tables: FixedTables<S, D>,
     order: Order,
+    /// The order is that in which pairs are numbered.
+    ordered: bool,
     tensor: Option<ReferenceTensor>,
+    /// Coefficients of a reference tensor of numbers, where they are kept in all lanes.
+    coefficients: Vec<InLanes<L>>,
+    places: BlockPlaces,
     buffers: Buffers<K, L, D>,
 }
 
@@ -49,10 +58,23 @@ const fn lengths<K: BilinearKernel<D>, S: Sizes, const D: usize>() -> [usize; 4]
     [nodes, <S::Points<f64> as Array<f64>>::LENGTH, K::TEST_COMPONENTS * K::TRIAL_COMPONENTS, pairs]
 }
 
+/// Linear functions at one point.
+const fn simple<S: Sizes, const D: usize>() -> bool {
+    FixedTables::<S, D>::LINEAR && <S::Points<f64> as Array<f64>>::LENGTH == 1
+}
+
+/// Pairs of linear functions, at most.
+const LINEAR_PAIRS: usize = 16;
+
 /// Possibility of a reference tensor. Linear functions at one point need none: it would copy the blocks of their gradients.
 const fn has_tensor<K: BilinearKernel<D>, S: Sizes, const D: usize>() -> bool {
-    let one_point = <S::Points<f64> as Array<f64>>::LENGTH == 1;
-    suits::<K, D>() && !(FixedTables::<S, D>::LINEAR && one_point)
+    suits::<K, D>() && !simple::<S, D>()
+}
+
+/// Whether coefficients of a reference tensor are kept in all lanes: with 32 registers the instructions that multiply take a number
+/// from memory for all of them.
+const fn in_lanes<L: SimdLane>() -> bool {
+    L::REGISTERS < 32
 }
 
 impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for PrepareMatrices<'_, K, S, D> {
@@ -70,6 +92,19 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for PrepareMatrice
         } else {
             None
         };
+        let mut coefficients = vec![];
+        if let Some(ReferenceTensor::Numbers(numbers)) = &tensor
+            && in_lanes::<L>()
+        {
+            for number in numbers {
+                coefficients.push(InLanes(L::splat(*number)));
+            }
+        }
+        let places = if const { in_place::by_pairs::<K, L, D>() } {
+            BlockPlaces::new(order, nodes, K::SYMMETRIC, simple::<S, D>(), L::WIDTH * nodes * nodes * entries)
+        } else {
+            BlockPlaces::default()
+        };
         let buffers = Buffers {
             fields: FieldBuffers::new(&K::REQUIREMENTS, &tables),
             tests: vec![test; nodes * points],
@@ -77,11 +112,16 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for PrepareMatrice
             blocks,
             directions: vec![],
         };
+        let mut computed = order.places().enumerate();
         Box::new(Matrices::<K, L, S, D> {
             kernel: kernel.clone(),
             tables,
             order: order.clone(),
+            ordered: entries == 1
+                && computed.all(|(k, place)| place as usize == in_place::pair_of(k, nodes, K::SYMMETRIC)),
             tensor,
+            coefficients,
+            places,
             buffers,
         })
     }
@@ -101,58 +141,211 @@ impl<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> SharedWork<L>
     #[inline(always)]
     fn run(self) {
         let Call { integral, cells, target, add } = self;
-        let [nodes, _, entries, _] = const { lengths::<K, S, D>() };
-        let size = nodes * nodes * entries;
+        let Matrices { kernel, tables, order, ordered, tensor, coefficients, places, buffers } = integral;
+        let work =
+            Work { kernel, tables, cells, order, ordered: *ordered, tensor: tensor.as_ref(), coefficients };
         let mut start = 0;
-        while start < cells.count {
-            let filled = L::WIDTH.min(cells.count - start);
-            integral.blocks(cells, start, filled);
-            let source = Ordered::new(&integral.buffers.blocks, &integral.order, size);
-            store(source, size, filled, &mut target[start * size..][..filled * size], add);
-            start += filled;
+        if const { !beforehand::<K, L, S, D>() } {
+            while start < cells.count {
+                let batch = work.load(start, &mut buffers.fields);
+                start = work.write(&batch, start, places, buffers, target, add);
+            }
+            return;
+        }
+        if cells.count == 0 {
+            return;
+        }
+        // The quotients of the next batch are on their way while one is computed.
+        let mut batch = work.load(start, &mut buffers.fields);
+        loop {
+            let following = start + L::WIDTH;
+            let more = following < cells.count;
+            let next = if more { work.load(following, &mut buffers.fields) } else { batch };
+            work.write(&batch, start, places, buffers, target, add);
+            if !more {
+                return;
+            }
+            (batch, start) = (next, following);
         }
     }
 }
 
-impl<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Matrices<K, L, S, D> {
-    /// The blocks of `filled` cells from `start` on.
+/// Whether the next cells are loaded before the results of some are computed: where that is nothing but their map, and lanes are few.
+const fn beforehand<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize>() -> bool {
+    FixedTables::<S, D>::AFFINE && K::REQUIREMENTS.fields.is_empty() && L::REGISTERS < 32
+}
+
+/// What the cells of a call have in common.
+struct Work<'a, K, L, S: Sizes, const D: usize> {
+    kernel: &'a K,
+    tables: &'a FixedTables<S, D>,
+    cells: &'a ElementCells<'a>,
+    order: &'a Order,
+    ordered: bool,
+    tensor: Option<&'a ReferenceTensor>,
+    coefficients: &'a [InLanes<L>],
+}
+
+impl<'a, K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Work<'a, K, L, S, D> {
+    /// The cells from `start` on.
     #[inline(always)]
-    fn blocks(&mut self, cells: &ElementCells, start: usize, filled: usize) {
+    fn load(&self, start: usize, fields: &mut FieldBuffers<L>) -> FixedBatch<'a, L, S, D> {
+        let filled = L::WIDTH.min(self.cells.count - start);
+        FixedBatch::load(&K::REQUIREMENTS, self.tables, self.cells, start, filled, fields)
+    }
+
+    /// The matrices of the cells from `start` on, written or added to those of all cells; where the next cells start.
+    #[inline(always)]
+    fn write(
+        &self,
+        batch: &FixedBatch<L, S, D>,
+        start: usize,
+        places: &mut BlockPlaces,
+        buffers: &mut Buffers<K, L, D>,
+        target: &mut [f64],
+        add: bool,
+    ) -> usize {
+        let [nodes, _, entries, pairs] = const { lengths::<K, S, D>() };
+        let size = nodes * nodes * entries;
+        let filled = L::WIDTH.min(self.cells.count - start);
+        let target = &mut target[start * size..][..filled * size];
+        let whole = filled == L::WIDTH && !add;
+        if const { in_place::by_pairs::<K, L, D>() } {
+            let callers = whole && places.are_the_callers();
+            if const { simple::<S, D>() } {
+                let room = places.room(target, callers, L::WIDTH * size);
+                self.linear_blocks(batch, &mut buffers.fields, room);
+            } else {
+                self.blocks(batch, buffers, &mut places.sink(target, callers, nodes, L::WIDTH));
+            }
+            if !callers {
+                places.copy(target, size, add);
+            }
+        } else if const { simple::<S, D>() && in_place::at_once::<K, L, D>() } {
+            let numbers = self.linear_numbers(batch, &mut buffers.fields);
+            if whole && self.ordered {
+                in_place::write(&numbers, nodes, K::SYMMETRIC, &mut target[..L::WIDTH * size]);
+            } else {
+                let blocks = &mut buffers.blocks[..pairs];
+                // One by one, so that they stay in registers where they are written as they are.
+                for pair in 0..pairs {
+                    blocks[pair] = numbers[pair];
+                }
+                store(Ordered::new(blocks, self.order, size), size, filled, target, add);
+            }
+        } else {
+            // Of a known length: where loops are unrolled nothing is checked per entry.
+            let mut blocks = std::mem::take(&mut buffers.blocks);
+            self.blocks(batch, buffers, &mut blocks[..pairs * entries]);
+            store(Ordered::new(&blocks, self.order, size), size, filled, target, add);
+            buffers.blocks = blocks;
+        }
+        start + filled
+    }
+
+    /// The factors of linear functions at one point.
+    #[inline(always)]
+    fn linear_factors(
+        &self,
+        batch: &FixedBatch<L, S, D>,
+        cell: &K::Cell<L>,
+        fields: &mut FieldBuffers<L>,
+        tests: &mut S::Nodes<K::Test<L>>,
+        trials: &mut S::Nodes<K::Trial<L>>,
+    ) {
         let requirements = &K::REQUIREMENTS;
-        let [nodes, points, entries, pairs] = const { lengths::<K, S, D>() };
-        let Matrices { kernel, tables, tensor, buffers, .. } = self;
-        let Buffers { fields, tests, trials, blocks, directions } = buffers;
-        // Of a known length: where loops are unrolled nothing is checked per entry.
-        let blocks = &mut blocks[..pairs * entries];
-        let kernel = &*kernel;
-        let batch = FixedBatch::<L, S, D>::load(requirements, tables, cells, start, filled, fields);
+        let hessian = [[L::splat(0.0); D]; D];
+        let map = batch.map_at(0);
+        let geometry = batch.point(requirements, 0, &map, fields);
+        let point = self.kernel.point(cell, &geometry, &fields.fields);
+        for i in 0..<S::Nodes<f64> as Array<f64>>::LENGTH {
+            let basis = batch.basis(requirements, 0, &map, i);
+            tests.entries_mut()[i] = self.kernel.test(&point, &basis, &hessian);
+            trials.entries_mut()[i] = self.kernel.trial(&point, &basis, &hessian);
+        }
+    }
+
+    /// The numbers of all pairs of linear functions at one point.
+    #[inline(always)]
+    fn linear_numbers(&self, batch: &FixedBatch<L, S, D>, fields: &mut FieldBuffers<L>) -> [L; LINEAR_PAIRS] {
+        let nodes = const { lengths::<K, S, D>()[0] };
+        let cell = self.kernel.cell(&batch.cell_geometry(&K::REQUIREMENTS));
+        let (test, trial) = K::zero_factors::<L>();
+        let (mut tests, mut trials) = (S::Nodes::filled(test), S::Nodes::filled(trial));
+        self.linear_factors(batch, &cell, fields, &mut tests, &mut trials);
+        let mut numbers = [L::splat(0.0); LINEAR_PAIRS];
+        for i in 0..nodes {
+            for j in if K::SYMMETRIC { i } else { 0 }..nodes {
+                let mut sum = K::zero::<L>();
+                K::pair(&mut sum, &tests.entries()[i], &trials.entries()[j]);
+                let number = in_place::pair_of(i * nodes + j, nodes, K::SYMMETRIC);
+                numbers[number] = self.kernel.finish(&cell, &sum).as_ref()[0];
+            }
+        }
+        numbers
+    }
+
+    /// The blocks of all pairs of linear functions at one point, written into matrices in our order.
+    #[inline(always)]
+    fn linear_blocks(&self, batch: &FixedBatch<L, S, D>, fields: &mut FieldBuffers<L>, room: &mut [f64]) {
+        let nodes = const { lengths::<K, S, D>()[0] };
+        let cell = self.kernel.cell(&batch.cell_geometry(&K::REQUIREMENTS));
+        let (test, trial) = K::zero_factors::<L>();
+        let (mut tests, mut trials) = (S::Nodes::filled(test), S::Nodes::filled(trial));
+        self.linear_factors(batch, &cell, fields, &mut tests, &mut trials);
+        for i in 0..nodes {
+            for j in if K::SYMMETRIC { i } else { 0 }..nodes {
+                let mut sum = K::zero::<L>();
+                K::pair(&mut sum, &tests.entries()[i], &trials.entries()[j]);
+                let block = self.kernel.finish(&cell, &sum);
+                in_place::put_pair(room, [i, j], nodes, K::SYMMETRIC, block.as_ref());
+            }
+        }
+    }
+
+    /// The blocks of some cells.
+    #[inline(always)]
+    fn blocks<B: BlockSink<L> + ?Sized>(
+        &self,
+        batch: &FixedBatch<L, S, D>,
+        buffers: &mut Buffers<K, L, D>,
+        sink: &mut B,
+    ) {
+        let requirements = &K::REQUIREMENTS;
+        let [nodes, points, ..] = const { lengths::<K, S, D>() };
+        let &Work { kernel, tables, tensor, coefficients, .. } = self;
+        let Buffers { fields, tests, trials, directions, .. } = buffers;
         let cell = kernel.cell(&batch.cell_geometry(requirements));
         if const { has_tensor::<K, S, D>() }
             && let Some(tensor) = tensor
         {
             let map = batch.map_at(0);
-            contract::<K, L, D>(kernel, &cell, tensor, map.determinant, &map.inverse, directions, blocks);
+            let (determinant, inverse) = (map.determinant, &map.inverse);
+            if const { BilinearConstants::of::<K, D>().scalar() && in_lanes::<L>() } {
+                let numbers = sink.numbers();
+                contract_numbers::<K, L, _, D>(kernel, &cell, coefficients, determinant, inverse, numbers);
+            } else {
+                contract::<K, L, B, D>(kernel, &cell, tensor, determinant, inverse, directions, sink);
+            }
             return;
         }
         let zero = L::splat(0.0);
         let hessian = [[zero; D]; D];
-        let mut basis = S::Nodes::filled(Basis { value: zero, gradient: [zero; D] });
-        if const { <S::Points<f64> as Array<f64>>::LENGTH == 1 } {
+        if const { simple::<S, D>() } {
             let map = batch.map_at(0);
             let geometry = batch.point(requirements, 0, &map, fields);
             let point = kernel.point(&cell, &geometry, &fields.fields);
-            batch.evaluate_basis(requirements, 0, &map, &mut basis);
-            let basis = basis.entries();
             let (test, trial) = K::zero_factors::<L>();
             let (mut tests, mut trials) = (S::Nodes::filled(test), S::Nodes::filled(trial));
             for i in 0..nodes {
-                tests.entries_mut()[i] = kernel.test(&point, &basis[i], &hessian);
-                trials.entries_mut()[i] = kernel.trial(&point, &basis[i], &hessian);
+                let basis = batch.basis(requirements, 0, &map, i);
+                tests.entries_mut()[i] = kernel.test(&point, &basis, &hessian);
+                trials.entries_mut()[i] = kernel.trial(&point, &basis, &hessian);
             }
             let (tests, trials) = (tests.entries(), trials.entries());
             let symmetric = K::SYMMETRIC;
             NodePairs { kernel, cell: &cell, tests, trials, nodes: [nodes, nodes], points, symmetric }
-                .sum(blocks);
+                .sum(sink);
             return;
         }
         let (tests, trials) = (&mut tests[..nodes * points], &mut trials[..nodes * points]);
@@ -160,17 +353,16 @@ impl<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Matrices<K, L,
             let map = batch.map_at(q);
             let geometry = batch.point(requirements, q, &map, fields);
             let point = kernel.point(&cell, &geometry, &fields.fields);
-            batch.evaluate_basis(requirements, q, &map, &mut basis);
-            let basis = basis.entries();
+            // One after the other: gradients of all functions at once do not fit into registers.
             for i in 0..nodes {
-                tests[i * points + q] = kernel.test(&point, &basis[i], &hessian);
-                trials[i * points + q] = kernel.trial(&point, &basis[i], &hessian);
+                let basis = batch.basis(requirements, q, &map, i);
+                tests[i * points + q] = kernel.test(&point, &basis, &hessian);
+                trials[i * points + q] = kernel.trial(&point, &basis, &hessian);
             }
         }
         // The compiler is not to see the number of points: it would unroll, load all factors first, and spill them.
         let points = tables.points;
         let symmetric = K::SYMMETRIC;
-        NodePairs { kernel, cell: &cell, tests, trials, nodes: [nodes, nodes], points, symmetric }
-            .sum(blocks);
+        NodePairs { kernel, cell: &cell, tests, trials, nodes: [nodes, nodes], points, symmetric }.sum(sink);
     }
 }

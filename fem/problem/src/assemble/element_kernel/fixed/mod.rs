@@ -4,6 +4,7 @@
 
 mod batch;
 mod fields;
+mod in_place;
 mod matrices;
 mod tables;
 mod vectors;

@@ -6,20 +6,31 @@
 
 use forms_core::contract::{Basis, BilinearKernel, PointGeometry, Requirements};
 
+use crate::assemble::kernel_calls::block_sink::BlockSink;
 use crate::assemble::walk::GroupSide;
 use crate::lanes::SimdLane;
 
 /// R_ab(i, j) where it is not zero.
 pub(in crate::assemble) struct Terms {
-    /// Number of directions: D + 1 gradients of barycentric coordinates, and the value.
-    directions: usize,
-    /// The direction that stands for the value.
-    value: Option<usize>,
-    /// Number of terms of each pair, pair after pair in rows.
-    lengths: Vec<u32>,
-    /// a · directions + b, and the coefficient.
+    /// Runs of pairs that have the same number of terms: how many pairs, and how many terms each.
+    runs: Vec<[usize; 2]>,
+    /// Numbers of the pairs, run after run.
+    pairs: Vec<u32>,
+    /// a · directions + b, and the coefficient, pair after pair.
     terms: Vec<(u32, f64)>,
 }
+
+/// Directions in which a basis function is known: the gradients of D + 1 barycentric coordinates, then the value.
+pub(super) const fn direction_count<const D: usize>(requirements: &Requirements) -> usize {
+    gradients::<D>(requirements) + requirements.basis_value as usize
+}
+
+const fn gradients<const D: usize>(requirements: &Requirements) -> usize {
+    if requirements.basis_gradient { D + 1 } else { 0 }
+}
+
+/// More than the number of pairs of directions, at most five each: a power of two, so that a place is masked and not checked.
+const PLACES: usize = 32;
 
 impl Terms {
     pub fn new<const D: usize>(
@@ -29,8 +40,7 @@ impl Terms {
         symmetric: bool,
         requirements: &Requirements,
     ) -> Self {
-        let gradients = if requirements.basis_gradient { D + 1 } else { 0 };
-        let directions = gradients + usize::from(requirements.basis_value);
+        let (gradients, directions) = (gradients::<D>(requirements), direction_count::<D>(requirements));
         // Components of each node in the directions, at `(node * points + q) * directions`.
         let components = |element: usize| -> Vec<f64> {
             let table = &side.elements[element];
@@ -52,18 +62,13 @@ impl Terms {
         };
         let (tests, trials) = (components(elements[0]), components(elements[1]));
         let per_node = weights.len() * directions;
-        let mut tensor = Terms {
-            directions,
-            value: requirements.basis_value.then_some(gradients),
-            lengths: vec![],
-            terms: vec![],
-        };
+        let mut of_pairs: Vec<Vec<(u32, f64)>> = vec![];
         for (i, test) in tests.chunks_exact(per_node).enumerate() {
             for (j, trial) in trials.chunks_exact(per_node).enumerate() {
                 if symmetric && j < i {
                     continue;
                 }
-                let before = tensor.terms.len();
+                let mut own = vec![];
                 for a in 0..directions {
                     for b in 0..directions {
                         let (mut sum, mut scale) = (0.0_f64, 0.0_f64);
@@ -74,19 +79,27 @@ impl Terms {
                         }
                         // What is rounding only is zero.
                         if sum.abs() > 1e-14 * scale {
-                            tensor.terms.push(((a * directions + b) as u32, sum));
+                            own.push(((a * directions + b) as u32, sum));
                         }
                     }
                 }
-                tensor.lengths.push((tensor.terms.len() - before) as u32);
+                of_pairs.push(own);
             }
         }
-        tensor
+        Terms::of_pairs(&of_pairs)
     }
 
-    /// Number of directions.
-    pub fn directions(&self) -> usize {
-        self.directions
+    /// The terms of each pair. No dimension in the types: compiled once.
+    #[inline(never)]
+    fn of_pairs(of_pairs: &[Vec<(u32, f64)>]) -> Self {
+        let mut pairs: Vec<u32> = (0..of_pairs.len() as u32).collect();
+        pairs.sort_by_key(|pair| of_pairs[*pair as usize].len());
+        let lengths: Vec<usize> = pairs.iter().map(|pair| of_pairs[*pair as usize].len()).collect();
+        Terms {
+            runs: lengths.chunk_by(|a, b| a == b).map(|run| [run.len(), run[0]]).collect(),
+            terms: pairs.iter().flat_map(|pair| of_pairs[*pair as usize].iter().copied()).collect(),
+            pairs,
+        }
     }
 
     /// Number of terms.
@@ -122,27 +135,33 @@ fn sparse_components<const D: usize>(slopes: &[[f64; D]]) -> Vec<f64> {
 
 /// The blocks of all pairs, of at most ENTRIES entries. `directions` is memory that is kept.
 #[inline(always)]
-pub(super) fn contract<K: BilinearKernel<D>, L: SimdLane, const ENTRIES: usize, const D: usize>(
+pub(super) fn contract<K, L, S, const ENTRIES: usize, const D: usize>(
     kernel: &K,
     cell: &K::Cell<L>,
     tensor: &Terms,
     determinant: L,
     inverse: &[[L; D]; D],
     directions: &mut Vec<L>,
-    blocks: &mut [L],
-) {
+    sink: &mut S,
+) where
+    K: BilinearKernel<D>,
+    L: SimdLane,
+    S: BlockSink<L> + ?Sized,
+{
     let zero = L::splat(0.0);
     let entries = (K::TEST_COMPONENTS * K::TRIAL_COMPONENTS).min(ENTRIES);
-    let count = tensor.directions;
+    // A constant: the loops over directions are unrolled where blocks are small.
+    let count = const { direction_count::<D>(&K::REQUIREMENTS) };
     let geometry = PointGeometry::of_weight(determinant);
     let point = kernel.point(cell, &geometry, &[]);
     let hessian = [[zero; D]; D];
-    directions.resize(count * count * ENTRIES, zero);
+    directions.resize(PLACES * ENTRIES, zero);
     let (directions, _) = directions.as_chunks_mut::<ENTRIES>();
+    let Some(directions) = directions.first_chunk_mut::<PLACES>() else { return };
     for a in 0..count {
-        let test = kernel.test(&point, &direction(tensor, inverse, a), &hessian);
+        let test = kernel.test(&point, &direction::<K, L, D>(inverse, a), &hessian);
         for b in if K::SYMMETRIC { a } else { 0 }..count {
-            let trial = kernel.trial(&point, &direction(tensor, inverse, b), &hessian);
+            let trial = kernel.trial(&point, &direction::<K, L, D>(inverse, b), &hessian);
             let mut accumulator = K::zero::<L>();
             K::pair(&mut accumulator, &test, &trial);
             let block = kernel.finish(cell, &accumulator);
@@ -160,40 +179,45 @@ pub(super) fn contract<K: BilinearKernel<D>, L: SimdLane, const ENTRIES: usize, 
             }
         }
     }
-    let (directions, mut terms) = (&directions[..], &tensor.terms[..]);
-    for (length, target) in tensor.lengths.iter().zip(blocks.chunks_exact_mut(entries)) {
-        let (own, others) = terms.split_at(*length as usize);
-        terms = others;
-        let mut sums = [zero; ENTRIES];
-        if let Some(((place, coefficient), own)) = own.split_first() {
-            let (block, coefficient) = (&directions[*place as usize], L::splat(*coefficient));
-            for entry in 0..entries {
-                if K::NONZERO[entry] {
-                    sums[entry] = block[entry] * coefficient;
-                }
-            }
-            for term in 0..own.len() {
-                let (place, coefficient) = own[term];
-                let (block, coefficient) = (&directions[place as usize], L::splat(coefficient));
+    let (mut pairs, mut terms) = (&tensor.pairs[..], &tensor.terms[..]);
+    for [count, length] in &tensor.runs {
+        let (own_pairs, others) = pairs.split_at(*count);
+        pairs = others;
+        for pair in own_pairs {
+            let (own, others) = terms.split_at(*length);
+            terms = others;
+            let mut sums = [zero; ENTRIES];
+            if let Some(((place, coefficient), own)) = own.split_first() {
+                let (block, coefficient) = (&directions[*place as usize % PLACES], L::splat(*coefficient));
                 for entry in 0..entries {
                     if K::NONZERO[entry] {
-                        sums[entry] = block[entry].multiply_add(coefficient, sums[entry]);
+                        sums[entry] = block[entry] * coefficient;
+                    }
+                }
+                for term in 0..own.len() {
+                    let (place, coefficient) = own[term];
+                    let (block, coefficient) = (&directions[place as usize % PLACES], L::splat(coefficient));
+                    for entry in 0..entries {
+                        if K::NONZERO[entry] {
+                            sums[entry] = block[entry].multiply_add(coefficient, sums[entry]);
+                        }
                     }
                 }
             }
-        }
-        for entry in 0..entries {
-            target[entry] = sums[entry];
+            sink.put(*pair as usize, &sums[..entries]);
         }
     }
 }
 
 /// A function whose gradient is that of a barycentric coordinate, or whose value is one.
 #[inline(always)]
-fn direction<L: SimdLane, const D: usize>(tensor: &Terms, inverse: &[[L; D]; D], a: usize) -> Basis<L, D> {
+fn direction<K: BilinearKernel<D>, L: SimdLane, const D: usize>(
+    inverse: &[[L; D]; D],
+    a: usize,
+) -> Basis<L, D> {
     let zero = L::splat(0.0);
     let mut basis = Basis { value: zero, gradient: [zero; D] };
-    if tensor.value == Some(a) {
+    if a == const { gradients::<D>(&K::REQUIREMENTS) } {
         basis.value = L::splat(1.0);
     } else if a == 0 {
         for i in 0..D {

@@ -82,38 +82,65 @@ fn components<const D: usize>(
     components
 }
 
+/// A coefficient: a number, or one that is in all lanes already. Where the instructions that multiply cannot take a number from memory
+/// for all lanes, the latter saves one per product.
+pub(in crate::assemble) trait Coefficient<L> {
+    fn lanes(&self) -> L;
+}
+
+impl<L: SimdLane> Coefficient<L> for f64 {
+    #[inline(always)]
+    fn lanes(&self) -> L {
+        L::splat(*self)
+    }
+}
+
+/// A number in all lanes.
+pub(in crate::assemble) struct InLanes<L>(pub L);
+
+impl<L: Copy> Coefficient<L> for InLanes<L> {
+    #[inline(always)]
+    fn lanes(&self) -> L {
+        self.0
+    }
+}
+
 /// The numbers of all pairs.
 #[inline(always)]
-pub(super) fn contract<K: BilinearKernel<D>, L: SimdLane, const D: usize>(
+pub(in crate::assemble) fn contract<K: BilinearKernel<D>, L: SimdLane, C: Coefficient<L>, const D: usize>(
     kernel: &K,
     cell: &K::Cell<L>,
-    coefficients: &[f64],
+    coefficients: &[C],
     determinant: L,
     inverse: &[[L; D]; D],
     blocks: &mut [L],
 ) {
     // A constant block: only the case that is used is compiled.
     match const { products::<D>(&BilinearConstants::of::<K, D>()) } {
-        1 => contract_products::<K, L, 1, D>(kernel, cell, coefficients, determinant, inverse, blocks),
-        3 => contract_products::<K, L, 3, D>(kernel, cell, coefficients, determinant, inverse, blocks),
-        4 => contract_products::<K, L, 4, D>(kernel, cell, coefficients, determinant, inverse, blocks),
-        6 => contract_products::<K, L, 6, D>(kernel, cell, coefficients, determinant, inverse, blocks),
-        9 => contract_products::<K, L, 9, D>(kernel, cell, coefficients, determinant, inverse, blocks),
-        10 => contract_products::<K, L, 10, D>(kernel, cell, coefficients, determinant, inverse, blocks),
-        16 => contract_products::<K, L, 16, D>(kernel, cell, coefficients, determinant, inverse, blocks),
+        1 => contract_products::<K, L, C, 1, D>(kernel, cell, coefficients, determinant, inverse, blocks),
+        3 => contract_products::<K, L, C, 3, D>(kernel, cell, coefficients, determinant, inverse, blocks),
+        4 => contract_products::<K, L, C, 4, D>(kernel, cell, coefficients, determinant, inverse, blocks),
+        6 => contract_products::<K, L, C, 6, D>(kernel, cell, coefficients, determinant, inverse, blocks),
+        9 => contract_products::<K, L, C, 9, D>(kernel, cell, coefficients, determinant, inverse, blocks),
+        10 => contract_products::<K, L, C, 10, D>(kernel, cell, coefficients, determinant, inverse, blocks),
+        16 => contract_products::<K, L, C, 16, D>(kernel, cell, coefficients, determinant, inverse, blocks),
         _ => unreachable!("at most three axes and the value"),
     }
 }
 
 #[inline(always)]
-fn contract_products<K: BilinearKernel<D>, L: SimdLane, const PRODUCTS: usize, const D: usize>(
+fn contract_products<K, L, C, const PRODUCTS: usize, const D: usize>(
     kernel: &K,
     cell: &K::Cell<L>,
-    coefficients: &[f64],
+    coefficients: &[C],
     determinant: L,
     inverse: &[[L; D]; D],
     blocks: &mut [L],
-) {
+) where
+    K: BilinearKernel<D>,
+    L: SimdLane,
+    C: Coefficient<L>,
+{
     let zero = L::splat(0.0);
     let geometry = PointGeometry::of_weight(determinant);
     let point = kernel.point(cell, &geometry, &[]);
@@ -134,9 +161,9 @@ fn contract_products<K: BilinearKernel<D>, L: SimdLane, const PRODUCTS: usize, c
     let (coefficients, _) = coefficients.as_chunks::<PRODUCTS>();
     let blocks = &mut blocks[..coefficients.len()];
     for pair in 0..coefficients.len() {
-        let mut sum = products[0] * L::splat(coefficients[pair][0]);
+        let mut sum = products[0] * coefficients[pair][0].lanes();
         for product in 1..PRODUCTS {
-            sum = products[product].multiply_add(L::splat(coefficients[pair][product]), sum);
+            sum = products[product].multiply_add(coefficients[pair][product].lanes(), sum);
         }
         blocks[pair] = sum;
     }

@@ -61,14 +61,29 @@ fn contract_fixed<L: SimdLane, const COLUMNS: usize>(
             for c in 0..COLUMNS {
                 lanes[c] = L::splat(factors[c]);
             }
-            for k in 0..inner {
-                let mut sum = if add { target[k] } else { zero };
-                for c in 0..COLUMNS {
-                    sum = columns[c][k].multiply_add(lanes[c], sum);
-                }
-                target[k] = sum;
+            // Of a known length, and decided before the loop, not in it.
+            let target = &mut target[..inner];
+            if add {
+                along::<L, COLUMNS, true>(&columns, &lanes, target);
+            } else {
+                along::<L, COLUMNS, false>(&columns, &lanes, target);
             }
         }
+    }
+}
+
+#[inline(always)]
+fn along<L: SimdLane, const COLUMNS: usize, const ADD: bool>(
+    columns: &[&[L]; COLUMNS],
+    factors: &[L; COLUMNS],
+    target: &mut [L],
+) {
+    for k in 0..target.len() {
+        let mut sum = if ADD { target[k] } else { L::splat(0.0) };
+        for c in 0..COLUMNS {
+            sum = columns[c][k].multiply_add(factors[c], sum);
+        }
+        target[k] = sum;
     }
 }
 

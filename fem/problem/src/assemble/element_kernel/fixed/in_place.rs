@@ -1,0 +1,193 @@
+//! Matrices that are written as they are computed, from the registers: blocks of two rows and two columns pair by pair, matrices of
+//! linear simplices as a whole.
+//!
+//! Blocks that are stored and read again by place, entry by entry, take twice as many instructions.
+
+// Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
+#![allow(clippy::needless_range_loop)]
+
+use forms_core::contract::BilinearKernel;
+
+use crate::assemble::kernel_calls::block_sink::BlockSink;
+use crate::lanes::{Order, SimdLane};
+
+/// Whether blocks are written pair by pair.
+pub(super) const fn by_pairs<K: BilinearKernel<D>, L: SimdLane, const D: usize>() -> bool {
+    L::STORES_FEW && K::TEST_COMPONENTS == 2 && K::TRIAL_COMPONENTS == 2
+}
+
+/// Places of the blocks of pairs in a matrix, whose rows and columns are two per node.
+#[derive(Default)]
+pub(super) struct BlockPlaces {
+    /// Of each computed pair: the place of the block's first entry, and of its mirror image (the same where there is none).
+    places: Vec<[u32; 2]>,
+    /// Where the caller's rows of a node are not side by side: which entry of the matrix in our order each of the caller's is.
+    rearranged: Option<Vec<u32>>,
+    /// Matrices that are not the caller's, or fewer than lanes, or to be added.
+    scratch: Vec<f64>,
+}
+
+impl BlockPlaces {
+    /// The places of blocks in matrices whose entries are the computed ones in an order. `in_our_order`: the places are those of
+    /// [`put_pair`], whatever the order.
+    pub fn new(order: &Order, nodes: usize, symmetric: bool, in_our_order: bool, room: usize) -> Self {
+        let (computed, width): (Vec<u32>, usize) = (order.places().collect(), 2 * nodes);
+        let (mut own, mut first_with) = (vec![], vec![]);
+        for i in 0..nodes {
+            for j in if symmetric { i } else { 0 }..nodes {
+                let [direct, mirrored] = [[i, j], [j, i]].map(|[i, j]| 2 * (i * width + j));
+                own.push([direct, if symmetric { mirrored } else { direct }].map(|place| place as u32));
+                first_with.extend([0, 1, width, width + 1].map(|distance| (direct + distance) as u32));
+            }
+        }
+        let scratch = vec![0.0; room];
+        match places(&computed, width, own.len()) {
+            Some(places) if !in_our_order || places == own => {
+                BlockPlaces { places, rearranged: None, scratch }
+            }
+            _ => {
+                let rearranged = computed.iter().map(|place| first_with[*place as usize]).collect();
+                BlockPlaces { places: own, rearranged: Some(rearranged), scratch }
+            }
+        }
+    }
+
+    /// A sink of the blocks of all lanes, in matrices of the caller's or others.
+    #[inline(always)]
+    pub fn sink<'a>(
+        &'a mut self,
+        target: &'a mut [f64],
+        callers: bool,
+        nodes: usize,
+        lanes: usize,
+    ) -> Blocks<'a> {
+        let (width, places) = (2 * nodes, &self.places[..]);
+        let target = if callers { target } else { &mut self.scratch[..] };
+        Blocks { target: &mut target[..lanes * width * width], places, width }
+    }
+
+    /// Memory for the matrices of all lanes: the caller's, or other.
+    #[inline(always)]
+    pub fn room<'a>(&'a mut self, target: &'a mut [f64], callers: bool, length: usize) -> &'a mut [f64] {
+        &mut (if callers { target } else { &mut self.scratch[..] })[..length]
+    }
+
+    /// Whether the caller's matrices can be written as they are.
+    #[inline(always)]
+    pub fn are_the_callers(&self) -> bool {
+        self.rearranged.is_none()
+    }
+
+    /// Hands over the matrices of some lanes, of `size` numbers each, that were written elsewhere.
+    #[cold]
+    #[inline(never)]
+    pub fn copy(&self, target: &mut [f64], size: usize, add: bool) {
+        for (target, own) in target.chunks_exact_mut(size).zip(self.scratch.chunks_exact(size)) {
+            for (k, entry) in target.iter_mut().enumerate() {
+                let value = own[self.rearranged.as_ref().map_or(k, |places| places[k] as usize)];
+                *entry = if add { *entry + value } else { value };
+            }
+        }
+    }
+}
+
+/// The places of blocks in an order in which a node's rows, and columns, are side by side.
+fn places(computed: &[u32], width: usize, pairs: usize) -> Option<Vec<[u32; 2]>> {
+    let mut places = vec![[None; 2]; pairs];
+    for (k, first) in computed.iter().enumerate().filter(|(_, place)| **place % 4 == 0) {
+        let entry = |distance: usize| computed.get(k + distance).map(|place| place.wrapping_sub(*first));
+        let kind = match [entry(1)?, entry(width)?, entry(width + 1)?] {
+            [1, 2, 3] => 0,
+            [2, 1, 3] => 1,
+            _ => return None,
+        };
+        places.get_mut(*first as usize / 4)?[kind] = Some(k as u32);
+    }
+    places.into_iter().map(|[direct, mirrored]| Some([direct?, mirrored.or(direct)?])).collect()
+}
+
+/// Matrices of all lanes, one after the other.
+pub(super) struct Blocks<'a> {
+    target: &'a mut [f64],
+    places: &'a [[u32; 2]],
+    /// Numbers per row.
+    width: usize,
+}
+
+impl<L: SimdLane> BlockSink<L> for Blocks<'_> {
+    #[inline(always)]
+    fn put(&mut self, number: usize, block: &[L]) {
+        let Blocks { target, places, width } = self;
+        let ([direct, mirrored], size) = (places[number].map(|place| place as usize), *width * *width);
+        L::store_few([block[0], block[1]], target, direct, size);
+        L::store_few([block[2], block[3]], target, direct + *width, size);
+        if mirrored != direct {
+            L::store_few([block[0], block[2]], target, mirrored, size);
+            L::store_few([block[1], block[3]], target, mirrored + *width, size);
+        }
+    }
+
+    #[inline(always)]
+    fn numbers(&mut self) -> &mut [L] {
+        &mut []
+    }
+}
+
+/// Writes the block of a pair of nodes, and its mirror image, into matrices in our order: no place is looked up.
+#[inline(always)]
+pub(super) fn put_pair<L: SimdLane>(
+    target: &mut [f64],
+    [i, j]: [usize; 2],
+    nodes: usize,
+    symmetric: bool,
+    block: &[L],
+) {
+    let (width, size) = (2 * nodes, 4 * nodes * nodes);
+    let place = 2 * (i * width + j);
+    L::store_few([block[0], block[1]], target, place, size);
+    L::store_few([block[2], block[3]], target, place + width, size);
+    if symmetric && i != j {
+        let place = 2 * (j * width + i);
+        L::store_few([block[0], block[2]], target, place, size);
+        L::store_few([block[1], block[3]], target, place + width, size);
+    }
+}
+
+/// Whether the matrices of linear simplices are written as a whole.
+pub(super) const fn at_once<K: BilinearKernel<D>, L: SimdLane, const D: usize>() -> bool {
+    L::STORES_FEW && K::TEST_COMPONENTS * K::TRIAL_COMPONENTS == 1
+}
+
+/// The pair that is computed for the k-th entry of a matrix whose rows are in our order.
+pub(super) const fn pair_of(k: usize, nodes: usize, symmetric: bool) -> usize {
+    let (i, j) = (k / nodes, k % nodes);
+    if !symmetric {
+        return k;
+    }
+    let (i, j) = if i <= j { (i, j) } else { (j, i) };
+    i * nodes - i * (i + 1) / 2 + j
+}
+
+/// Writes the matrices of all lanes, from the numbers of their pairs.
+#[inline(always)]
+pub(super) fn write<L: SimdLane, const PAIRS: usize>(
+    numbers: &[L; PAIRS],
+    nodes: usize,
+    symmetric: bool,
+    target: &mut [f64],
+) {
+    let size = nodes * nodes;
+    let mut k = 0;
+    while k + 4 <= size {
+        let mut entries = [numbers[0]; 4];
+        for entry in 0..4 {
+            entries[entry] = numbers[pair_of(k + entry, nodes, symmetric)];
+        }
+        L::store_few(entries, target, k, size);
+        k += 4;
+    }
+    while k < size {
+        L::store_few([numbers[pair_of(k, nodes, symmetric)]], target, k, size);
+        k += 1;
+    }
+}
