@@ -250,31 +250,15 @@ fn directions(block: &syn::Block) -> Vec<usize> {
     (0..).map_while(place).collect()
 }
 
-/// `visitor.visit(&contract::Integral { .. }, &kernels_2::Tangent0::new(..))`
+/// `visitor.visit(&kernels_2::Tangent0::INTEGRAL, &kernels_2::Tangent0::new(..))`
 fn read_visit(visit: &Expr, kernels: &BTreeMap<String, Kernel>) -> Integral {
     let Expr::MethodCall(call) = visit else { panic!("a walk is a list of visits") };
-    let arguments: Vec<&Expr> = call
-        .args
-        .iter()
-        .map(|argument| match argument {
-            Expr::Reference(inner) => &*inner.expr,
-            other => other,
-        })
-        .collect();
-    let (Expr::Struct(integral), Expr::Call(new)) = (arguments[0], arguments[1]) else {
-        panic!("a visit takes an integral and a kernel");
-    };
-    let members: BTreeMap<String, Value> = integral
-        .fields
-        .iter()
-        .filter(|member| !matches!(member.expr, Expr::Closure(_)))
-        .map(|member| match &member.member {
-            syn::Member::Named(name) => (name.to_string(), evaluate(&member.expr, &Scope::new())),
-            syn::Member::Unnamed(_) => panic!("members have names"),
-        })
-        .collect();
+    let Some(Expr::Reference(new)) = call.args.iter().nth(1) else { panic!("a visit takes a kernel") };
+    let Expr::Call(new) = &*new.expr else { panic!("a visit takes a new kernel") };
     let Expr::Path(path) = &*new.func else { panic!("a kernel is made by `new`") };
     let kernel = path.path.segments.iter().nth_back(1).expect("a kernel's name").ident.to_string();
+    let kernel = &kernels[&kernel];
+    let Value::Structure(members) = &kernel.constants["INTEGRAL"] else { panic!("an integral's members") };
     let side = |name: &str| match members[name].word() {
         "This" => Side::This,
         "Other" => Side::Other,
@@ -286,8 +270,18 @@ fn read_visit(visit: &Expr, kernels: &BTreeMap<String, Kernel>) -> Integral {
         trial: (members["trial"].index(), side("trial_side")),
         dependence: members["dependence"].word().to_string(),
         symmetric: members["symmetric"].truth(),
-        kernel: kernels[&kernel].clone(),
+        kernel: kernel.clone(),
     }
+}
+
+/// The members of an integral's description, without its degree, which is a function.
+fn members(integral: &syn::ExprStruct) -> Value {
+    let known = integral.fields.iter().filter(|member| !matches!(member.expr, Expr::Closure(_)));
+    let members = known.map(|member| match &member.member {
+        syn::Member::Named(name) => (name.to_string(), evaluate(&member.expr, &Scope::new())),
+        syn::Member::Unnamed(_) => panic!("members have names"),
+    });
+    Value::Structure(members.collect())
 }
 
 fn read_kernels(module: &ItemMod) -> BTreeMap<String, Kernel> {
@@ -308,7 +302,10 @@ fn read_kernels(module: &ItemMod) -> BTreeMap<String, Kernel> {
                     kernel.methods.insert(method.sig.ident.to_string(), method.clone());
                 }
                 ImplItem::Const(constant) => {
-                    let value = evaluate(&constant.expr, &Scope::new());
+                    let value = match &constant.expr {
+                        Expr::Struct(integral) if constant.ident == "INTEGRAL" => members(integral),
+                        other => evaluate(other, &Scope::new()),
+                    };
                     kernel.constants.insert(constant.ident.to_string(), value);
                 }
                 _ => {}
