@@ -160,6 +160,9 @@ compare!(quadratic_tetrahedra, Tetrahedron, 3, geometry 1, degree 2, 10, 4, 3, 4
 compare!(curved_quadrilaterals, Quadrilateral, 2, geometry 2, degree 2, 9, 4, 2, 9,
     cells [diffusion 1], facets [contact]);
 
+/// The row of a node's component, of so many nodes.
+type Row = fn(node: usize, component: usize, nodes: usize) -> usize;
+
 /// Matrices of two components are written block by block, those of linear simplices at one point as a whole: wherever the rows are, and
 /// for fewer cells than lanes at the end.
 #[test]
@@ -167,7 +170,7 @@ fn rows_stand_in_any_order() {
     let data = Data::<2> { mu: 0.7, lambda: 1.3, gap: 0.0.into() };
     let omega = Omega::on("all");
     let triangle = CellShape::Triangle;
-    let orders: [(&str, fn(usize, usize, usize) -> usize); 4] = [
+    let orders: [(&str, Row); 4] = [
         ("node by node", |node, component, _| 2 * node + component),
         ("from the last node on", |node, component, nodes| 2 * (nodes - 1 - node) + component),
         ("component by component", |node, component, nodes| component * nodes + node),
@@ -187,7 +190,7 @@ fn rows_stand_in_any_order() {
             ];
             agree(&quadratic[0], &quadratic[1], &format!("{set}, quadratic, {name}"));
         }
-        let orders: [(&str, fn(usize, usize, usize) -> usize); 2] =
+        let orders: [(&str, Row); 2] =
             [("in our order", |node, _, _| node), ("backwards", |node, _, nodes| nodes - 1 - node)];
         for (name, row) in orders {
             let form = || diffusion::<2>(&data, &omega);

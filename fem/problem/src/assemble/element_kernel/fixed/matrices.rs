@@ -1,7 +1,8 @@
 //! Element matrices with loops of known lengths.
 
-// Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
-#![allow(clippy::needless_range_loop)]
+// Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
+// loops over lane values are plain.
+#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
 use forms_core::contract::BilinearKernel;
 
