@@ -3,7 +3,6 @@
 usage: [mpirun -n N] solve_petsc.py FILE TOLERANCE [PETSc's options]      (Debian: python3-petsc4py)
 """
 
-import resource
 import sys
 import time
 
@@ -59,7 +58,9 @@ solver.solve(b, x)
 times.append(time.perf_counter())
 
 residual = (matrix * x - b).norm() / b.norm()
-peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+# In GiB; `ru_maxrss` would include the memory of the program that started this one.
+with open("/proc/self/status") as status:
+    peak = next(int(line.split()[1]) for line in status if line.startswith("VmHWM:")) / 2**20
 peak = world.tompi4py().allreduce(peak)
 if world.rank == 0:
     version = ".".join(str(part) for part in PETSc.Sys.getVersion())

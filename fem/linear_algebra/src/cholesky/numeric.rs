@@ -31,7 +31,7 @@ const LARGE: usize = 1 << 17;
 /// Columns of the one, and rows of the other factor from which on they are wide.
 const WIDE: usize = 24;
 /// Values whose memory is handed over at once, if not more are needed.
-const AHEAD: usize = 1 << 17;
+const VALUES_AT_ONCE: usize = 1 << 17;
 /// Rows of such a product that are formed at once.
 const TILE: usize = 512;
 
@@ -61,7 +61,7 @@ impl Scratch {
     /// Sees to the memory of the next values, of which the first has the given place among all, as far as so many are needed at once.
     fn hand_over(&mut self, place: usize, needed: usize, next: &mut [f64]) {
         if place + needed > self.handed_over {
-            let count = next.len().min(needed.max(AHEAD));
+            let count = next.len().min(needed.max(VALUES_AT_ONCE));
             self.handed_over = place + hand_over(&mut next[..count]);
         }
     }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::Numeric;
 
 /// Columns for whose rows memory is asked ahead: rows follow each other in the order of elimination, not in memory.
-const AHEAD: usize = 6;
+const COLUMNS_AHEAD: usize = 6;
 /// Bytes that the processor fetches at once.
 const LINE: usize = 64;
 
@@ -15,7 +15,7 @@ impl Numeric<'_> {
         let height = panel.len() / columns.len().max(1);
         let (mut column, mut rest) = (columns.start, panel);
         while column < columns.end {
-            self.ask_for_rows(column + AHEAD);
+            self.ask_for_rows(column + COLUMNS_AHEAD);
             // The entries of a row are neighbours in memory, those of a triangle's column are not.
             let unknown = self.order[column] as usize;
             let (unknowns, values) = self.matrix.row(unknown);
