@@ -49,9 +49,6 @@ pub(crate) mod rubber {
     pub fn balance(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         integral(Omega, inner(first_piola(u), grad(v))) - integral(Touch(u), dot(contact(u), jump(v)) / 2)
     }
-    pub fn pressing(u: Unknown<Vector>, v: Test<Vector>) -> Form {
-        -integral(Touch(u), dot(contact(u), jump(v)) / 2)
-    }
     pub fn force(u: State<Vector>, axis: State<Vector>) -> Functional {
         integral(Touch(u), dot(contact(u), this(axis)))
     }
@@ -106,6 +103,10 @@ fn data<const D: usize>(kappa: f64) -> rubber::Data<D> {
     rubber::Data { lambda: 1.3, mu: 0.7, gamma0: 10.0, kappa, old: [0.0; D].into() }
 }
 
+fn all() -> rubber::Omega {
+    rubber::Omega::on("all")
+}
+
 fn both() -> rubber::Touch {
     rubber::Touch::on(Pairing::between("below", "above"))
 }
@@ -132,7 +133,7 @@ where
     let mesh = boxes(cells, offset);
     let space = Space::vector(&mesh, degree).unwrap();
     let u = bent(&space);
-    let form = rubber::pressing(&data(0.3), &both());
+    let form = rubber::balance(&data(0.3), &all(), &both());
     let direction = Field::interpolate(&space, |x: &[f64; D]| -> [f64; D] {
         std::array::from_fn(|axis| (1.7 * x[0] - 2.3 * x[D - 1] + axis as f64).sin())
     })
@@ -156,7 +157,7 @@ fn tangents_with_points_that_slide() {
 fn the_same_on_any_number_of_threads() {
     let mesh = boxes([40, 57], [0.03, 0.02]);
     let space = Space::vector(&mesh, 1).unwrap();
-    let (u, form) = (bent(&space), rubber::balance(&data(0.3), &rubber::Omega::on("all"), &both()));
+    let (u, form) = (bent(&space), rubber::balance(&data(0.3), &all(), &both()));
     let of = |threads: usize| {
         let assembler = Assembler::new(&mesh).with_threads(Threads::new(threads));
         let residual = assembler.residual(&form, &[&u], &[&space]).unwrap();
@@ -176,7 +177,7 @@ where
     offset[D - 1] = 0.02;
     let mesh = boxes(cells, offset);
     let space = Space::vector(&mesh, 2).unwrap();
-    let (u, form) = (bent(&space), rubber::pressing(&data(0.3), &both()));
+    let (u, form) = (bent(&space), rubber::balance(&data(0.3), &all(), &both()));
     // Half of the second body is far away: fewer points have partners.
     let torn = Field::interpolate(&space, |x: &[f64; D]| -> [f64; D] {
         let up = if x[D - 1] > 1.01 && x[0] > 0.5 { 4.0 } else { 0.0 };
@@ -249,7 +250,7 @@ fn rigid_motions() {
     for axis in 0..2 {
         assert!((found[axis] - expected[axis]).abs() < 1e-13, "{found:?} {expected:?}");
     }
-    let form = rubber::pressing(&data, &both());
+    let form = rubber::balance(&data, &all(), &both());
     for u in [&rest, &moved] {
         let residual = assembler.residual(&form, &[u], &[&space]).unwrap();
         let scale: f64 = residual.iter().map(|entry| entry.abs()).sum();
@@ -274,7 +275,7 @@ where
     let mesh = boxes([3, 3], offset);
     let space = Space::vector(&mesh, 1).unwrap();
     let data = rubber::Data { lambda, mu, gamma0: 20.0 * young, kappa: 0.3, old: [0.0; D].into() };
-    let form = rubber::balance(&data, &rubber::Omega::on("all"), &rubber::Touch::on(pairing.clone()));
+    let form = rubber::balance(&data, &all(), &rubber::Touch::on(pairing.clone()));
     let mut plates = Constraints::new(&space);
     plates.fix("bottom", |_| [0.0; D]).unwrap();
     plates
