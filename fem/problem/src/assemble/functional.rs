@@ -40,15 +40,24 @@ impl<const D: usize> Assembler<D> {
         &self,
         form: Described<D>,
         unknowns: &[FieldView<D>],
-        walk: &mut dyn FnMut(&mut DensityVisitor<D>) -> Result<(), AssemblyError>,
+        walk: &mut dyn FnMut(&mut PointVisitor<f64, D>) -> Result<(), AssemblyError>,
     ) -> Result<f64, AssemblyError> {
         let binding = self.bind(form, unknowns)?;
         let degrees = binding.degrees(&[]);
         let points =
             PointWalk { binding: &binding, quadrature: &self.quadrature, threads: self.threads, degrees };
-        let mut visitor = DensityVisitor { walk: points, sum: 0.0 };
+        let name = binding.name;
+        let receive = |total: &mut f64, value: &[f64], weight: f64, x: &[f64; D]| {
+            let contribution = value[0] * weight;
+            if !contribution.is_finite() {
+                return Err(AssemblyError::ValueNotFinite { form: name, position: x.to_vec() });
+            }
+            *total += contribution;
+            Ok(())
+        };
+        let mut visitor = PointVisitor { walk: points, receive: &receive, results: vec![] };
         walk(&mut visitor)?;
-        Ok(visitor.sum)
+        Ok(visitor.results.into_iter().fold(0.0, |sum, chunks| sum + chunks.into_iter().sum::<f64>()))
     }
 
     /// For every quadrature point of the nonlinear integrals that have kinks, in the order of the walk,
@@ -79,7 +88,7 @@ impl<const D: usize> Assembler<D> {
         &self,
         form: Described<D>,
         unknowns: &[FieldView<D>],
-        walk: &mut dyn FnMut(&mut SwitchVisitor<D>) -> Result<(), AssemblyError>,
+        walk: &mut dyn FnMut(&mut PointVisitor<Vec<u32>, D>) -> Result<(), AssemblyError>,
     ) -> Result<Option<Vec<u32>>, AssemblyError> {
         let binding = self.bind(form, unknowns)?;
         // Test functions count in the estimate of the degree as the unknowns do.
@@ -87,18 +96,28 @@ impl<const D: usize> Assembler<D> {
         let degrees = binding.degrees(&spaces);
         let points =
             PointWalk { binding: &binding, quadrature: &self.quadrature, threads: self.threads, degrees };
-        let mut visitor = SwitchVisitor { walk: points, found: None };
+        let receive = |found: &mut Vec<u32>, value: &[f64], _: f64, _: &[f64; D]| {
+            // More than 32 kinks at a point share the last bit.
+            let bits = value.iter().enumerate().filter(|(_, value)| **value > 0.0);
+            found.push(bits.fold(0, |bits, (index, _)| bits | 1 << index.min(31)));
+            Ok(())
+        };
+        let mut visitor = PointVisitor { walk: points, receive: &receive, results: vec![] };
         walk(&mut visitor)?;
-        Ok(visitor.found)
+        let found = visitor.results;
+        Ok((!found.is_empty()).then(|| found.into_iter().flatten().flatten().collect()))
     }
 }
 
-struct DensityVisitor<'a, const D: usize> {
+/// The visitor of the expressions of a form: their values at quadrature points, put together as results of chunks.
+struct PointVisitor<'a, R, const D: usize> {
     walk: PointWalk<'a, D>,
-    sum: f64,
+    receive: &'a Receive<'a, R, D>,
+    /// Of the chunks of each integral.
+    results: Vec<Vec<R>>,
 }
 
-impl<const D: usize> ExpressionVisitor<D> for DensityVisitor<'_, D> {
+impl<R: Default + Send, const D: usize> ExpressionVisitor<D> for PointVisitor<'_, R, D> {
     type Error = AssemblyError;
 
     fn visit<K: ExpressionKernel<D>>(
@@ -112,7 +131,7 @@ impl<const D: usize> ExpressionVisitor<D> for DensityVisitor<'_, D> {
     }
 }
 
-impl<const D: usize> DensityVisitor<'_, D> {
+impl<R: Default + Send, const D: usize> PointVisitor<'_, R, D> {
     #[inline(never)]
     fn add(
         &mut self,
@@ -120,56 +139,7 @@ impl<const D: usize> DensityVisitor<'_, D> {
         requirements: &Requirements,
         each: EachPoint<D>,
     ) -> Result<(), AssemblyError> {
-        let form = self.walk.binding.name;
-        let chunks =
-            self.walk.chunks(integral, requirements, each, &|total: &mut f64, value, weight, x| {
-                let contribution = value[0] * weight;
-                if !contribution.is_finite() {
-                    return Err(AssemblyError::ValueNotFinite { form, position: x.to_vec() });
-                }
-                *total += contribution;
-                Ok(())
-            })?;
-        self.sum += chunks.into_iter().sum::<f64>();
-        Ok(())
-    }
-}
-
-struct SwitchVisitor<'a, const D: usize> {
-    walk: PointWalk<'a, D>,
-    found: Option<Vec<u32>>,
-}
-
-impl<const D: usize> ExpressionVisitor<D> for SwitchVisitor<'_, D> {
-    type Error = AssemblyError;
-
-    fn visit<K: ExpressionKernel<D>>(
-        &mut self,
-        integral: &Integral,
-        kernel: &K,
-    ) -> Result<(), AssemblyError> {
-        self.add(integral, &K::REQUIREMENTS, &|batch, points, range, receive| {
-            each_point(batch, points, range, kernel, receive)
-        })
-    }
-}
-
-impl<const D: usize> SwitchVisitor<'_, D> {
-    #[inline(never)]
-    fn add(
-        &mut self,
-        integral: &Integral,
-        requirements: &Requirements,
-        each: EachPoint<D>,
-    ) -> Result<(), AssemblyError> {
-        let chunks =
-            self.walk.chunks(integral, requirements, each, &|found: &mut Vec<u32>, value, _, _| {
-                // More than 32 kinks at a point share the last bit.
-                let bits = value.iter().enumerate().filter(|(_, value)| **value > 0.0);
-                found.push(bits.fold(0, |bits, (index, _)| bits | 1 << index.min(31)));
-                Ok(())
-            })?;
-        self.found.get_or_insert_default().extend(chunks.into_iter().flatten());
+        self.results.push(self.walk.chunks(integral, requirements, each, self.receive)?);
         Ok(())
     }
 }
@@ -264,6 +234,6 @@ pub(super) fn each_point<K: ExpressionKernel<D>, const D: usize>(
 compiled_here!(
     functional: Assembler::<D>::sum_of,
     Assembler::<D>::switches_of,
-    DensityVisitor::<D>::add,
-    SwitchVisitor::<D>::add,
+    PointVisitor::<f64, D>::add,
+    PointVisitor::<Vec<u32>, D>::add,
 );
