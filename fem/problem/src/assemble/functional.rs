@@ -40,7 +40,7 @@ impl<const D: usize> Assembler<D> {
         &self,
         form: Described<D>,
         unknowns: &[FieldView<D>],
-        walk: &mut dyn FnMut(&mut PointVisitor<f64, D>) -> Result<(), AssemblyError>,
+        walk: Walk<f64, D>,
     ) -> Result<f64, AssemblyError> {
         let binding = self.bind(form, unknowns)?;
         let degrees = binding.degrees(&[]);
@@ -88,7 +88,7 @@ impl<const D: usize> Assembler<D> {
         &self,
         form: Described<D>,
         unknowns: &[FieldView<D>],
-        walk: &mut dyn FnMut(&mut PointVisitor<Vec<u32>, D>) -> Result<(), AssemblyError>,
+        walk: Walk<Vec<u32>, D>,
     ) -> Result<Option<Vec<u32>>, AssemblyError> {
         let binding = self.bind(form, unknowns)?;
         // Test functions count in the estimate of the degree as the unknowns do.
@@ -108,6 +108,9 @@ impl<const D: usize> Assembler<D> {
         Ok((!found.is_empty()).then(|| found.into_iter().flatten().flatten().collect()))
     }
 }
+
+/// Takes a visitor through the expressions of a form whose type is forgotten.
+type Walk<'a, R, const D: usize> = &'a mut dyn FnMut(&mut PointVisitor<R, D>) -> Result<(), AssemblyError>;
 
 /// The visitor of the expressions of a form: their values at quadrature points, put together as results of chunks.
 struct PointVisitor<'a, R, const D: usize> {
