@@ -21,6 +21,7 @@ mod reference;
 mod reuse;
 mod rustc_arguments;
 mod show;
+mod sorted;
 mod tensor;
 
 use proc_macro2::TokenStream;

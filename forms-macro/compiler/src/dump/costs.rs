@@ -109,7 +109,7 @@ pub fn of_linear(integral: &LinearIntegral, optimised: &Optimised, module: &Modu
         .flat_map(|component| {
             of_component(&integral.flux, component).map(|(slot, _)| slot).collect::<Vec<_>>()
         })
-        .collect::<std::collections::BTreeSet<Derivative>>();
+        .collect::<crate::sorted::SortedSet<Derivative>>();
     let second = slots.iter().any(|slot| matches!(slot, Derivative::Second(..)));
     if entity != Entity::Cells || second {
         return text;

@@ -1,15 +1,14 @@
 //! Ways of a backend to run a kernel beside direct loops, in operations per element: a reference tensor on affine
 //! cells, sum factorisation on tensor-product cells. Fields at points are not in it: they are the same for all.
 
-use std::collections::BTreeSet;
-
 use crate::optimise::elements::StandardElement;
 use crate::optimise::plan::Operations;
 use crate::optimise::scalar::{Argument, Derivative, Graph, Node, Scalar};
+use crate::sorted::SortedSet;
 
 /// The derivatives of the test function or of the trial function that expressions read; `None` if there are second ones.
-pub fn slots(graph: &Graph, roots: &[Scalar], argument: Argument) -> Option<BTreeSet<Derivative>> {
-    let mut slots = BTreeSet::new();
+pub fn slots(graph: &Graph, roots: &[Scalar], argument: Argument) -> Option<SortedSet<Derivative>> {
+    let mut slots = SortedSet::new();
     for scalar in graph.reachable(roots) {
         match graph.node(scalar) {
             Node::Basis(_, Derivative::Second(..)) => return None,
@@ -41,13 +40,13 @@ pub fn reference_tensor(
 /// Coefficients at each point for each pair of derivatives, then one axis after the other for each entry of the block.
 pub fn factorised_matrix(
     operations: &Operations,
-    slots: [&BTreeSet<Derivative>; 2],
+    slots: [&SortedSet<Derivative>; 2],
     entries: usize,
     element: &StandardElement,
     points: usize,
 ) -> usize {
     let Operations { point, test, trial, pair, finish } = operations;
-    let [tests, trials] = slots.map(BTreeSet::len);
+    let [tests, trials] = slots.map(SortedSet::len);
     let at_points = points * (point + tests * test + trials * trial + tests * trials * (pair + finish));
     let (nodes, along) = (element.degree + 1, root(points, element.dimension));
     let stages = (0..element.dimension).map(|axis| {
@@ -61,7 +60,7 @@ pub fn factorised_matrix(
 /// The flux at each point, then one axis after the other for each component.
 pub fn factorised_vector(
     [point, test]: [usize; 2],
-    slots: &BTreeSet<Derivative>,
+    slots: &SortedSet<Derivative>,
     components: usize,
     element: &StandardElement,
     points: usize,
@@ -76,12 +75,12 @@ pub fn factorised_vector(
 
 /// The number of kinds of derivatives that are left when the axes before one have been summed over: those along them are no
 /// longer told apart from values.
-fn remaining(slots: &BTreeSet<Derivative>, axis: usize) -> usize {
+fn remaining(slots: &SortedSet<Derivative>, axis: usize) -> usize {
     let kinds = slots.iter().map(|slot| match slot {
         Derivative::First(along) if *along >= axis => Some(*along),
         _ => None,
     });
-    kinds.collect::<BTreeSet<_>>().len()
+    kinds.collect::<SortedSet<_>>().len()
 }
 
 /// Points along one axis.

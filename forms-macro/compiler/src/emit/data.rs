@@ -1,13 +1,12 @@
 //! The data struct; where members have defaults, the struct `Required` of the others, and how the one is made of the other.
 
-use std::collections::BTreeSet;
-
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 
 use super::derived;
 use crate::parse::syntax::*;
 use crate::reuse::import::imported_path;
+use crate::sorted::SortedSet;
 
 /// Writes the struct; members that have a mistake are there, too.
 pub fn emit_data(data: &Data, module: &Module) -> TokenStream {
@@ -16,7 +15,7 @@ pub fn emit_data(data: &Data, module: &Module) -> TokenStream {
         return quote! { #[allow(unused_imports)] #visibility use #path as #name; };
     }
     // A name declared twice has been reported, and so has the one that the base's member has.
-    let mut taken: BTreeSet<String> = data.base.iter().map(|_| Data::BASE.to_string()).collect();
+    let mut taken: SortedSet<String> = data.base.iter().map(|_| Data::BASE.to_string()).collect();
     let unread = module.mistaken.iter().filter_map(|mistaken| match mistaken {
         Mistaken::Member(member) if member.depth == 0 => Some(member),
         _ => None,

@@ -1,18 +1,17 @@
 //! Inputs of a kernel: `contract::Requirements`, and the layout of its field data.
 
-use std::collections::BTreeMap;
-
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::description::name_of_side;
 use crate::optimise::scalar::{Argument, Derivative, Graph, Node, Scalar};
+use crate::sorted::SortedMap;
 use crate::tensor::{FieldInfo, Geometry, Side};
 
 /// The place of each derivative of a field in the `fields` slice: (field, side, order) → offset.
 pub struct Layout {
     dimension: usize,
-    offsets: BTreeMap<(usize, Side, usize), usize>,
+    offsets: SortedMap<(usize, Side, usize), usize>,
     pub requirements: TokenStream,
 }
 
@@ -31,7 +30,7 @@ impl Layout {
             reads(&is_one)
         };
         let hessian = reads(&|node| matches!(node, Node::Basis(_, Derivative::Second(..))));
-        let mut offsets: BTreeMap<(usize, Side, usize), usize> = BTreeMap::new();
+        let mut offsets: SortedMap<(usize, Side, usize), usize> = SortedMap::new();
         for scalar in &terminals {
             if let Node::Field { field, side, derivative, .. } = graph.node(*scalar) {
                 offsets.insert((*field, *side, derivative.order()), 0);
@@ -39,7 +38,7 @@ impl Layout {
         }
         let mut next = 0;
         let mut slots = Vec::new();
-        for ((field, side, order), offset) in &mut offsets {
+        for ((field, side, order), offset) in offsets.iter_mut() {
             let components: usize = fields[*field].shape.iter().product();
             *offset = next;
             next += components * dimension.pow(*order as u32);

@@ -17,8 +17,6 @@ mod placeholder;
 mod print;
 mod traits;
 
-use std::collections::BTreeSet;
-
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
@@ -28,6 +26,7 @@ use crate::optimise::Optimised;
 use crate::parse::syntax::*;
 use crate::reuse::import::imported_path;
 use crate::show::Shown;
+use crate::sorted::SortedSet;
 
 /// Writes what stands in the module. After a mistake all names still exist, so that what refers to them gives no further
 /// errors: a function without an optimised version (it had a mistake) is written as [`placeholder`].
@@ -40,7 +39,7 @@ pub fn emit(
 ) -> TokenStream {
     let data = module.data.as_ref().map(|data| data::emit_data(data, module));
     // A name declared twice, or one that belongs to the emitted code, has been reported: the first stands.
-    let mut taken: BTreeSet<String> = module.data.iter().map(|data| data.name.to_string()).collect();
+    let mut taken: SortedSet<String> = module.data.iter().map(|data| data.name.to_string()).collect();
     let mut is_first = |name: &Ident| !is_reserved(&name.to_string()) && taken.insert(name.to_string());
     let regions: Vec<_> =
         module.regions.iter().filter(|region| is_first(&region.name)).map(emit_region).collect();

@@ -1,14 +1,13 @@
 //! A forms module bound once: `Regions`, the names of its regions in a mesh, and `Model`, data and regions together, with
 //! a method per function.
 
-use std::collections::BTreeSet;
-
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 use syn::ext::IdentExt;
 
 use super::form::{stored_argument, stored_arguments};
 use crate::parse::syntax::*;
+use crate::sorted::SortedSet;
 
 /// A function that is emitted, and the regions that its constructor asks for.
 pub struct Bound<'m> {
@@ -92,7 +91,7 @@ pub fn snake_case(name: &Ident) -> String {
 
 /// The regions' members: no keyword, no method that every struct has, none twice.
 fn member_names(regions: &[Region]) -> Vec<Ident> {
-    let mut taken: BTreeSet<String> =
+    let mut taken: SortedSet<String> =
         ["default", "clone", "self", "super", "crate", "_"].map(str::to_owned).into();
     let names = regions.iter().map(|region| {
         let mut text = snake_case(&region.name);

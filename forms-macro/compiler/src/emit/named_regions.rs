@@ -1,9 +1,8 @@
 //! The regions that a function's text integrates over.
 
-use std::collections::BTreeSet;
-
 use crate::check::builtins::nearest;
 use crate::parse::syntax::*;
+use crate::sorted::SortedSet;
 
 /// Indices of the regions that a function's integrals name, and those of the functions that it calls, in the order of
 /// their declaration: what its constructor asks for. A region stays whose integral turns out to be zero.
@@ -20,11 +19,11 @@ pub fn likely_regions(module: &Module, function: &Function) -> usize {
     names(module, function).len()
 }
 
-fn names(module: &Module, function: &Function) -> BTreeSet<String> {
-    let mut found = BTreeSet::new();
+fn names(module: &Module, function: &Function) -> SortedSet<String> {
+    let mut found = SortedSet::new();
     match &function.body {
         _ if matches!(function.output, Output::Value(_)) => {}
-        Some(body) => regions_of_block(module, body, &mut BTreeSet::new(), &mut found),
+        Some(body) => regions_of_block(module, body, &mut SortedSet::new(), &mut found),
         None => found.extend(module.regions.iter().map(|region| region.name.to_string())),
     }
     found
@@ -33,8 +32,8 @@ fn names(module: &Module, function: &Function) -> BTreeSet<String> {
 fn regions_of_block(
     module: &Module,
     block: &Block,
-    seen: &mut BTreeSet<String>,
-    found: &mut BTreeSet<String>,
+    seen: &mut SortedSet<String>,
+    found: &mut SortedSet<String>,
 ) {
     let lets = block.lets.iter().map(|(_, expression)| expression);
     for expression in lets.chain([&*block.result]) {
@@ -47,8 +46,8 @@ fn regions_of_block(
 fn regions_of(
     module: &Module,
     expression: &Expression,
-    seen: &mut BTreeSet<String>,
-    found: &mut BTreeSet<String>,
+    seen: &mut SortedSet<String>,
+    found: &mut SortedSet<String>,
 ) {
     let declared = || module.regions.iter().map(|region| region.name.to_string());
     match &expression.kind {

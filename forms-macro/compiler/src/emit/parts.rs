@@ -1,8 +1,9 @@
 //! Cuts of a long straight line into functions of a bounded size, for compilers take more than linear time over long ones.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 
 use crate::optimise::straight_line::{Code, Instruction, Value};
+use crate::sorted::SortedSet;
 
 /// Operations of a part at least; what has less than twice as many stays in one piece.
 const OPERATIONS: usize = 1000;
@@ -24,7 +25,7 @@ pub fn parts(code: &Code, own: &[Value], roots: &[Value]) -> Vec<Part> {
     let cut = Cut::new(code, own, code.operations(own).div_ceil(count));
     let mut parts: Vec<Part> =
         (0..cut.count).map(|number| Part { values: cut.values(code, own, number), kept: vec![] }).collect();
-    let mut kept: Vec<BTreeSet<Value>> = vec![BTreeSet::new(); parts.len()];
+    let mut kept: Vec<SortedSet<Value>> = vec![SortedSet::new(); parts.len()];
     let mut keep = |value: Value, reader: usize| {
         if let Some(part) = cut.part(value).filter(|part| *part < reader) {
             kept[part].insert(value);
@@ -73,8 +74,8 @@ impl Cut {
 
     /// The instructions of a part: its own values, and those that it repeats for them.
     fn values(&self, code: &Code, own: &[Value], number: usize) -> Vec<Value> {
-        let of_level: BTreeSet<Value> = own.iter().copied().collect();
-        let mut values: BTreeSet<Value> = BTreeSet::new();
+        let of_level: SortedSet<Value> = own.iter().copied().collect();
+        let mut values: SortedSet<Value> = SortedSet::new();
         let mut pending: Vec<Value> =
             own.iter().copied().filter(|value| self.part(*value) == Some(number)).collect();
         while let Some(value) = pending.pop() {

@@ -1,7 +1,7 @@
 //! Products and a matrix of coefficients → a plan with factors: entries of the block that are multiples of each other
 //! share one sum, and what is of rank one in an entry is one product.
 
-use std::collections::{BTreeMap, BTreeSet};
+use crate::sorted::{SortedMap, SortedSet};
 
 use super::linear::Coefficients;
 use super::plan::{BilinearPlan, on_basis};
@@ -16,10 +16,10 @@ pub struct Product {
 }
 
 /// Coefficients by derivative of the test and of the trial basis function: one entry of the block.
-pub type Entry = BTreeMap<(Derivative, Derivative), Scalar>;
+pub type Entry = SortedMap<(Derivative, Derivative), Scalar>;
 
 /// A matrix of coefficients, entry by entry of the block.
-pub type Entries = BTreeMap<(usize, usize), Entry>;
+pub type Entries = SortedMap<(usize, usize), Entry>;
 
 /// The plan of Σ products + the bilinear expression with these coefficients. With `peel`, what is of rank one is taken
 /// out of every entry before entries are compared; else where it saves products in that entry.
@@ -138,13 +138,13 @@ fn multiples(graph: &mut Graph, entries: &Entries) -> Vec<(Entry, Members)> {
 /// The fewest products that an entry is found to be the sum of.
 fn products_of(graph: &mut Graph, entry: &Entry, [one, weight]: [Scalar; 2]) -> Vec<(Scalar, Scalar)> {
     let slots =
-        |of: fn(&(Derivative, Derivative)) -> Derivative| entry.keys().map(of).collect::<BTreeSet<_>>();
+        |of: fn(&(Derivative, Derivative)) -> Derivative| entry.keys().map(of).collect::<SortedSet<_>>();
     let (tests, trials) = (slots(|key| key.0), slots(|key| key.1));
     let plain = tests.len().min(trials.len());
     if plain > 1 {
         let RankOne { products, rest } = rank_one(graph, entry);
         let slots = |of: fn(&(Derivative, Derivative)) -> Derivative| {
-            rest.keys().map(of).collect::<BTreeSet<_>>().len()
+            rest.keys().map(of).collect::<SortedSet<_>>().len()
         };
         let left = slots(|key| key.0).min(slots(|key| key.1));
         if products.len() + left < plain {
@@ -162,11 +162,11 @@ fn products_of(graph: &mut Graph, entry: &Entry, [one, weight]: [Scalar; 2]) -> 
 
 /// One product per derivative of the test function, or of the trial function if these are fewer.
 fn by_slots(graph: &mut Graph, entry: &Entry, [one, weight]: [Scalar; 2]) -> Vec<(Scalar, Scalar)> {
-    let mut by_test: BTreeMap<Derivative, Vec<(Derivative, Scalar)>> = BTreeMap::new();
-    let mut by_trial: BTreeMap<Derivative, Vec<(Derivative, Scalar)>> = BTreeMap::new();
+    let mut by_test: SortedMap<Derivative, Vec<(Derivative, Scalar)>> = SortedMap::new();
+    let mut by_trial: SortedMap<Derivative, Vec<(Derivative, Scalar)>> = SortedMap::new();
     for ((test, trial), coefficient) in entry {
-        by_test.entry(*test).or_default().push((*trial, *coefficient));
-        by_trial.entry(*trial).or_default().push((*test, *coefficient));
+        by_test.get_or_default(*test).push((*trial, *coefficient));
+        by_trial.get_or_default(*trial).push((*test, *coefficient));
     }
     let mut pairs = Vec::new();
     if by_test.len() <= by_trial.len() {

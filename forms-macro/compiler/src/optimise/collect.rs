@@ -1,7 +1,7 @@
 //! Common factors of the terms of a sum, taken out: a b c + a b d becomes a b (c + d). As by Horner's rule, the factor
 //! that most terms have goes first.
 
-use std::collections::BTreeMap;
+use crate::sorted::SortedMap;
 
 use super::hashing::Map;
 use super::scalar::{Graph, Node, Scalar};
@@ -79,16 +79,16 @@ fn take_out(graph: &mut Graph, sum: Scalar, factors_left: usize) -> Scalar {
         return sum;
     }
     // A factor and whether it divides.
-    let mut counts: BTreeMap<(Scalar, bool), usize> = BTreeMap::new();
+    let mut counts: SortedMap<(Scalar, bool), usize> = SortedMap::new();
     // What stands with a zero is there to be no number: it keeps its factors.
     for (_, term) in terms.iter().filter(|(coefficient, _)| f64::from_bits(*coefficient) != 0.0) {
         match graph.node(*term) {
             Node::Product(factors) => {
                 for (factor, exponent) in factors {
-                    *counts.entry((*factor, *exponent < 0)).or_default() += 1;
+                    *counts.get_or_default((*factor, *exponent < 0)) += 1;
                 }
             }
-            _ => *counts.entry((*term, false)).or_default() += 1,
+            _ => *counts.get_or_default((*term, false)) += 1,
         }
     }
     let most = counts.into_iter().max_by_key(|(key, count)| (*count, std::cmp::Reverse(*key)));

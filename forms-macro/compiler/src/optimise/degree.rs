@@ -1,9 +1,10 @@
 //! Polynomial degree of a density, for the choice of a quadrature rule: the largest of several sums of
 //! field degrees. What is not a polynomial is estimated as in UFL.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 use crate::differentiate::Source;
+use crate::sorted::SortedMap;
 use crate::tensor::{Arena, Geometry, Operator, Tensor};
 
 /// Contributions to a degree.
@@ -22,7 +23,7 @@ pub enum Part {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DegreeSum {
     pub constant: usize,
-    pub parts: BTreeMap<Part, usize>,
+    pub parts: SortedMap<Part, usize>,
 }
 
 /// The largest of these.
@@ -37,11 +38,11 @@ const LARGEST: usize = 1000;
 
 impl Degree {
     pub fn constant(value: usize) -> Self {
-        Degree(vec![DegreeSum { constant: value, parts: BTreeMap::new() }])
+        Degree(vec![DegreeSum { constant: value, parts: SortedMap::new() }])
     }
 
     fn part(part: Part) -> Self {
-        Degree(vec![DegreeSum { constant: 0, parts: BTreeMap::from([(part, 1)]) }])
+        Degree(vec![DegreeSum { constant: 0, parts: SortedMap::from([(part, 1)]) }])
     }
 
     pub fn largest(mut self, other: Self) -> Self {
@@ -62,7 +63,7 @@ impl Degree {
                 let mut sum = a.clone();
                 sum.constant = (sum.constant + b.constant).min(LARGEST);
                 for (part, count) in &b.parts {
-                    let total = sum.parts.entry(*part).or_default();
+                    let total = sum.parts.get_or_default(*part);
                     *total = (*total + count).min(LARGEST);
                 }
                 result = result.largest(Degree(vec![sum]));
@@ -88,7 +89,7 @@ impl Degree {
                         moved.parts.remove(&from);
                     }
                 }
-                *moved.parts.entry(Part::Field { field: direction, order }).or_default() += 1;
+                *moved.parts.get_or_default(Part::Field { field: direction, order }) += 1;
                 Degree(vec![moved])
             })
         });
@@ -110,12 +111,12 @@ pub struct Degrees<'a> {
     arena: &'a Arena,
     /// See [`crate::differentiate::Derived::sources`].
     sources: &'a HashMap<Tensor, Vec<Source>>,
-    known: BTreeMap<Tensor, Degree>,
+    known: SortedMap<Tensor, Degree>,
 }
 
 impl<'a> Degrees<'a> {
     pub fn new(arena: &'a Arena, sources: &'a HashMap<Tensor, Vec<Source>>) -> Self {
-        Degrees { arena, sources, known: BTreeMap::new() }
+        Degrees { arena, sources, known: SortedMap::new() }
     }
 
     /// Of a density that is integrated: where it is a derivative, that of what was differentiated, so that both have the same

@@ -1,7 +1,5 @@
 //! Functions of position on a region: the densities of functionals, and the switches of nonlinear integrals.
 
-use std::collections::BTreeMap;
-
 use super::degree::{Degree, Degrees};
 use super::groups::Group;
 use super::scalar::Node;
@@ -9,6 +7,7 @@ use super::scalarise::{OppositeSide, Scalariser};
 use super::{Dependence, Description, ExpressionIntegral};
 use crate::check::Term;
 use crate::parse::syntax::Entity;
+use crate::sorted::SortedMap;
 use crate::tensor::{Arena, FieldInfo, FieldRole, Function, Operator, Side, Tensor};
 
 /// One integral per region on which something is left, as with forms.
@@ -18,13 +17,13 @@ pub(super) fn densities(
     scalariser: &mut Scalariser,
     degrees: &mut Degrees,
 ) -> Vec<ExpressionIntegral> {
-    let mut regions = BTreeMap::new();
+    let mut regions = SortedMap::new();
     for term in terms {
         scalariser.opposite = OppositeSide::on(entities[term.region]);
         let density = scalariser.scalar(term.density);
-        let (sum, degree) = regions
-            .entry((term.region, term.displacement.clone()))
-            .or_insert_with(|| (scalariser.graph.number(0.0), Degree::constant(0)));
+        let (sum, degree) = regions.get_or_insert_with((term.region, term.displacement.clone()), || {
+            (scalariser.graph.number(0.0), Degree::constant(0))
+        });
         *sum = scalariser.graph.add(*sum, density);
         *degree = degree.clone().largest(degrees.of_integrand(term.density));
     }

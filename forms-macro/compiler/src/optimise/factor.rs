@@ -7,7 +7,7 @@
 //! factored:    products (linear in the test function) × (linear in the trial function), as contact terms and
 //!              determinants bring them, are taken out first; the rest is dense.
 
-use std::collections::BTreeMap;
+use crate::sorted::SortedMap;
 
 use super::blocks::{Entries, Product, factored};
 use super::elements::{StandardElement, elements};
@@ -95,7 +95,7 @@ impl Candidate {
 type Weigh<'a> = dyn Fn(&Graph, &'static str, BilinearPlan) -> Candidate + 'a;
 
 /// Coefficients by slot of the test function and of the trial function.
-type Matrix = BTreeMap<Slot, Coefficients>;
+type Matrix = SortedMap<Slot, Coefficients>;
 
 fn matrix(graph: &mut Graph, density: Scalar, form: &Bilinear) -> Option<Matrix> {
     let flux = Linear::new(graph, form.test).coefficients(density)?;
@@ -114,7 +114,7 @@ fn entries(matrix: &Matrix) -> Entries {
     let mut entries = Entries::new();
     for ((row, test), coefficients) in matrix {
         for ((column, trial), coefficient) in coefficients {
-            entries.entry((*row, *column)).or_default().insert((*test, *trial), *coefficient);
+            entries.get_or_default((*row, *column)).insert((*test, *trial), *coefficient);
         }
     }
     entries

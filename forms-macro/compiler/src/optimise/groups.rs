@@ -1,7 +1,5 @@
 //! Groups of the parts of a residual that are integrated together.
 
-use std::collections::BTreeMap;
-
 use super::degree::{Degree, Degrees};
 use super::scalar::{Graph, Node, Scalar};
 use super::scalarise::{OppositeSide, Scalariser};
@@ -9,6 +7,7 @@ use super::{Dependence, Description};
 use crate::check::Term;
 use crate::differentiate::ResidualPart;
 use crate::parse::syntax::Entity;
+use crate::sorted::SortedMap;
 use crate::tensor::{FieldInfo, FieldRole, Tensor};
 
 /// All parts on one region with one dependence.
@@ -18,7 +17,7 @@ pub(super) struct Group {
     pub parts: Vec<Tensor>,
     pub density: Scalar,
     /// Per trial function (field index), the sum of the parts' tangents.
-    pub tangent: BTreeMap<usize, Scalar>,
+    pub tangent: SortedMap<usize, Scalar>,
 }
 
 impl Group {
@@ -46,7 +45,7 @@ pub(super) fn group(
     scalariser: &mut Scalariser,
     degrees: &mut Degrees,
 ) -> Vec<Group> {
-    let mut groups: BTreeMap<(usize, Option<Vec<usize>>, Dependence), Group> = BTreeMap::new();
+    let mut groups: SortedMap<(usize, Option<Vec<usize>>, Dependence), Group> = SortedMap::new();
     for part in residual {
         let Term { region, displacement, density: tensor } = &part.term;
         scalariser.opposite = OppositeSide::on(entities[*region]);
@@ -85,7 +84,7 @@ pub(super) fn group(
         let degree = degrees.of_integrand(*tensor);
         let zero = scalariser.graph.number(0.0);
         let key = (*region, displacement.clone(), dependence);
-        let group = groups.entry(key).or_insert_with(|| Group {
+        let group = groups.get_or_insert_with(key, || Group {
             description: Description {
                 region: *region,
                 displacement: displacement.clone(),
@@ -95,7 +94,7 @@ pub(super) fn group(
             },
             parts: vec![],
             density: zero,
-            tangent: BTreeMap::new(),
+            tangent: SortedMap::new(),
         });
         group.description.degree = group.description.degree.clone().largest(degree);
         group.parts.push(*tensor);

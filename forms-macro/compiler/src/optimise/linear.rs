@@ -1,10 +1,10 @@
 //! Coefficients of a linear expression: what stands before each slot of a field.
 
-use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use super::hashing::Map;
 use super::scalar::{Derivative, Graph, Node, Scalar};
+use crate::sorted::SortedMap;
 use crate::tensor::Side;
 
 /// A test or trial function (by field index) in the cell on one side: what kernels are linear in.
@@ -30,7 +30,7 @@ impl SidedField {
 pub type Slot = (usize, Derivative);
 
 /// Slot → coefficient.
-pub type Coefficients = BTreeMap<Slot, Scalar>;
+pub type Coefficients = SortedMap<Slot, Scalar>;
 
 /// The coefficients that belong to one component.
 pub fn of_component(
@@ -82,7 +82,7 @@ impl<'a> Linear<'a> {
                 result.insert((component, derivative), self.graph.number(1.0));
             }
             Node::Sum { constant, terms } => {
-                let mut gathered: BTreeMap<Slot, Vec<Scalar>> = BTreeMap::new();
+                let mut gathered: SortedMap<Slot, Vec<Scalar>> = SortedMap::new();
                 let mut every = f64::from_bits(constant) == 0.0;
                 for (coefficient, term) in terms {
                     let inner = self.coefficients(term)?;
@@ -90,7 +90,7 @@ impl<'a> Linear<'a> {
                     every &= !inner.is_empty() || self.mentions(term);
                     for (slot, value) in inner.iter() {
                         let scaled = self.graph.scale(f64::from_bits(coefficient), *value);
-                        gathered.entry(*slot).or_default().push(scaled);
+                        gathered.get_or_default(*slot).push(scaled);
                     }
                 }
                 if !gathered.is_empty() && !every {

@@ -1,14 +1,15 @@
 //! A proof that two scalars are equal: both are expanded to polynomials in their atoms (what is neither
 //! a sum nor a product), and compared monomial by monomial.
 
-use std::collections::BTreeMap;
 use std::rc::Rc;
+
+use crate::sorted::SortedMap;
 
 use super::hashing::Map;
 use super::scalar::{Graph, Node, Scalar};
 
 type Monomial = Vec<(Scalar, i32)>;
-type Polynomial = BTreeMap<Monomial, f64>;
+type Polynomial = SortedMap<Monomial, f64>;
 
 /// Past this many monomials no proof is attempted.
 const LARGEST: usize = 20_000;
@@ -69,7 +70,7 @@ impl<'g> Expansion<'g> {
                     let inner = self.expand(*term)?;
                     self.spend(inner.len())?;
                     for (monomial, value) in inner.iter() {
-                        *result.entry(monomial.clone()).or_default() += f64::from_bits(*coefficient) * value;
+                        *result.get_or_default(monomial.clone()) += f64::from_bits(*coefficient) * value;
                     }
                     if result.len() > LARGEST {
                         return None;
@@ -111,13 +112,13 @@ impl<'g> Expansion<'g> {
         let mut result = Polynomial::new();
         for (first, x) in a {
             for (second, y) in b {
-                let mut powers: BTreeMap<Scalar, i32> = first.iter().copied().collect();
+                let mut powers: SortedMap<Scalar, i32> = first.iter().copied().collect();
                 for (atom, exponent) in second {
-                    let power = powers.entry(*atom).or_default();
+                    let power = powers.get_or_default(*atom);
                     *power = power.checked_add(*exponent)?;
                 }
                 powers.retain(|_, exponent| *exponent != 0);
-                *result.entry(powers.into_iter().collect()).or_default() += x * y;
+                *result.get_or_default(powers.into_iter().collect()) += x * y;
             }
         }
         Some(result)

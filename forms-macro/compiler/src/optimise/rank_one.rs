@@ -1,6 +1,6 @@
 //! Parts of rank one of a matrix of coefficients: terms c_kl = r_k s_l, found where products of powers agree.
 
-use std::collections::BTreeMap;
+use crate::sorted::SortedMap;
 
 use super::blocks::Entry;
 use super::scalar::{Derivative, Graph, Node, Scalar};
@@ -9,14 +9,14 @@ use super::scalar::{Derivative, Graph, Node, Scalar};
 #[derive(Clone, Debug, PartialEq)]
 struct Monomial {
     coefficient: f64,
-    powers: BTreeMap<Scalar, i32>,
+    powers: SortedMap<Scalar, i32>,
 }
 
 impl Monomial {
     fn times(&self, other: &Monomial, sign: i32) -> Monomial {
         let mut powers = self.powers.clone();
         for (factor, exponent) in &other.powers {
-            *powers.entry(*factor).or_default() += sign * exponent;
+            *powers.get_or_default(*factor) += sign * exponent;
         }
         powers.retain(|_, exponent| *exponent != 0);
         let coefficient = self.coefficient * other.coefficient.powi(sign);
@@ -41,7 +41,7 @@ pub struct RankOne {
 }
 
 /// The terms at each place that are not taken yet.
-type Terms = BTreeMap<(Derivative, Derivative), Vec<Monomial>>;
+type Terms = SortedMap<(Derivative, Derivative), Vec<Monomial>>;
 
 /// Splits a matrix. Terms are compared as they are: a sum that is a factor is not expanded.
 pub fn rank_one(graph: &mut Graph, entry: &Entry) -> RankOne {
@@ -66,7 +66,7 @@ pub fn rank_one(graph: &mut Graph, entry: &Entry) -> RankOne {
                 if let Some(list) = terms.get_mut(&place) {
                     list.remove(0);
                 }
-                rest.entry(place).or_default().push(term);
+                rest.get_or_default(place).push(term);
             }
         }
     }
@@ -109,14 +109,14 @@ fn add(graph: &mut Graph, sum: &mut Side, other: Side) {
 fn monomials(graph: &Graph, scalar: Scalar) -> Vec<Monomial> {
     let powers = |scalar: Scalar| match graph.node(scalar) {
         Node::Product(factors) => factors.iter().copied().collect(),
-        _ => BTreeMap::from([(scalar, 1)]),
+        _ => SortedMap::from([(scalar, 1)]),
     };
     match graph.node(scalar) {
-        Node::Number(bits) => vec![Monomial { coefficient: f64::from_bits(*bits), powers: BTreeMap::new() }],
+        Node::Number(bits) => vec![Monomial { coefficient: f64::from_bits(*bits), powers: SortedMap::new() }],
         Node::Sum { constant, terms } => {
             let constant = f64::from_bits(*constant);
             let number =
-                (constant != 0.0).then(|| Monomial { coefficient: constant, powers: BTreeMap::new() });
+                (constant != 0.0).then(|| Monomial { coefficient: constant, powers: SortedMap::new() });
             let terms = terms.iter().map(|(coefficient, term)| Monomial {
                 coefficient: f64::from_bits(*coefficient),
                 powers: powers(*term),

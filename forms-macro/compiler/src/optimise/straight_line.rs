@@ -3,10 +3,9 @@
 
 mod instruction;
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use super::hashing::Map;
 use super::scalar::{Argument, Graph, Node, Scalar};
+use crate::sorted::{SortedMap, SortedSet};
 use crate::tensor::{External, Geometry};
 pub use instruction::{Instruction, Level, Value};
 
@@ -25,14 +24,14 @@ pub struct Code<'a> {
     /// In how many products each scalar divides.
     divides: Vec<u32>,
     /// All derivatives of one order that the kernel needs of a function at some inputs: one call gives them.
-    calls: Map<CallKey, BTreeSet<Vec<usize>>>,
+    calls: Map<CallKey, SortedSet<Vec<usize>>>,
 }
 
 impl<'a> Code<'a> {
     pub fn new(graph: &'a Graph, roots: &[Scalar]) -> Self {
         let count = roots.iter().map(|root| root.0 as usize + 1).max().unwrap_or(0);
         let (mut uses, mut divides) = (vec![0; count], vec![0; count]);
-        let mut calls: Map<CallKey, BTreeSet<Vec<usize>>> = Map::default();
+        let mut calls: Map<CallKey, SortedSet<Vec<usize>>> = Map::default();
         for scalar in graph.reachable(roots) {
             if let Node::External { function, inputs, derivative, .. } = graph.node(scalar) {
                 let key = (*function, inputs.clone(), derivative.len());
@@ -258,7 +257,7 @@ impl<'a> Code<'a> {
 
     /// A product as `head * last` (or `last` alone): factors of early levels first.
     fn lower_product(&mut self, factors: &[(Scalar, i32)]) -> (Option<Value>, Value) {
-        let mut levels: BTreeMap<Level, (Vec<Value>, Vec<Value>)> = BTreeMap::new();
+        let mut levels: SortedMap<Level, (Vec<Value>, Vec<Value>)> = SortedMap::new();
         for (factor, exponent) in factors {
             let value = self.lower(*factor);
             // What divides more than once is inverted once.
@@ -266,11 +265,11 @@ impl<'a> Code<'a> {
                 let one = self.number(1.0);
                 let inverse = self.push(Instruction::Divide(one, value));
                 let power = self.lower_power(inverse, exponent.unsigned_abs());
-                levels.entry(self.level(power)).or_default().0.push(power);
+                levels.get_or_default(self.level(power)).0.push(power);
                 continue;
             }
             let power = self.lower_power(value, exponent.unsigned_abs());
-            let (above, below) = levels.entry(self.level(power)).or_default();
+            let (above, below) = levels.get_or_default(self.level(power));
             if *exponent > 0 { above.push(power) } else { below.push(power) }
         }
         let mut head: Option<Value> = None;

@@ -1,11 +1,10 @@
 //! Residuals and tangents that are asked for as a whole: what [`Dependence`] keeps apart on a region, for Newton's method, is one
 //! integral here, so that geometry and fields of a facet are computed once.
 
-use std::collections::BTreeMap;
-
 use super::Dependence;
 use super::groups::Group;
 use super::scalar::Graph;
+use crate::sorted::SortedMap;
 use crate::tensor::{FieldInfo, FieldRole};
 
 /// The sum of the groups of each region on which at least two depend on the unknowns. None where the form has a history, whose
@@ -14,10 +13,10 @@ pub(super) fn groups(groups: &[Group], fields: &[FieldInfo], graph: &mut Graph) 
     if fields.iter().any(|field| field.role == FieldRole::History) {
         return vec![];
     }
-    let mut regions: BTreeMap<_, Vec<&Group>> = BTreeMap::new();
+    let mut regions: SortedMap<_, Vec<&Group>> = SortedMap::new();
     for group in groups {
         let super::Description { region, displacement, .. } = &group.description;
-        regions.entry((*region, displacement)).or_default().push(group);
+        regions.get_or_default((*region, displacement)).push(group);
     }
     let depends = |group: &&&Group| group.description.dependence != Dependence::Constant;
     let several = |groups: &Vec<&Group>| groups.iter().filter(depends).count() >= 2;

@@ -1,7 +1,5 @@
 //! An import and the text that came for it → the functions that it needs, added to the importing module.
 
-use std::collections::BTreeMap;
-
 use proc_macro2::{Delimiter, Ident, TokenStream, TokenTree};
 use quote::{ToTokens, format_ident};
 use syn::{Item, ItemFn, ItemMod, Visibility};
@@ -13,6 +11,7 @@ use crate::check::builtins::nearest;
 use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::read_function;
 use crate::parse::syntax::{Foreign, Mistaken, Module};
+use crate::sorted::SortedMap;
 
 /// An import that has been found.
 pub struct Imported {
@@ -22,7 +21,7 @@ pub struct Imported {
     /// has one canonical name.
     pub canonical: String,
     /// The function and all that it calls, by their canonical names.
-    pub functions: BTreeMap<String, ItemFn>,
+    pub functions: SortedMap<String, ItemFn>,
     /// It has mistakes or lacks data, which has been told.
     pub silent: bool,
 }
@@ -130,9 +129,9 @@ pub fn add_functions(
 /// The imported functions as they would stand in the importing module: those that were asked for under their local names,
 /// the others, each once, under their canonical ones.
 pub fn written_here(found: &[Imported]) -> Vec<(ItemFn, Foreign)> {
-    let mut locals = BTreeMap::new();
+    let mut locals = SortedMap::new();
     for one in found {
-        locals.entry(one.canonical.clone()).or_insert_with(|| one.local.to_string());
+        locals.get_or_insert_with(one.canonical.clone(), || one.local.to_string());
     }
     let here = |function: &ItemFn| {
         let mut function = function.clone();
@@ -145,7 +144,7 @@ pub fn written_here(found: &[Imported]) -> Vec<(ItemFn, Foreign)> {
         let origin = origin_of(&function.attrs).unwrap_or_default();
         Foreign { origin, emitted, silent }
     };
-    let mut written = BTreeMap::new();
+    let mut written = SortedMap::new();
     let mut named = Vec::new();
     for one in found {
         for (name, function) in &one.functions {
@@ -226,13 +225,13 @@ fn find(import: &Import, payload: &Payload, diagnostics: &mut Diagnostics) -> Op
 }
 
 /// The function named `key` and all that it calls, under their canonical names.
-fn closure(key: &str, payload: &Payload) -> BTreeMap<String, ItemFn> {
-    let names: BTreeMap<String, String> = payload
+fn closure(key: &str, payload: &Payload) -> SortedMap<String, ItemFn> {
+    let names: SortedMap<String, String> = payload
         .functions()
         .map(|item| item.sig.ident.to_string())
         .map(|name| (name.clone(), canonical_name(&name, payload)))
         .collect();
-    let mut found = BTreeMap::new();
+    let mut found = SortedMap::new();
     let mut pending = vec![key.to_string()];
     while let Some(name) = pending.pop() {
         let canonical = canonical_name(&name, payload);

@@ -3,8 +3,6 @@
 //! An imported function reads the importing module's `lambda`. The member must be there, with the same rank; whether it is
 //! constant (`Param`) or varies (`Given`) is the importing module's choice.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use proc_macro2::{TokenStream, TokenTree};
 use quote::ToTokens;
 use syn::{Fields, ForeignItem, Item, ItemFn, ItemMod, Type};
@@ -16,6 +14,7 @@ use super::uses::Import;
 use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::declared_type::{self, word};
 use crate::parse::syntax::Rank;
+use crate::sorted::{SortedMap, SortedSet};
 
 /// The markers of regions.
 pub const REGION_MARKERS: &[&str] = &["cells", "facets", "interior_facets", "pairs"];
@@ -24,11 +23,11 @@ pub const REGION_MARKERS: &[&str] = &["cells", "facets", "interior_facets", "pai
 pub fn check(
     import: &Import,
     payload: &Payload,
-    functions: &BTreeMap<String, ItemFn>,
+    functions: &SortedMap<String, ItemFn>,
     item: &ItemMod,
     diagnostics: &mut Diagnostics,
 ) -> bool {
-    let mut names = BTreeSet::new();
+    let mut names = SortedSet::new();
     for item in functions.values() {
         let typed = item.sig.inputs.iter().filter_map(|input| match input {
             syn::FnArg::Typed(input) => Some(input.pat.to_token_stream().to_string()),
@@ -154,7 +153,7 @@ fn rank(ty: &str) -> Option<Rank> {
 }
 
 /// The names that a body uses and does not bind; a `let` binds from its semicolon to the end of its block.
-fn free_names(tokens: TokenStream, mut local: BTreeSet<String>, found: &mut BTreeSet<String>) {
+fn free_names(tokens: TokenStream, mut local: SortedSet<String>, found: &mut SortedSet<String>) {
     let mut bound: Option<String> = None;
     let mut after_let = false;
     for token in tokens {

@@ -13,12 +13,13 @@
 //! }
 //! ```
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
 use syn::{Attribute, Item, ItemFn, ItemMod, Visibility};
+
+use crate::sorted::{SortedMap, SortedSet};
 
 use super::extension::is_extends;
 use super::import::Imported;
@@ -35,7 +36,7 @@ pub struct Text {
 pub fn write(item: &ItemMod, imported: &[Imported], broken: bool) -> Text {
     let name = item.ident.to_string();
     let mut content = TokenStream::new();
-    let known: BTreeMap<String, String> =
+    let known: SortedMap<String, String> =
         imported.iter().map(|one| (one.local.to_string(), one.canonical.clone())).collect();
     for item in item.content.iter().flat_map(|(_, items)| items) {
         match item {
@@ -62,7 +63,7 @@ pub fn write(item: &ItemMod, imported: &[Imported], broken: bool) -> Text {
             _ => {}
         }
     }
-    let mut written = BTreeSet::new();
+    let mut written = SortedSet::new();
     for one in imported {
         for (canonical, carried) in &one.functions {
             if written.insert(canonical.clone()) {
@@ -86,7 +87,7 @@ pub fn write(item: &ItemMod, imported: &[Imported], broken: bool) -> Text {
 }
 
 /// A function with its documentation, its place, and its calls of imported functions by their canonical names.
-fn function(item: &ItemFn, origin: &str, known: &BTreeMap<String, String>) -> TokenStream {
+fn function(item: &ItemFn, origin: &str, known: &SortedMap<String, String>) -> TokenStream {
     let docs = item.attrs.iter().filter(|attribute| attribute.path().is_ident("doc"));
     let public = !matches!(item.vis, Visibility::Inherited);
     // `#[doc(alias = "σ")]` is the function's sign in formulas, which those of an importing module show, too.
@@ -115,7 +116,7 @@ fn file_and_line(span: Span) -> Option<(String, usize)> {
 }
 
 /// Renames what is called: in the language, a name before parentheses is a call and nothing else.
-pub fn rename_calls(tokens: TokenStream, names: &BTreeMap<String, String>) -> TokenStream {
+pub fn rename_calls(tokens: TokenStream, names: &SortedMap<String, String>) -> TokenStream {
     let tokens: Vec<TokenTree> = tokens.into_iter().collect();
     let is_call = |index: usize| matches!(tokens.get(index + 1), Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Parenthesis);
     let change = |(index, token): (usize, &TokenTree)| match token {

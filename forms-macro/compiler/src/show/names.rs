@@ -2,10 +2,11 @@
 //! written out as a tree they would double with each level.
 
 use std::cell::RefCell;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 
 use super::formula::Formula;
 use crate::parse::syntax::Module;
+use crate::sorted::SortedSet;
 use crate::tensor::{Arena, FieldInfo, Named, Operator, Tensor};
 
 /// Formulas with no more nodes than this are written as they are.
@@ -27,7 +28,7 @@ pub const MOST_DIFFERENTIATED: usize = 20_000;
 #[derive(Default)]
 pub struct Names {
     of: HashMap<Tensor, String>,
-    used: RefCell<BTreeSet<Tensor>>,
+    used: RefCell<SortedSet<Tensor>>,
 }
 
 impl Names {
@@ -47,8 +48,8 @@ impl Names {
     pub fn last_used(&self, before: Option<Tensor>) -> Option<Tensor> {
         let used = self.used.borrow();
         match before {
-            Some(before) => used.range(..before).next_back().copied(),
-            None => used.last().copied(),
+            Some(before) => used.last_before(&before).copied(),
+            None => used.iter().last().copied(),
         }
     }
 }
@@ -68,7 +69,7 @@ impl Namer {
             arguments.chain([function.name.to_string()])
         });
         let fields = fields.iter().map(|field| field.name.clone());
-        let taken: BTreeSet<String> =
+        let taken: SortedSet<String> =
             members.chain(functions).chain(fields).chain(arena.names().map(ToString::to_string)).collect();
         let is_free = |letter: &&str| {
             let numbered = |name: &String| {

@@ -1,12 +1,13 @@
 //! The arena of a function: its nodes, and the sharing of equal ones.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 use std::mem::{Discriminant, discriminant};
 
 use super::{
     External, Function, Geometry, LinearMap, Named, Operator, Selection, Shape, Side, Tensor, Variable,
 };
 use crate::diagnostics::SourceSpan;
+use crate::sorted::SortedSet;
 
 #[derive(Clone, Debug)]
 pub struct Node {
@@ -139,8 +140,8 @@ impl Arena {
     }
 
     /// Every node that `roots` are made of with each restriction under which it stands, operands first.
-    pub fn restrictions(&self, roots: &[Tensor]) -> BTreeSet<(Tensor, Option<Side>)> {
-        let mut seen = BTreeSet::new();
+    pub fn restrictions(&self, roots: &[Tensor]) -> SortedSet<(Tensor, Option<Side>)> {
+        let mut seen = SortedSet::new();
         let mut pending: Vec<(Tensor, Option<Side>)> = roots.iter().map(|root| (*root, None)).collect();
         while let Some((tensor, side)) = pending.pop() {
             if seen.insert((tensor, side)) {
