@@ -65,6 +65,7 @@ impl<P: Slot + Default> RowsOfThread<'_, '_, P> {
                     let behind = column | u64::from((*last as u32).wrapping_add(1));
                     // Another clique may have brought the column already.
                     *last = if *last < column { behind } else { *last };
+                    // What the type cannot hold is cut off here, and the row refused below.
                     places[place] = P::new(*last as u32);
                 }
             }
