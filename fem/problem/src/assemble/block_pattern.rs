@@ -5,7 +5,6 @@ pub(super) mod block_index;
 mod cells;
 mod on_threads;
 mod rows;
-mod short_rows;
 pub(super) mod sparsity;
 pub(super) mod touched;
 

@@ -8,9 +8,8 @@ use std::ops::Range;
 use super::block_index::{Slot, Slots};
 use super::rows::{MadeRows, RowsOfThread};
 use crate::assemble::scatter::partition::Partition;
-use crate::lanes::InstructionSet;
 use crate::linear_algebra::BlockRows;
-use crate::linear_algebra::large_pages::{room, zeros};
+use crate::linear_algebra::large_pages::zeros;
 use crate::threads::Threads;
 
 /// Sets of test and trial nodes that are all coupled with each other.
@@ -75,34 +74,40 @@ impl Coupling<'_> {
             let column_nodes = self.column_nodes;
             parts.push(RowsOfThread { cliques, rows, own, begins, places: of_thread, column_nodes });
         }
-        let set = InstructionSet::best().checked();
-        let made = self.threads.run(parts, |part| set.run_without_kernel(part));
+        let made = self.threads.run(parts, RowsOfThread::make);
         let made: Vec<MadeRows<P>> = made.into_iter().collect::<Option<_>>()?;
-        let mut pointers = room(self.partition.rows.iter().map(Range::len).sum::<usize>() + 1);
-        pointers.push(0);
-        let mut columns: Vec<u32> = Vec::new();
-        for MadeRows { ends, columns: of_thread, elsewhere, places_elsewhere } in made {
-            let before = columns.len();
-            pointers.extend(ends.into_iter().map(|end| before + end));
-            if before == 0 {
-                columns = of_thread;
-            } else {
-                columns.extend_from_slice(&of_thread);
-            }
-            let mut found = &places_elsewhere[..];
-            for (start, count) in elsewhere {
-                let (of_row, later) = found.split_at(count);
-                places[start..start + count].copy_from_slice(of_row);
+        let (mut pointers, mut columns) = (vec![], vec![]);
+        for (made, rows) in made.into_iter().zip(&self.partition.rows) {
+            let mut found = &made.places_of_later[..];
+            for clique in made.later {
+                let clique = clique as usize;
+                let (nodes, width) = (cliques.rows[clique], cliques.columns[clique].len());
+                let (of_clique, later) = found.split_at(nodes.len() * width);
                 found = later;
+                let Some(&start) = begins.get(clique).filter(|_| clique + 1 < begins.len()) else { continue };
+                for (i, node) in nodes.iter().enumerate() {
+                    if rows.contains(&(*node as usize)) {
+                        let of_row = i * width..(i + 1) * width;
+                        places[start..][of_row.clone()].copy_from_slice(&of_clique[of_row]);
+                    }
+                }
+            }
+            if pointers.is_empty() {
+                (pointers, columns) = (made.pointers, made.columns);
+            } else {
+                let before = columns.len();
+                pointers.extend(made.pointers[1..].iter().map(|end| before + end));
+                columns.extend_from_slice(&made.columns);
             }
         }
-        columns.shrink_to_fit();
         Some((BlockRows::new(pointers, columns), places))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
 
     /// A chain of pairs, then a clique whose rows have 300 columns.
@@ -129,6 +134,47 @@ mod tests {
         }
         assert_eq!(blocks.row(0), [0, 1]);
         assert_eq!(blocks.row(50).len(), 301);
+    }
+
+    /// Sets of one to nine nodes out of a window that moves, some of them twice in a set; other trial than test nodes.
+    fn scattered_sets(count: u32) -> (Vec<Vec<u32>>, Vec<Vec<u32>>) {
+        let mut state = 1_u32;
+        let mut below = |end: u32| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) % end
+        };
+        let mut set = |clique: u32| {
+            let nodes = 1 + below(9);
+            (0..nodes).map(|_| clique + below(40)).collect::<Vec<u32>>()
+        };
+        (0..count).map(|clique| (set(clique), set(2 * clique + 1_000))).unzip()
+    }
+
+    #[test]
+    fn rows_are_unions_of_sets_and_places_find_their_columns() {
+        let (test_nodes, trial_nodes) = scattered_sets(2_000);
+        let (rows, columns) = (test_nodes.iter().map(|set| &set[..]), trial_nodes.iter().map(|set| &set[..]));
+        let cliques = Cliques { rows: rows.collect(), columns: columns.collect() };
+        let mut expected = vec![BTreeSet::new(); 2_045];
+        for (rows, columns) in cliques.rows.iter().zip(&cliques.columns) {
+            rows.iter().for_each(|row| expected[*row as usize].extend(columns.iter().copied()));
+        }
+        for (threads, mapped) in [(1, 2_000), (3, 2_000), (1, 1_500), (3, 1_500)] {
+            let (blocks, places) = couple(&cliques, (expected.len(), 5_045), mapped, Threads::new(threads));
+            for (row, expected) in expected.iter().enumerate() {
+                assert!(blocks.row(row).iter().eq(expected), "row {row}, {threads} threads, {mapped} mapped");
+            }
+            let Slots::Bytes(places) = places else { panic!("rows of some hundred columns need a byte") };
+            let mut places = places.iter();
+            for (rows, columns) in cliques.rows.iter().zip(&cliques.columns).take(mapped) {
+                for row in *rows {
+                    for (column, place) in columns.iter().zip(&mut places) {
+                        assert_eq!(blocks.row(*row as usize)[usize::from(*place)], *column);
+                    }
+                }
+            }
+            assert_eq!(places.next(), None);
+        }
     }
 
     #[test]
