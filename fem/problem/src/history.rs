@@ -14,7 +14,6 @@ mod pair_points;
 mod rule_points;
 
 use std::any::Any;
-use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError, RwLock};
 
 use forms_core::contract::{Entity, Inputs, QuadratureValues, Source};
@@ -25,7 +24,7 @@ use self::pair_points::PairPoints;
 use self::rule_points::rule_points;
 use crate::assemble::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
-use crate::element::CellShape;
+use crate::element::PerShape;
 use crate::mesh::Mesh;
 use crate::quadrature::{Quadrature, QuadratureError};
 
@@ -131,15 +130,14 @@ impl<const D: usize> PointStorage<D> {
         let mesh = assembler.mesh().clone();
         let quadrature = assembler.quadrature().clone();
         let rules = rule_points(&mesh, &quadrature, entity, degree)?;
-        let points: BTreeMap<CellShape, usize> =
-            rules.iter().map(|(shape, points)| (*shape, points.len())).collect();
+        let points: PerShape<usize> = rules.iter().map(|(shape, points)| (*shape, points.len())).collect();
         let facets = mesh.most_facets();
         let mut entities;
         let mut starts = vec![0];
         let mut number = |entry: &mut u32, cell: u32| {
             let count = starts.len() - 1;
             *entry = count as u32;
-            starts.push(starts[count] + points[&mesh.cell_shape(cell as usize)]);
+            starts.push(starts[count] + points[mesh.cell_shape(cell as usize)]);
         };
         match entity {
             Entity::Cells => {

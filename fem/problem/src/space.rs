@@ -7,14 +7,13 @@ mod family;
 mod numbering;
 mod orientation;
 
-use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
 pub(crate) use self::cell_nodes::CellNodes;
 pub use self::error::SpaceError;
 pub use self::family::Family;
 use crate::compiled_here::compiled_here;
-use crate::element::{CellShape, Lagrange, MAXIMUM_DEGREE};
+use crate::element::{CellShape, Lagrange, MAXIMUM_DEGREE, PerShape};
 use crate::locate::Locator;
 use crate::mesh::{CellLists, Facet, Mesh, MeshError};
 
@@ -338,14 +337,14 @@ impl<const D: usize> Space<D> {
                 let local = (0..shape.facets()).map(|facet| self.element_of(shape).facet_nodes(facet));
                 (shape, local.collect::<Vec<_>>())
             };
-            let local: BTreeMap<_, _> = mesh.shapes().into_iter().map(of_shape).collect();
+            let local: PerShape<_> = mesh.shapes().into_iter().map(of_shape).collect();
             let mut nodes = Vec::new();
             for facet in sides.iter().flatten() {
                 let of_entity = self.nodes_at(facet.cell, Some(facet.local));
                 match self.facet_region() {
                     Some(_) => nodes.extend_from_slice(of_entity),
                     None => {
-                        let local = &local[&mesh.cell_shape(facet.cell as usize)][usize::from(facet.local)];
+                        let local = &local[mesh.cell_shape(facet.cell as usize)][usize::from(facet.local)];
                         nodes.extend(local.iter().map(|&node| of_entity[node]));
                     }
                 }

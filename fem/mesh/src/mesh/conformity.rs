@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::point_tree::PointTree;
 use super::{Facet, Mesh, MeshError};
 use crate::compiled_here;
-use crate::element::CellShape;
+use crate::element::{CellShape, PerShape};
 use crate::locate::{Locator, nearest_on_facet};
 
 /// Nodes and facets are at one place within this part of a facet's size: files with single precision say no more.
@@ -189,9 +189,8 @@ impl<const D: usize> Mesh<D> {
             let element = self.element_of(shape);
             (shape, (0..shape.facets()).map(|local| element.facet_nodes(local)).collect::<Vec<_>>())
         };
-        let local: BTreeMap<_, _> = self.shapes().into_iter().map(of_shape).collect();
-        let nodes_of =
-            |facet: &Facet| &local[&self.cell_shape(facet.cell as usize)][usize::from(facet.local)];
+        let local: PerShape<_> = self.shapes().into_iter().map(of_shape).collect();
+        let nodes_of = |facet: &Facet| &local[self.cell_shape(facet.cell as usize)][usize::from(facet.local)];
         facets.iter().map(|facet| self.box_of(*facet, nodes_of(facet))).collect()
     }
 

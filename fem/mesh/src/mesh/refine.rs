@@ -1,11 +1,11 @@
 //! Uniform refinement: every cell into 2^D, curved ones along their geometry map, regions carried over.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 use super::geometry::determinant;
 use super::{CellBlock, CellLists, Facet, Mesh, MeshError};
 use crate::compiled_here;
-use crate::element::{CellShape, Lagrange};
+use crate::element::{CellShape, Lagrange, PerShape};
 
 /// A region of facets and the surface that its nodes shall lie on: a map from a position near the surface to one on it.
 pub type Surface<'a, const D: usize> = (&'a str, &'a dyn Fn(&[f64; D]) -> [f64; D]);
@@ -62,8 +62,8 @@ impl<const D: usize> Mesh<D> {
             let element = self.element_of(*shape);
             (*shape, divisions(*shape).map(|way| Division::new(&element, way)).collect::<Vec<_>>())
         };
-        let ways: BTreeMap<CellShape, Vec<Division<D>>> = self.shapes().iter().map(ways).collect();
-        let way_of = |cell: usize, chosen: u8| &ways[&self.cell_shape(cell)][usize::from(chosen)];
+        let ways: PerShape<Vec<Division<D>>> = self.shapes().iter().map(ways).collect();
+        let way_of = |cell: usize, chosen: u8| &ways[self.cell_shape(cell)][usize::from(chosen)];
         let chosen: Vec<u8> = (0..self.cell_count()).map(|cell| self.best_way(cell)).collect();
 
         let mut numbers: HashMap<[u64; 8], u32> = HashMap::with_capacity(self.node_count() * children);

@@ -1,9 +1,7 @@
 //! Agreement of cells that share a facet: they lie on its two sides, and name the same nodes.
 
-use std::collections::BTreeMap;
-
 use super::{Facet, Mesh, MeshError};
-use crate::element::CellShape;
+use crate::element::{CellShape, PerShape};
 
 /// The places of two or more vertices in a cell, and that of the node between them.
 type Between = (&'static [usize], usize);
@@ -23,10 +21,10 @@ impl<const D: usize> Mesh<D> {
             let of_facet = |local| self.middle_nodes(shape, local);
             (shape, (0..shape.facets()).map(of_facet).collect::<Vec<_>>())
         };
-        let middles: BTreeMap<_, _> = self.shapes().into_iter().map(of_shape).collect();
+        let middles: PerShape<_> = self.shapes().into_iter().map(of_shape).collect();
         let on = |facet: Facet| {
             let nodes = self.cell(facet.cell as usize);
-            let between = &middles[&self.cell_shape(facet.cell as usize)][usize::from(facet.local)];
+            let between = &middles[self.cell_shape(facet.cell as usize)][usize::from(facet.local)];
             between.iter().map(|(corners, middle)| (key(corners.iter().map(|&v| nodes[v])), nodes[*middle]))
         };
         let differ = |vertices: [u32; 4], cells: [u32; 2], nodes: [u32; 2]| {

@@ -1,8 +1,7 @@
 //! Dirichlet conditions on the normal component: bodies that slide along a plane or a curved boundary.
 
-use std::collections::BTreeMap;
-
 use super::{Constraints, ConstraintsError};
+use crate::element::PerShape;
 use crate::space::Family;
 
 impl<const D: usize> Constraints<D> {
@@ -46,14 +45,14 @@ impl<const D: usize> Constraints<D> {
         }
         let mesh = space.mesh();
         let of_shape = |shape| (shape, space.element_of(shape).node_points::<D>());
-        let points: BTreeMap<_, _> = mesh.shapes().into_iter().map(of_shape).collect();
+        let points: PerShape<_> = mesh.shapes().into_iter().map(of_shape).collect();
         let mut normals = vec![[0.0; D]; nodes.len()];
         for facet in mesh.facet_region(region)? {
             let shape = mesh.cell_shape(facet.cell as usize);
             let corners = shape.facet_vertices(facet.local.into());
             let corner = |place: usize| shape.vertex_points()[corners[place]];
             for local in space.element_of(shape).facet_nodes(facet.local.into()) {
-                let (_, jacobian) = mesh.map(facet.cell as usize, &points[&shape][local]);
+                let (_, jacobian) = mesh.map(facet.cell as usize, &points[shape][local]);
                 let tangent = |place: usize| -> [f64; 3] {
                     let (from, to) = (corner(0), corner(place));
                     std::array::from_fn(|i| {

@@ -1,13 +1,12 @@
 //! Errors between two meshes of one body, integrated on the finer one: its quadrature points are located in the other
 //! mesh once, and every field of that mesh is read there.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::{Norms, errors_against};
 use crate::assemble::{Assembler, AssemblyError};
 use crate::dimension::{Dim, Dimension};
-use crate::element::CellShape;
+use crate::element::PerShape;
 use crate::field::Field;
 use crate::field::places::{in_parts, place, usual_reach};
 use crate::mesh::EVERYWHERE;
@@ -45,7 +44,7 @@ impl<const D: usize> Comparison<D> {
             let rule = assembler.quadrature().rule_on_cells(&mesh.shapes(), shape, degree);
             Ok((shape, rule.map_err(|source| AssemblyError::Quadrature { form: NAME, source })?.points))
         };
-        let points: BTreeMap<CellShape, Vec<[f64; D]>> =
+        let points: PerShape<Vec<[f64; D]>> =
             mesh.shapes().into_iter().map(of_shape).collect::<Result<_, AssemblyError>>()?;
         let cells = mesh.cell_region(EVERYWHERE).map_err(|source| AssemblyError::Region {
             form: NAME,
@@ -59,7 +58,7 @@ impl<const D: usize> Comparison<D> {
         };
         let located = in_parts(assembler.threads(), cells.len(), |range| {
             let points = cells[range].iter().flat_map(|&cell| {
-                points[&mesh.cell_shape(cell as usize)].iter().map(move |point| (cell, point))
+                points[mesh.cell_shape(cell as usize)].iter().map(move |point| (cell, point))
             });
             points.map(|(cell, point)| locate(cell, point)).collect::<Result<Vec<_>, AssemblyError>>()
         });

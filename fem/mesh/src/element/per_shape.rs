@@ -1,0 +1,28 @@
+//! A value for each shape of cell.
+
+use std::ops::Index;
+
+use super::CellShape;
+
+/// A value for each of the shapes that a mesh's cells have, by shape. A list: there are two of them at most.
+#[derive(Clone, Debug)]
+pub struct PerShape<T> {
+    values: Vec<(CellShape, T)>,
+}
+
+impl<T> FromIterator<(CellShape, T)> for PerShape<T> {
+    fn from_iter<I: IntoIterator<Item = (CellShape, T)>>(values: I) -> Self {
+        PerShape { values: values.into_iter().collect() }
+    }
+}
+
+/// # Panics
+/// Where the shape has no value.
+impl<T> Index<CellShape> for PerShape<T> {
+    type Output = T;
+
+    fn index(&self, shape: CellShape) -> &T {
+        let found = self.values.iter().find(|(own, _)| *own == shape);
+        &found.expect("a shape of the mesh").1
+    }
+}
