@@ -2,7 +2,7 @@
 
 // Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
 // loops over lane values are plain.
-#![allow(clippy::needless_range_loop)]
+#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
 use forms_core::contract::BilinearKernel;
 
@@ -29,7 +29,7 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> NodePairs<'_, K, L, D> {
     /// The blocks of all pairs (i, j); of symmetric ones only i ≤ j.
     #[inline(always)]
     pub fn sum<S: BlockSink<L> + ?Sized>(&self, sink: &mut S) {
-        match const { tile(size_of::<K::Accumulator<L>>() / size_of::<L>(), L::REGISTERS) } {
+        match const { tile(numbers::<K, L, D>(), L::REGISTERS) } {
             44 => self.sweep::<S, 4, 4>(sink),
             24 => self.sweep::<S, 2, 4>(sink),
             14 => self.sweep::<S, 1, 4>(sink),
@@ -130,6 +130,17 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> NodePairs<'_, K, L, D> {
                 }
             }
         }
+        if const { ROWS * COLUMNS == 1 && in_two_passes(numbers::<K, L, D>(), L::REGISTERS) } {
+            // The first loop is for the first sums, this one for the others: what a loop adds to and nobody reads is not compiled.
+            let mut others = K::zero::<L>();
+            for q in 0..points {
+                K::pair(&mut others, &tests[0][q], &trials[0][q]);
+            }
+            let (sums, others) = (accumulators[0][0].as_mut(), others.as_mut());
+            for k in IN_FIRST_PASS..numbers::<K, L, D>() {
+                sums[k] = others[k];
+            }
+        }
         for a in 0..ROWS {
             let mut blocks = [self.kernel.finish(self.cell, &accumulators[a][0]); COLUMNS];
             for b in 1..COLUMNS {
@@ -146,6 +157,20 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> NodePairs<'_, K, L, D> {
             }
         }
     }
+}
+
+/// Numbers of a pair's sums.
+const fn numbers<K: BilinearKernel<D>, L: SimdLane, const D: usize>() -> usize {
+    size_of::<K::Accumulator<L>>() / size_of::<L>()
+}
+
+/// Sums of a pair in the first of two passes.
+const IN_FIRST_PASS: usize = 9;
+
+/// Whether the sums of a pair are made in two passes over the points: with their factors they would not fit into registers, and each
+/// that passes through memory waits for itself at every point.
+const fn in_two_passes(numbers: usize, registers: usize) -> bool {
+    registers < 32 && numbers > 12 && numbers <= 2 * IN_FIRST_PASS
 }
 
 /// Rows and columns of a tile, as the two digits of a number: each factor that is loaded serves several pairs, as many as there are
