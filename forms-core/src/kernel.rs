@@ -296,7 +296,7 @@ pub trait BilinearKernel<const D: usize>: Clone + Send + Sync + 'static {
     /// Factors of one trial node at a point.
     type Trial<L: Lane>: Copy + Send + 'static;
     /// The sums that a node pair accumulates over the points.
-    type Accumulator<L: Lane>: Copy;
+    type Accumulator<L: Lane>: Copy + AsMut<[L]>;
     /// Row-major block: test components × trial components.
     type Block<L: Lane>: Copy + AsRef<[L]>;
 

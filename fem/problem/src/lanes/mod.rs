@@ -12,6 +12,7 @@ mod logarithm;
 #[cfg(target_arch = "aarch64")]
 mod neon;
 mod ordered;
+mod placed;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
@@ -23,6 +24,7 @@ use forms_core::contract::Lane;
 #[cfg(target_arch = "aarch64")]
 pub(crate) use self::neon::Neon;
 pub(crate) use self::ordered::{Order, Ordered};
+pub(crate) use self::placed::{PairPlaces, PlacedBlocks};
 #[cfg(all(target_arch = "x86_64", not(without_avx2)))]
 pub(crate) use self::x86::Avx2;
 // Its unit tests name it only where programs' instances are made, which tests leave out.
@@ -153,7 +155,26 @@ pub(crate) trait SimdLane: Lane {
         place: usize,
         stride: usize,
     ) {
-        store_entries::<false, _>(&entries[..], 0..COUNT, Self::WIDTH, &mut target[place..], stride);
+        let length = (Self::WIDTH - 1) * stride + COUNT;
+        assert!(length <= target.len() && place <= target.len() - length);
+        // SAFETY: no lane's place is beyond the length that was checked.
+        unsafe { Self::store_few_from(entries, target.as_mut_ptr().add(place), stride) }
+    }
+
+    /// The same from a row of the first lane's on.
+    ///
+    /// # Safety
+    /// COUNT numbers can be written there, and as far as the lane's number times `stride` behind, for each lane.
+    #[inline(always)]
+    unsafe fn store_few_from<const COUNT: usize>(entries: [Self; COUNT], row: *mut f64, stride: usize) {
+        let mut lanes = [0.0; WIDEST];
+        for k in 0..COUNT {
+            entries[k].store(&mut lanes);
+            for lane in 0..Self::WIDTH {
+                // SAFETY: the caller's contract.
+                unsafe { row.add(lane * stride + k).write(lanes[lane]) };
+            }
+        }
     }
 }
 
@@ -356,6 +377,11 @@ impl InstructionSet {
 pub(crate) struct Checked(InstructionSet);
 
 impl Checked {
+    /// Number of cells at a time.
+    pub(crate) fn width(self) -> usize {
+        self.0.width()
+    }
+
     /// Runs the work of a kernel, compiled for the set.
     #[inline]
     pub(crate) fn run<W: LaneWork>(self, work: W) -> W::Output {

@@ -191,7 +191,7 @@ impl LaneWork for Reordered<'_> {
             }
             entries.push(L::load(&lanes));
         }
-        let order = Order::new(self.0.to_vec());
+        let order = Order::new(self.0.to_vec(), L::WIDTH);
         let mut target = vec![-1.0; L::WIDTH * self.0.len()];
         let source = Ordered::new(&entries, &order, self.0.len());
         L::store_transposed::<false>(source, L::WIDTH, &mut target, self.0.len());

@@ -122,9 +122,9 @@ impl KernelWriter<'_> {
         });
         let finish = {
             let mut demand = Demand { form: &mut form, cell: &mut cell };
-            printer.print(&block, Level::Node, &|node| self.basis(node), &mut |value, level| {
-                demand.text(value, level)
-            })
+            // Once per pair of functions.
+            printer
+                .print(&block, Level::Node, &|node| self.basis(node), &mut |value, _| demand.in_lanes(value))
         };
         let point_function =
             self.point_function(name, &printer, &point.values, &layout, &mut form, &mut cell);

@@ -66,11 +66,14 @@ impl Demand<'_> {
                 let slot = self.form.slot(value);
                 quote! { L::splat(self.form[#slot]) }
             }
-            _ => {
-                let slot = self.cell.slot(value);
-                quote! { cell[#slot] }
-            }
+            _ => self.in_lanes(value),
         }
+    }
+
+    /// The same in all lanes already: a product reads it from memory, where a number would be spread by an instruction of its own.
+    pub fn in_lanes(&mut self, value: Value) -> TokenStream {
+        let slot = self.cell.slot(value);
+        quote! { cell[#slot] }
     }
 }
 
@@ -201,6 +204,8 @@ impl Printer<'_> {
             Subtract(..) => quote! { #a - #b },
             Multiply(..) => quote! { #a * #b },
             MultiplyAdd(..) => quote! { L::multiply_add(#a, #b, #c) },
+            // Processors have an instruction for it, which compilers find.
+            MultiplySubtract(..) => quote! { L::multiply_add(-#a, #b, #c) },
             Divide(..) => quote! { #a / #b },
             Negate(_) => quote! { -#a },
             Apply(function, _) => {

@@ -203,9 +203,15 @@ impl<'a> Code<'a> {
             let factor = self.number(common);
             return self.push(Instruction::Multiply(factor, sum));
         }
-        let mut ordered: Vec<(Level, bool, f64, Scalar)> =
-            terms.iter().map(|(c, term)| (self.scalar_level(*term), *c < 0.0, *c, *term)).collect();
-        ordered.sort_by_key(|(level, negative, _, _)| (*level, *negative));
+        // Products after what is no product: each is one instruction with the sum before it.
+        let mut ordered: Vec<(Level, [bool; 2], f64, Scalar)> = terms
+            .iter()
+            .map(|(c, term)| {
+                let is_product = c.abs() != 1.0 || self.split(*term).is_some();
+                (self.scalar_level(*term), [is_product, *c < 0.0], *c, *term)
+            })
+            .collect();
+        ordered.sort_by_key(|(level, kind, _, _)| (*level, *kind));
         let mut sum = (constant != 0.0).then(|| self.number(constant));
         for (_, _, coefficient, term) in ordered {
             sum = Some(self.lower_term(sum, coefficient, term));
@@ -213,16 +219,20 @@ impl<'a> Code<'a> {
         sum.unwrap_or_else(|| self.number(0.0))
     }
 
+    /// The last two factors of a product that nothing else reads.
+    fn split(&mut self, term: Scalar) -> Option<(Value, Value)> {
+        match self.graph.node(term).clone() {
+            Node::Product(factors) if self.uses[term.0 as usize] == 1 => {
+                let (head, last) = self.lower_product(&factors);
+                Some((head?, last))
+            }
+            _ => None,
+        }
+    }
+
     /// sum + coefficient × term
     fn lower_term(&mut self, sum: Option<Value>, coefficient: f64, term: Scalar) -> Value {
-        let alone = self.uses[term.0 as usize] == 1;
-        let split = match self.graph.node(term).clone() {
-            Node::Product(factors) if alone => match self.lower_product(&factors) {
-                (Some(head), last) => Some((head, last)),
-                (None, _) => None,
-            },
-            _ => None,
-        };
+        let split = self.split(term);
         let Some(sum) = sum else {
             let value = self.lower(term);
             return match coefficient {
@@ -236,7 +246,8 @@ impl<'a> Code<'a> {
         };
         match (split, coefficient) {
             (Some((head, last)), 1.0) => self.push(Instruction::MultiplyAdd(head, last, sum)),
-            (Some((head, last)), c) if c != -1.0 => {
+            (Some((head, last)), -1.0) => self.push(Instruction::MultiplySubtract(head, last, sum)),
+            (Some((head, last)), c) => {
                 let factor = self.number(c);
                 let head = self.push(Instruction::Multiply(factor, head));
                 self.push(Instruction::MultiplyAdd(head, last, sum))

@@ -126,7 +126,7 @@ pub(in crate::assemble) fn surface<L: Lane, const D: usize>(
         let second = image(jacobian, &tangents[1]);
         for axis in 0..D {
             let (i, j) = ((axis + 1) % D, (axis + 2) % D);
-            normal[axis] = first[i] * second[j] - first[j] * second[i];
+            normal[axis] = (-first[j]).multiply_add(second[i], first[i] * second[j]);
         }
     }
     let mut square = L::splat(0.0);
@@ -154,12 +154,12 @@ pub(in crate::assemble) fn inverse_transposed<L: Lane, const D: usize>(a: &[[L; 
         for i in 0..D {
             for j in 0..D {
                 let (i1, i2, j1, j2) = ((i + 1) % D, (i + 2) % D, (j + 1) % D, (j + 2) % D);
-                cofactors[i][j] = a[i1][j1] * a[i2][j2] - a[i1][j2] * a[i2][j1];
+                cofactors[i][j] = (-a[i1][j2]).multiply_add(a[i2][j1], a[i1][j1] * a[i2][j2]);
             }
         }
     }
-    let mut determinant = L::splat(0.0);
-    for j in 0..D {
+    let mut determinant = a[0][0] * cofactors[0][0];
+    for j in 1..D {
         determinant = a[0][j].multiply_add(cofactors[0][j], determinant);
     }
     let reciprocal = L::splat(1.0) / determinant;

@@ -133,23 +133,24 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
         let cells = (0..points.len() as u32).collect();
         let reference = Mesh::from_parts(layout.geometry.shape, layout.geometry.degree, points, cells);
         let reference = reference.map_err(|source| unsuited(source.to_string()))?;
+        let lanes = instructions.checked().width();
         let matrix = |symmetric| {
             let blocks = block_order([nodes, nodes], [components, components], symmetric);
             let mut order = vec![0; size * size];
-            for (k, block) in blocks.places().enumerate() {
+            for (k, block) in blocks.into_iter().enumerate() {
                 let (pair, entry) = (k / (components * components), k % (components * components));
                 let (i, j) = (pair / nodes, pair % nodes);
                 let row = layout.rows[i * components + entry / components];
                 let column = layout.rows[j * components + entry % components];
                 order[row * size + column] = block;
             }
-            Order::new(order)
+            Order::new(order, lanes)
         };
         let mut vector = vec![0; size];
         for (k, row) in layout.rows.iter().enumerate() {
             vector[*row] = k as u32;
         }
-        let orders = [matrix(false), matrix(true), Order::new(vector)];
+        let orders = [matrix(false), matrix(true), Order::new(vector, lanes)];
         let mut tables = ElementTables {
             reference: Arc::new(reference),
             layout,

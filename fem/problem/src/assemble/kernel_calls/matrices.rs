@@ -100,7 +100,8 @@ impl<const D: usize> ElementMatrices<'_, D> {
         range: Range<usize>,
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        let order = &block_order(self.nodes(), kernel.components, self.symmetric);
+        let places = block_order(self.nodes(), kernel.components, self.symmetric);
+        let order = &Order::new(places, L::WIDTH);
         let (buffers, sink) = (&mut MatrixBuffers::default(), &mut Buffered::new(deliver));
         self.compute_in_lanes(kernel, calls, order, range, buffers, sink)
     }
@@ -280,7 +281,7 @@ pub(in crate::assemble) fn block_order(
     [rows, columns]: [usize; 2],
     [height, width]: [usize; 2],
     symmetric: bool,
-) -> Order {
+) -> Vec<u32> {
     let entries = height * width;
     let mut computed = vec![0_u32; rows * columns];
     let mut next = 0;
@@ -306,7 +307,7 @@ pub(in crate::assemble) fn block_order(
             }
         }
     }
-    Order::new(order)
+    order
 }
 
 compiled_here!(

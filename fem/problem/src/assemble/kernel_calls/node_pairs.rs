@@ -2,7 +2,7 @@
 
 // Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
 // loops over lane values are plain.
-#![allow(clippy::needless_range_loop)]
+#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
 use forms_core::contract::BilinearKernel;
 
@@ -29,7 +29,7 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> NodePairs<'_, K, L, D> {
     /// The blocks of all pairs (i, j); of symmetric ones only i ≤ j.
     #[inline(always)]
     pub fn sum<S: BlockSink<L> + ?Sized>(&self, sink: &mut S) {
-        match const { tile(size_of::<K::Accumulator<L>>() / size_of::<L>(), L::REGISTERS) } {
+        match const { tile(numbers::<K, L, D>(), L::REGISTERS) } {
             44 => self.sweep::<S, 4, 4>(sink),
             24 => self.sweep::<S, 2, 4>(sink),
             14 => self.sweep::<S, 1, 4>(sink),
@@ -43,57 +43,66 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> NodePairs<'_, K, L, D> {
     /// while the test functions pass by.
     #[inline(always)]
     fn sweep<S: BlockSink<L> + ?Sized, const ROWS: usize, const COLUMNS: usize>(&self, sink: &mut S) {
-        let [rows, columns] = self.nodes;
-        let fitting = KEPT / (self.points * size_of::<K::Trial<L>>()).max(1);
+        let ([rows, columns], points) = (self.nodes, self.points);
+        let fitting = KEPT / (points * size_of::<K::Trial<L>>()).max(1);
         let width = if fitting < columns { (fitting / COLUMNS).max(1) * COLUMNS } else { columns };
         let mut start = 0;
         while start < columns {
             let end = columns.min(start + width);
             let last = if self.symmetric { end } else { rows };
-            let mut i = 0;
+            // What is left of the factors: no place is computed per row.
+            let (mut tests, mut trials) = (self.tests, &self.trials[start * points..end * points]);
+            let (mut i, mut j) = (0, start);
             while i + ROWS <= last {
-                self.row::<S, ROWS, COLUMNS>(i, start, end, sink);
-                i += ROWS;
+                let (own, others) = tests.split_at(ROWS * points);
+                self.row::<S, ROWS, COLUMNS>(own, trials, [i, j], end, sink);
+                (tests, i) = (others, i + ROWS);
+                if self.symmetric && j < i {
+                    (trials, j) = (&trials[(i - j) * points..], i);
+                }
             }
             if const { ROWS > 1 } {
                 while i < last {
-                    self.row::<S, 1, COLUMNS>(i, start, end, sink);
-                    i += 1;
+                    let (own, others) = tests.split_at(points);
+                    self.row::<S, 1, COLUMNS>(own, trials, [i, j], end, sink);
+                    (tests, i) = (others, i + 1);
+                    if self.symmetric && j < i {
+                        (trials, j) = (&trials[points..], i);
+                    }
                 }
             }
             start = end;
         }
     }
 
-    /// The blocks of ROWS test functions and the trial functions in a range.
+    /// The blocks of ROWS test functions from i on and the trial functions from j on, with their factors.
     #[inline(always)]
     fn row<S: BlockSink<L> + ?Sized, const ROWS: usize, const COLUMNS: usize>(
         &self,
-        i: usize,
-        start: usize,
+        own: &[K::Test<L>],
+        mut trials: &[K::Trial<L>],
+        [i, mut j]: [usize; 2],
         end: usize,
         sink: &mut S,
     ) {
-        let points = self.points;
-        let mut tests = [&self.tests[..0]; ROWS];
+        let (points, columns) = (self.points, self.nodes[1]);
+        let (mut tests, mut before) = ([&own[..0]; ROWS], [0; ROWS]);
         for a in 0..ROWS {
-            tests[a] = &self.tests[(i + a) * points..][..points];
+            let i = i + a;
+            tests[a] = &own[a * points..][..points];
+            // Numbers of the pairs of a row begin here; below the diagonal a symmetric matrix has none.
+            before[a] = if self.symmetric { i * columns - i * (i + 1) / 2 } else { i * columns };
         }
-        let mut j = if self.symmetric { start.max(i) } else { start };
-        // What is left of the trial functions' factors: no place is computed per tile.
-        let mut trials = &self.trials[j * points..end * points];
         while j + COLUMNS <= end {
             let (own, others) = trials.split_at(COLUMNS * points);
-            self.tile::<S, ROWS, COLUMNS>(&tests, own, [i, j], sink);
-            trials = others;
-            j += COLUMNS;
+            self.tile::<S, ROWS, COLUMNS>(&tests, own, [i, j], &before, sink);
+            (trials, j) = (others, j + COLUMNS);
         }
         if const { COLUMNS > 1 } {
             while j < end {
                 let (own, others) = trials.split_at(points);
-                self.tile::<S, ROWS, 1>(&tests, own, [i, j], sink);
-                trials = others;
-                j += 1;
+                self.tile::<S, ROWS, 1>(&tests, own, [i, j], &before, sink);
+                (trials, j) = (others, j + 1);
             }
         }
     }
@@ -104,9 +113,10 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> NodePairs<'_, K, L, D> {
         tests: &[&[K::Test<L>]; ROWS],
         factors: &[K::Trial<L>],
         [i, j]: [usize; 2],
+        before: &[usize; ROWS],
         sink: &mut S,
     ) {
-        let columns = self.nodes[1];
+        let entries = const { K::TEST_COMPONENTS * K::TRIAL_COMPONENTS };
         let mut accumulators = [[K::zero::<L>(); COLUMNS]; ROWS];
         let points = self.points;
         let mut trials = [factors; COLUMNS];
@@ -120,19 +130,47 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> NodePairs<'_, K, L, D> {
                 }
             }
         }
+        if const { ROWS * COLUMNS == 1 && in_two_passes(numbers::<K, L, D>(), L::REGISTERS) } {
+            // The first loop is for the first sums, this one for the others: what a loop adds to and nobody reads is not compiled.
+            let mut others = K::zero::<L>();
+            for q in 0..points {
+                K::pair(&mut others, &tests[0][q], &trials[0][q]);
+            }
+            let (sums, others) = (accumulators[0][0].as_mut(), others.as_mut());
+            for k in IN_FIRST_PASS..numbers::<K, L, D>() {
+                sums[k] = others[k];
+            }
+        }
         for a in 0..ROWS {
-            for b in 0..COLUMNS {
-                let (i, j) = (i + a, j + b);
-                // Below the diagonal a symmetric matrix is mirrored.
-                if self.symmetric && j < i {
-                    continue;
-                }
-                let before = if self.symmetric { i * columns - i * (i + 1) / 2 } else { i * columns };
-                let block = self.kernel.finish(self.cell, &accumulators[a][b]);
-                sink.put(before + j, &block.as_ref()[..K::TEST_COMPONENTS * K::TRIAL_COMPONENTS]);
+            let mut blocks = [self.kernel.finish(self.cell, &accumulators[a][0]); COLUMNS];
+            for b in 1..COLUMNS {
+                blocks[b] = self.kernel.finish(self.cell, &accumulators[a][b]);
+            }
+            // Below the diagonal a symmetric matrix is mirrored: only tiles of several rows reach there.
+            let below = if ROWS > 1 && self.symmetric { (i + a).saturating_sub(j) } else { 0 };
+            if below == 0 {
+                sink.put_run(before[a] + j, &blocks, entries);
+                continue;
+            }
+            for b in below..COLUMNS {
+                sink.put(before[a] + j + b, &blocks[b].as_ref()[..entries]);
             }
         }
     }
+}
+
+/// Numbers of a pair's sums.
+const fn numbers<K: BilinearKernel<D>, L: SimdLane, const D: usize>() -> usize {
+    size_of::<K::Accumulator<L>>() / size_of::<L>()
+}
+
+/// Sums of a pair in the first of two passes.
+const IN_FIRST_PASS: usize = 9;
+
+/// Whether the sums of a pair are made in two passes over the points: with their factors they would not fit into registers, and each
+/// that passes through memory waits for itself at every point.
+const fn in_two_passes(numbers: usize, registers: usize) -> bool {
+    registers < 32 && numbers > 12 && numbers <= 2 * IN_FIRST_PASS
 }
 
 /// Rows and columns of a tile, as the two digits of a number: each factor that is loaded serves several pairs, as many as there are

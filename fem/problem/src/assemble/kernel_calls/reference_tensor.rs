@@ -12,7 +12,7 @@ mod scalars;
 use forms_core::contract::BilinearKernel;
 
 use self::blocks::Terms;
-pub(in crate::assemble) use self::scalars::{InLanes, contract as contract_numbers};
+pub(in crate::assemble) use self::scalars::{Coefficient, InLanes, contract as contract_numbers, products};
 use super::BilinearConstants;
 use super::block_sink::BlockSink;
 use crate::assemble::walk::GroupSide;
@@ -95,8 +95,7 @@ pub(in crate::assemble) fn contract<
         // Constant blocks: only the case that is used is compiled.
         ReferenceTensor::Numbers(coefficients) => {
             if const { BilinearConstants::of::<K, D>().scalar() } {
-                let blocks = sink.numbers();
-                scalars::contract::<K, L, f64, D>(kernel, cell, coefficients, determinant, inverse, blocks);
+                scalars::contract::<K, L, f64, S, D>(kernel, cell, coefficients, determinant, inverse, sink);
             }
         }
         ReferenceTensor::Blocks(terms) => match const { K::TEST_COMPONENTS * K::TRIAL_COMPONENTS } {

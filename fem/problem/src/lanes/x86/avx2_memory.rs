@@ -79,19 +79,10 @@ impl SimdLane for Avx2 {
     }
 
     #[inline(always)]
-    fn store_few<const COUNT: usize>(
-        entries: [Self; COUNT],
-        target: &mut [f64],
-        place: usize,
-        stride: usize,
-    ) {
-        let length = (Self::WIDTH - 1) * stride + COUNT;
-        assert!(length <= target.len() && place <= target.len() - length);
-        let row = target.as_mut_ptr();
+    unsafe fn store_few_from<const COUNT: usize>(entries: [Self; COUNT], row: *mut f64, stride: usize) {
         let mut done = 0;
-        // SAFETY: no lane's place is beyond the length that was checked.
+        // SAFETY: the caller's contract.
         unsafe {
-            let row = row.add(place);
             while done + 4 <= COUNT {
                 let [a, b, c, d] = [entries[done], entries[done + 1], entries[done + 2], entries[done + 3]];
                 store_rows::<false>(a, b, c, d, row.add(done), stride);

@@ -26,6 +26,8 @@ pub enum Instruction {
     Multiply(Value, Value),
     /// a * b + c
     MultiplyAdd(Value, Value, Value),
+    /// c - a * b
+    MultiplySubtract(Value, Value, Value),
     Divide(Value, Value),
     Negate(Value),
     Apply(Function, Value),
@@ -71,7 +73,7 @@ impl Instruction {
             | Equal(a, b)
             | And(a, b)
             | Or(a, b) => vec![*a, *b],
-            MultiplyAdd(a, b, c) | Select(a, b, c) => vec![*a, *b, *c],
+            MultiplyAdd(a, b, c) | MultiplySubtract(a, b, c) | Select(a, b, c) => vec![*a, *b, *c],
         }
     }
 

@@ -6,7 +6,7 @@
 
 use forms_core::contract::{Basis, CellGeometry, OppositePoint, PointGeometry, Requirements};
 
-use super::fields::FieldBuffers;
+use super::fields::{FieldBuffers, Numbers};
 use super::tables::FixedTables;
 use crate::assemble::batch::{inverse_transposed, largest_distance, surface};
 use crate::assemble::element_kernel::ElementCells;
@@ -130,7 +130,7 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         if requirements.cell_volume {
             let measure = &self.tables.measure;
             geometry.cell_volume = if const { FixedTables::<S, D>::AFFINE } {
-                self.affine.determinant * L::splat(total(&measure.cell_weights))
+                self.affine.determinant * L::splat(self.tables.reference_measure[0])
             } else {
                 let mut volume = zero;
                 for q in 0..measure.cell_weights.len() {
@@ -145,7 +145,7 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
                 (&self.tables.measure.facet, &self.tables.tangents)
         {
             geometry.facet_area = if const { FixedTables::<S, D>::AFFINE } {
-                self.affine.measure * L::splat(total(weights))
+                self.affine.measure * L::splat(self.tables.reference_measure[1])
             } else {
                 let mut area = zero;
                 for q in 0..weights.len() {
@@ -165,7 +165,8 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         requirements: &Requirements,
         q: usize,
         map: &PointMap<L, D>,
-        buffers: &mut FieldBuffers<L>,
+        buffers: &FieldBuffers<L>,
+        numbers: &mut Numbers<L>,
     ) -> PointGeometry<L, D> {
         let zero = L::splat(0.0);
         let mut position = [zero; D];
@@ -182,13 +183,13 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         macro_rules! evaluate {
             ($($index:literal)*) => {
                 $(if requirements.fields.len() > $index {
-                    self.evaluate_slot(requirements, $index, q, map, buffers);
+                    self.evaluate_slot(requirements, $index, q, map, buffers, numbers);
                 })*
             };
         }
         evaluate!(0 1 2 3);
         for index in 4..requirements.fields.len() {
-            self.evaluate_slot(requirements, index, q, map, buffers);
+            self.evaluate_slot(requirements, index, q, map, buffers, numbers);
         }
         PointGeometry {
             weight: map.measure * L::splat(self.tables.weights.entries()[q]),
@@ -259,13 +260,4 @@ fn transformed<L: SimdLane, const D: usize>(inverse: &[[L; D]; D], slope: &[f64;
 #[inline(always)]
 pub(super) fn row<const D: usize>(tables: &Tables<D>, q: usize) -> &[[f64; D]] {
     &tables.gradient[q * tables.nodes..][..tables.nodes]
-}
-
-#[inline(always)]
-fn total(weights: &[f64]) -> f64 {
-    let mut sum = 0.0;
-    for weight in weights {
-        sum += *weight;
-    }
-    sum
 }

@@ -7,16 +7,15 @@
 use forms_core::contract::{FieldSlot, Order, Requirements};
 
 use super::batch::{FixedBatch, PointMap, row};
-use super::tables::{FieldTables, FixedTables};
+use super::tables::{FieldBasis, FieldTables, FixedTables, MOST_NUMBERS};
 use crate::assemble::element_kernel::sizes::{Array, Sizes};
 use crate::lanes::{SimdLane, Starts};
 
-/// Memory of a batch, kept from one run to the next.
-pub(super) struct FieldBuffers<L> {
-    /// Coefficients per slot, node × component; only the first slot of a field has any.
-    coefficients: Vec<Vec<L>>,
-    pub fields: Vec<L>,
-}
+/// Memory of a batch, kept from one run to the next: coefficients per slot, node × component. Only the first slot of a field has any.
+pub(super) struct FieldBuffers<L>(Vec<Vec<L>>);
+
+/// What a kernel reads of fields at a point, at the places of its slots. An array: where places are constants its numbers stay in registers.
+pub(super) type Numbers<L> = [L; MOST_NUMBERS];
 
 impl<L: SimdLane> FieldBuffers<L> {
     /// Room for what a kernel reads.
@@ -26,7 +25,7 @@ impl<L: SimdLane> FieldBuffers<L> {
             let nodes = tables.fields[slot.field].as_ref().map_or(0, |field| field.tables.nodes);
             vec![zero; nodes * slot.components]
         });
-        FieldBuffers { coefficients: coefficients.collect(), fields: vec![zero; requirements.field_length] }
+        FieldBuffers(coefficients.collect())
     }
 
     /// Loads the coefficients of some cells.
@@ -38,13 +37,39 @@ impl<L: SimdLane> FieldBuffers<L> {
         coefficients: &[f64],
         starts: &Starts,
     ) {
-        for index in 0..requirements.fields.len() {
-            let slot = &requirements.fields[index];
-            let Some(field) = &tables.fields[slot.field] else { continue };
-            if first_slot(requirements, index) == index {
-                let target = &mut self.coefficients[index];
-                gather_field(coefficients, starts, &field.offsets, slot.components, target);
-            }
+        // One by one, so that each is compiled for its slot.
+        macro_rules! load {
+            ($($index:literal)*) => {
+                $(if requirements.fields.len() > $index {
+                    self.load_slot(requirements, $index, tables, coefficients, starts);
+                })*
+            };
+        }
+        load!(0 1 2 3);
+        for index in 4..requirements.fields.len() {
+            self.load_slot(requirements, index, tables, coefficients, starts);
+        }
+    }
+
+    #[inline(always)]
+    fn load_slot<S: Sizes, const D: usize>(
+        &mut self,
+        requirements: &Requirements,
+        index: usize,
+        tables: &FixedTables<S, D>,
+        coefficients: &[f64],
+        starts: &Starts,
+    ) {
+        let slot = &requirements.fields[index];
+        if first_slot(requirements, index) != index {
+            return;
+        }
+        let Some(field) = &tables.fields[slot.field] else { return };
+        let target = &mut self.0[index];
+        match slot.components {
+            1 => gather_field::<L, 1>(coefficients, starts, &field.offsets, target),
+            2 => gather_field::<L, 2>(coefficients, starts, &field.offsets, target),
+            _ => gather_field::<L, 3>(coefficients, starts, &field.offsets, target),
         }
     }
 }
@@ -58,13 +83,13 @@ impl<L: SimdLane, S: Sizes, const D: usize> FixedBatch<'_, L, S, D> {
         index: usize,
         q: usize,
         map: &PointMap<L, D>,
-        buffers: &mut FieldBuffers<L>,
+        buffers: &FieldBuffers<L>,
+        numbers: &mut Numbers<L>,
     ) {
         let slot = &requirements.fields[index];
         let Some(field) = &self.tables.fields[slot.field] else { return };
-        let FieldBuffers { coefficients, fields } = buffers;
-        let coefficients = &coefficients[first_slot(requirements, index)][..];
-        let target = &mut fields[slot.offset..];
+        let coefficients = &buffers.0[first_slot(requirements, index)][..];
+        let target = &mut numbers[slot.offset..];
         match slot.components {
             1 => self.interpolate::<1>(slot, field, q, map, coefficients, target),
             2 => self.interpolate::<2>(slot, field, q, map, coefficients, target),
@@ -82,24 +107,24 @@ impl<L: SimdLane, S: Sizes, const D: usize> FixedBatch<'_, L, S, D> {
         coefficients: &[L],
         target: &mut [L],
     ) {
-        let arguments = &self.tables.arguments;
-        match (slot.order, field.as_arguments) {
-            (Order::Value, true) => {
-                value::<L, C>(arguments.values.entries()[q].entries(), coefficients, target)
+        let FixedTables { arguments, geometry, .. } = self.tables;
+        let is_value = matches!(slot.order, Order::Value);
+        match field.basis {
+            FieldBasis::Arguments if is_value => {
+                value::<L, C>(arguments.values.entries()[q].entries(), coefficients, target);
             }
-            (Order::Value, false) => {
+            FieldBasis::Arguments => {
+                let slopes = arguments.slopes.entries()[q].entries();
+                gradient::<L, C, D>(slopes, &map.inverse, coefficients, target);
+            }
+            FieldBasis::Geometry if is_value => {
+                value::<L, C>(geometry.values.entries()[q].entries(), coefficients, target);
+            }
+            _ if is_value => {
                 let nodes = field.tables.nodes;
                 value::<L, C>(&field.tables.value[q * nodes..][..nodes], coefficients, target);
             }
-            (_, true) => gradient::<L, C, D>(
-                arguments.slopes.entries()[q].entries(),
-                &map.inverse,
-                coefficients,
-                target,
-            ),
-            (_, false) => {
-                gradient::<L, C, D>(row(&field.tables, q), &map.inverse, coefficients, target);
-            }
+            _ => gradient::<L, C, D>(row(&field.tables, q), &map.inverse, coefficients, target),
         }
     }
 }
@@ -162,21 +187,15 @@ fn first_slot(requirements: &Requirements, index: usize) -> usize {
 }
 
 #[inline(always)]
-fn gather_field<L: SimdLane>(
+fn gather_field<L: SimdLane, const C: usize>(
     values: &[f64],
     starts: &Starts,
     offsets: &[usize],
-    components: usize,
     target: &mut [L],
 ) {
-    let target = &mut target[..offsets.len() * components];
+    let (target, _) = target.as_chunks_mut::<C>();
+    let target = &mut target[..offsets.len()];
     for node in 0..offsets.len() {
-        let target = &mut target[node * components..][..components];
-        match target {
-            [a] => [*a] = L::gather_from(values, starts, offsets[node]),
-            [a, b] => [*a, *b] = L::gather_from(values, starts, offsets[node]),
-            [a, b, c] => [*a, *b, *c] = L::gather_from(values, starts, offsets[node]),
-            _ => {}
-        }
+        target[node] = L::gather_from(values, starts, offsets[node]);
     }
 }

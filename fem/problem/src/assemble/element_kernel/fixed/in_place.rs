@@ -8,29 +8,30 @@
 
 use forms_core::contract::BilinearKernel;
 
-use crate::assemble::kernel_calls::block_sink::BlockSink;
-use crate::lanes::{Order, SimdLane};
+use crate::assemble::kernel_calls::block_sink::{BlockSink, sum};
+use crate::assemble::kernel_calls::reference_tensor::Coefficient;
+use crate::lanes::{Order, PairPlaces, PlacedBlocks, SimdLane};
 
 /// Whether blocks are written pair by pair.
 pub(super) const fn by_pairs<K: BilinearKernel<D>, L: SimdLane, const D: usize>() -> bool {
     L::STORES_FEW && K::TEST_COMPONENTS == 2 && K::TRIAL_COMPONENTS == 2
 }
 
-/// Places of the blocks of pairs in a matrix, whose rows and columns are two per node.
+/// Where results go that are written as they are computed.
 #[derive(Default)]
-pub(super) struct BlockPlaces {
-    /// Of each computed pair: the place of the block's first entry, and of its mirror image (the same where there is none).
-    places: Vec<[u32; 2]>,
+pub(super) struct Destination {
+    /// Of the blocks of the computed pairs, where rows and columns are two per node.
+    places: PairPlaces,
     /// Where the caller's rows of a node are not side by side: which entry of the matrix in our order each of the caller's is.
     rearranged: Option<Vec<u32>>,
     /// Matrices that are not the caller's, or fewer than lanes, or to be added.
     scratch: Vec<f64>,
 }
 
-impl BlockPlaces {
+impl Destination {
     /// The places of blocks in matrices whose entries are the computed ones in an order. `in_our_order`: the places are those of
     /// [`put_pair`], whatever the order.
-    pub fn new(order: &Order, nodes: usize, symmetric: bool, in_our_order: bool, room: usize) -> Self {
+    pub fn of_blocks(order: &Order, nodes: usize, symmetric: bool, in_our_order: bool, room: usize) -> Self {
         let (computed, width): (Vec<u32>, usize) = (order.places().collect(), 2 * nodes);
         let (mut own, mut first_with) = (vec![], vec![]);
         for i in 0..nodes {
@@ -43,27 +44,30 @@ impl BlockPlaces {
         let scratch = vec![0.0; room];
         match places(&computed, width, own.len()) {
             Some(places) if !in_our_order || places == own => {
-                BlockPlaces { places, rearranged: None, scratch }
+                Destination { places: PairPlaces::new(places, width), rearranged: None, scratch }
             }
             _ => {
                 let rearranged = computed.iter().map(|place| first_with[*place as usize]).collect();
-                BlockPlaces { places: own, rearranged: Some(rearranged), scratch }
+                Destination { places: PairPlaces::new(own, width), rearranged: Some(rearranged), scratch }
             }
         }
     }
 
+    /// Of matrices whose entries are computed in the caller's order.
+    pub fn in_order(room: usize) -> Self {
+        Destination { scratch: vec![0.0; room], ..Self::default() }
+    }
+
     /// A sink of the blocks of all lanes, in matrices of the caller's or others.
     #[inline(always)]
-    pub fn sink<'a>(
+    pub fn sink<'a, L: SimdLane>(
         &'a mut self,
         target: &'a mut [f64],
         callers: bool,
         nodes: usize,
-        lanes: usize,
-    ) -> Blocks<'a> {
-        let (width, places) = (2 * nodes, &self.places[..]);
+    ) -> PlacedBlocks<'a> {
         let target = if callers { target } else { &mut self.scratch[..] };
-        Blocks { target: &mut target[..lanes * width * width], places, width }
+        PlacedBlocks::new::<L>(target, &self.places, 2 * nodes)
     }
 
     /// Memory for the matrices of all lanes: the caller's, or other.
@@ -74,7 +78,7 @@ impl BlockPlaces {
 
     /// Whether the caller's matrices can be written as they are.
     #[inline(always)]
-    pub fn are_the_callers(&self) -> bool {
+    pub fn is_the_callers(&self) -> bool {
         self.rearranged.is_none()
     }
 
@@ -106,30 +110,49 @@ fn places(computed: &[u32], width: usize, pairs: usize) -> Option<Vec<[u32; 2]>>
     places.into_iter().map(|[direct, mirrored]| Some([direct?, mirrored.or(direct)?])).collect()
 }
 
-/// Matrices of all lanes, one after the other.
-pub(super) struct Blocks<'a> {
-    target: &'a mut [f64],
-    places: &'a [[u32; 2]],
-    /// Numbers per row.
-    width: usize,
-}
-
-impl<L: SimdLane> BlockSink<L> for Blocks<'_> {
+impl<L: SimdLane> BlockSink<L> for PlacedBlocks<'_> {
     #[inline(always)]
     fn put(&mut self, number: usize, block: &[L]) {
-        let Blocks { target, places, width } = self;
-        let ([direct, mirrored], size) = (places[number].map(|place| place as usize), *width * *width);
-        L::store_few([block[0], block[1]], target, direct, size);
-        L::store_few([block[2], block[3]], target, direct + *width, size);
-        if mirrored != direct {
-            L::store_few([block[0], block[2]], target, mirrored, size);
-            L::store_few([block[1], block[3]], target, mirrored + *width, size);
-        }
+        PlacedBlocks::put(self, number, [block[0], block[1], block[2], block[3]]);
     }
 
     #[inline(always)]
-    fn numbers(&mut self) -> &mut [L] {
-        &mut []
+    fn put_sums<C: Coefficient<L>, const PRODUCTS: usize>(&mut self, _: &[L; PRODUCTS], _: &[[C; PRODUCTS]]) {
+    }
+}
+
+/// Matrices of all lanes whose entries are numbers of pairs, of so many numbers each.
+pub(super) struct Numbers<'a> {
+    pub target: &'a mut [f64],
+    pub size: usize,
+}
+
+impl<L: SimdLane> BlockSink<L> for Numbers<'_> {
+    #[inline(always)]
+    fn put(&mut self, _: usize, _: &[L]) {}
+
+    /// Entry by entry, in the order of memory: four are in registers when they are written.
+    #[inline(always)]
+    fn put_sums<C: Coefficient<L>, const PRODUCTS: usize>(
+        &mut self,
+        products: &[L; PRODUCTS],
+        coefficients: &[[C; PRODUCTS]],
+    ) {
+        let (size, coefficients) = (self.size, &coefficients[..self.size]);
+        let target = &mut self.target[..L::WIDTH * size];
+        let mut k = 0;
+        while k + 4 <= size {
+            let mut entries = [products[0]; 4];
+            for entry in 0..4 {
+                entries[entry] = sum(products, &coefficients[k + entry]);
+            }
+            L::store_few(entries, target, k, size);
+            k += 4;
+        }
+        while k < size {
+            L::store_few([sum(products, &coefficients[k])], target, k, size);
+            k += 1;
+        }
     }
 }
 
@@ -158,14 +181,17 @@ pub(super) const fn at_once<K: BilinearKernel<D>, L: SimdLane, const D: usize>()
     L::STORES_FEW && K::TEST_COMPONENTS * K::TRIAL_COMPONENTS == 1
 }
 
-/// The pair that is computed for the k-th entry of a matrix whose rows are in our order.
-pub(super) const fn pair_of(k: usize, nodes: usize, symmetric: bool) -> usize {
-    let (i, j) = (k / nodes, k % nodes);
+/// The place of the k-th entry, of a matrix whose rows are in our order, among the computed blocks.
+#[inline(always)]
+pub(super) const fn place_of(k: usize, nodes: usize, components: usize, symmetric: bool) -> usize {
+    let (row, column) = (k / (nodes * components), k % (nodes * components));
+    let ([i, a], [j, b]) = ([row / components, row % components], [column / components, column % components]);
+    let entries = components * components;
     if !symmetric {
-        return k;
+        return (i * nodes + j) * entries + a * components + b;
     }
-    let (i, j) = if i <= j { (i, j) } else { (j, i) };
-    i * nodes - i * (i + 1) / 2 + j
+    let ([i, a], [j, b]) = if i <= j { ([i, a], [j, b]) } else { ([j, b], [i, a]) };
+    (i * nodes - i * (i + 1) / 2 + j) * entries + a * components + b
 }
 
 /// Writes the matrices of all lanes, from the numbers of their pairs.
@@ -181,13 +207,37 @@ pub(super) fn write<L: SimdLane, const PAIRS: usize>(
     while k + 4 <= size {
         let mut entries = [numbers[0]; 4];
         for entry in 0..4 {
-            entries[entry] = numbers[pair_of(k + entry, nodes, symmetric)];
+            entries[entry] = numbers[place_of(k + entry, nodes, 1, symmetric)];
         }
         L::store_few(entries, target, k, size);
         k += 4;
     }
     while k < size {
-        L::store_few([numbers[pair_of(k, nodes, symmetric)]], target, k, size);
+        L::store_few([numbers[place_of(k, nodes, 1, symmetric)]], target, k, size);
         k += 1;
     }
+}
+
+/// Whether the matrices of linear tetrahedra are written from blocks of three rows and three columns at places that are constants.
+pub(super) const fn in_space<K: BilinearKernel<D>, L: SimdLane, const D: usize>() -> bool {
+    L::STORES_FEW && D == 3 && K::TEST_COMPONENTS == 3 && K::TRIAL_COMPONENTS == 3
+}
+
+/// Writes the matrices of linear tetrahedra, twelve rows each, from their blocks.
+#[inline(always)]
+pub(super) fn write_in_space<L: SimdLane>(blocks: &[L], symmetric: bool, target: &mut [f64]) {
+    const SIZE: usize = 144;
+    // Written out: a loop of so many passes would look its places up.
+    macro_rules! four {
+        ($($number:literal)*) => {
+            $({
+                let mut entries = [blocks[0]; 4];
+                for entry in 0..4 {
+                    entries[entry] = blocks[place_of(4 * $number + entry, 4, 3, symmetric)];
+                }
+                L::store_few(entries, target, 4 * $number, SIZE);
+            })*
+        };
+    }
+    four!(0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33 34 35);
 }

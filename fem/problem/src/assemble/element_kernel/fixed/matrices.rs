@@ -8,13 +8,14 @@ use forms_core::contract::BilinearKernel;
 
 use super::batch::FixedBatch;
 use super::fields::FieldBuffers;
-use super::in_place::{self, BlockPlaces};
+use super::in_place::{self, Destination, Numbers};
+use super::tables::MOST_NUMBERS;
 use super::{Call, FixedIntegral, FixedTables, store};
 use crate::assemble::element_kernel::ElementCells;
 use crate::assemble::element_kernel::sizes::{Array, Sizes};
 use crate::assemble::kernel_calls::block_sink::BlockSink;
 use crate::assemble::kernel_calls::reference_tensor::{
-    InLanes, ReferenceTensor, contract, contract_numbers, suits,
+    InLanes, ReferenceTensor, contract, contract_numbers, products, suits,
 };
 use crate::assemble::kernel_calls::{BilinearConstants, NodePairs};
 use crate::assemble::walk::Group;
@@ -37,9 +38,10 @@ struct Matrices<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> {
     /// The order is that in which pairs are numbered.
     ordered: bool,
     tensor: Option<ReferenceTensor>,
-    /// Coefficients of a reference tensor of numbers, where they are kept in all lanes.
+    /// Coefficients of a reference tensor of numbers, where they are kept in all lanes: of the computed pairs, or of the matrix's entries
+    /// ([`entry_by_entry`]).
     coefficients: Vec<InLanes<L>>,
-    places: BlockPlaces,
+    destination: Destination,
     buffers: Buffers<K, L, D>,
 }
 
@@ -78,6 +80,20 @@ const fn in_lanes<L: SimdLane>() -> bool {
     L::REGISTERS < 32
 }
 
+/// Bytes of a matrix's coefficients, at most, for which those of each entry are kept and not those of each pair: a quarter of the first
+/// cache.
+const MOST_COEFFICIENTS: usize = 8 << 10;
+
+/// Whether a reference tensor of numbers makes each entry of the matrix in its turn: more products, but no number is stored and read
+/// again by place.
+const fn entry_by_entry<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize>() -> bool {
+    let constants = BilinearConstants::of::<K, D>();
+    let nodes = <S::Nodes<f64> as Array<f64>>::LENGTH;
+    let bytes = nodes * nodes * products::<D>(&constants) * size_of::<L>();
+    let by_tensor = has_tensor::<K, S, D>() && constants.scalar();
+    L::STORES_FEW && in_lanes::<L>() && by_tensor && bytes <= MOST_COEFFICIENTS
+}
+
 impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for PrepareMatrices<'_, K, S, D> {
     type Output = Box<dyn FixedIntegral>;
 
@@ -97,14 +113,23 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for PrepareMatrice
         if let Some(ReferenceTensor::Numbers(numbers)) = &tensor
             && in_lanes::<L>()
         {
-            for number in numbers {
-                coefficients.push(InLanes(L::splat(*number)));
+            let count = const { products::<D>(&BilinearConstants::of::<K, D>()) };
+            let in_order = order.places().map(|place| place as usize);
+            let pairs =
+                if entry_by_entry::<K, L, S, D>() { in_order.collect() } else { Vec::from_iter(0..pairs) };
+            for pair in pairs {
+                for number in &numbers[pair * count..][..count] {
+                    coefficients.push(InLanes(L::splat(*number)));
+                }
             }
         }
-        let places = if const { in_place::by_pairs::<K, L, D>() } {
-            BlockPlaces::new(order, nodes, K::SYMMETRIC, simple::<S, D>(), L::WIDTH * nodes * nodes * entries)
+        let room = L::WIDTH * nodes * nodes * entries;
+        let destination = if const { in_place::by_pairs::<K, L, D>() } {
+            Destination::of_blocks(order, nodes, K::SYMMETRIC, simple::<S, D>(), room)
+        } else if const { entry_by_entry::<K, L, S, D>() } {
+            Destination::in_order(room)
         } else {
-            BlockPlaces::default()
+            Destination::default()
         };
         let buffers = Buffers {
             fields: FieldBuffers::new(&K::REQUIREMENTS, &tables),
@@ -118,11 +143,13 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for PrepareMatrice
             kernel: kernel.clone(),
             tables,
             order: order.clone(),
-            ordered: entries == 1
-                && computed.all(|(k, place)| place as usize == in_place::pair_of(k, nodes, K::SYMMETRIC)),
+            ordered: K::TEST_COMPONENTS == K::TRIAL_COMPONENTS
+                && computed.all(|(k, place)| {
+                    place as usize == in_place::place_of(k, nodes, K::TEST_COMPONENTS, K::SYMMETRIC)
+                }),
             tensor,
             coefficients,
-            places,
+            destination,
             buffers,
         })
     }
@@ -142,14 +169,15 @@ impl<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> SharedWork<L>
     #[inline(always)]
     fn run(self) {
         let Call { integral, cells, target, add } = self;
-        let Matrices { kernel, tables, order, ordered, tensor, coefficients, places, buffers } = integral;
+        let Matrices { kernel, tables, order, ordered, tensor, coefficients, destination, buffers } =
+            integral;
         let work =
             Work { kernel, tables, cells, order, ordered: *ordered, tensor: tensor.as_ref(), coefficients };
         let mut start = 0;
         if const { !beforehand::<K, L, S, D>() } {
             while start < cells.count {
                 let batch = work.load(start, &mut buffers.fields);
-                start = work.write(&batch, start, places, buffers, target, add);
+                start = work.write(&batch, start, destination, buffers, target, add);
             }
             return;
         }
@@ -162,7 +190,7 @@ impl<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> SharedWork<L>
             let following = start + L::WIDTH;
             let more = following < cells.count;
             let next = if more { work.load(following, &mut buffers.fields) } else { batch };
-            work.write(&batch, start, places, buffers, target, add);
+            work.write(&batch, start, destination, buffers, target, add);
             if !more {
                 return;
             }
@@ -201,7 +229,7 @@ impl<'a, K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Work<'a, K
         &self,
         batch: &FixedBatch<L, S, D>,
         start: usize,
-        places: &mut BlockPlaces,
+        destination: &mut Destination,
         buffers: &mut Buffers<K, L, D>,
         target: &mut [f64],
         add: bool,
@@ -212,18 +240,24 @@ impl<'a, K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Work<'a, K
         let target = &mut target[start * size..][..filled * size];
         let whole = filled == L::WIDTH && !add;
         if const { in_place::by_pairs::<K, L, D>() } {
-            let callers = whole && places.are_the_callers();
+            let callers = whole && destination.is_the_callers();
             if const { simple::<S, D>() } {
-                let room = places.room(target, callers, L::WIDTH * size);
-                self.linear_blocks(batch, &mut buffers.fields, room);
+                let room = destination.room(target, callers, L::WIDTH * size);
+                self.linear_blocks(batch, &buffers.fields, room);
             } else {
-                self.blocks(batch, buffers, &mut places.sink(target, callers, nodes, L::WIDTH));
+                self.blocks(batch, buffers, &mut destination.sink::<L>(target, callers, nodes));
             }
             if !callers {
-                places.copy(target, size, add);
+                destination.copy(target, size, add);
+            }
+        } else if const { entry_by_entry::<K, L, S, D>() } && self.tensor.is_some() {
+            let target_of_all = destination.room(target, whole, L::WIDTH * size);
+            self.numbers(batch, &mut Numbers { target: target_of_all, size });
+            if !whole {
+                destination.copy(target, size, add);
             }
         } else if const { simple::<S, D>() && in_place::at_once::<K, L, D>() } {
-            let numbers = self.linear_numbers(batch, &mut buffers.fields);
+            let numbers = self.linear_numbers(batch, &buffers.fields);
             if whole && self.ordered {
                 in_place::write(&numbers, nodes, K::SYMMETRIC, &mut target[..L::WIDTH * size]);
             } else {
@@ -238,7 +272,12 @@ impl<'a, K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Work<'a, K
             // Of a known length: where loops are unrolled nothing is checked per entry.
             let mut blocks = std::mem::take(&mut buffers.blocks);
             self.blocks(batch, buffers, &mut blocks[..pairs * entries]);
-            store(Ordered::new(&blocks, self.order, size), size, filled, target, add);
+            if const { simple::<S, D>() && in_place::in_space::<K, L, D>() } && whole && self.ordered {
+                let blocks = &blocks[..pairs * entries];
+                in_place::write_in_space(blocks, K::SYMMETRIC, &mut target[..L::WIDTH * size]);
+            } else {
+                store(Ordered::new(&blocks, self.order, size), size, filled, target, add);
+            }
             buffers.blocks = blocks;
         }
         start + filled
@@ -250,15 +289,16 @@ impl<'a, K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Work<'a, K
         &self,
         batch: &FixedBatch<L, S, D>,
         cell: &K::Cell<L>,
-        fields: &mut FieldBuffers<L>,
+        fields: &FieldBuffers<L>,
         tests: &mut S::Nodes<K::Test<L>>,
         trials: &mut S::Nodes<K::Trial<L>>,
     ) {
         let requirements = &K::REQUIREMENTS;
         let hessian = [[L::splat(0.0); D]; D];
         let map = batch.map_at(0);
-        let geometry = batch.point(requirements, 0, &map, fields);
-        let point = self.kernel.point(cell, &geometry, &fields.fields);
+        let mut numbers = [L::splat(0.0); MOST_NUMBERS];
+        let geometry = batch.point(requirements, 0, &map, fields, &mut numbers);
+        let point = self.kernel.point(cell, &geometry, &numbers);
         for i in 0..<S::Nodes<f64> as Array<f64>>::LENGTH {
             let basis = batch.basis(requirements, 0, &map, i);
             tests.entries_mut()[i] = self.kernel.test(&point, &basis, &hessian);
@@ -268,7 +308,7 @@ impl<'a, K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Work<'a, K
 
     /// The numbers of all pairs of linear functions at one point.
     #[inline(always)]
-    fn linear_numbers(&self, batch: &FixedBatch<L, S, D>, fields: &mut FieldBuffers<L>) -> [L; LINEAR_PAIRS] {
+    fn linear_numbers(&self, batch: &FixedBatch<L, S, D>, fields: &FieldBuffers<L>) -> [L; LINEAR_PAIRS] {
         let nodes = const { lengths::<K, S, D>()[0] };
         let cell = self.kernel.cell(&batch.cell_geometry(&K::REQUIREMENTS));
         let (test, trial) = K::zero_factors::<L>();
@@ -279,7 +319,7 @@ impl<'a, K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Work<'a, K
             for j in if K::SYMMETRIC { i } else { 0 }..nodes {
                 let mut sum = K::zero::<L>();
                 K::pair(&mut sum, &tests.entries()[i], &trials.entries()[j]);
-                let number = in_place::pair_of(i * nodes + j, nodes, K::SYMMETRIC);
+                let number = in_place::place_of(i * nodes + j, nodes, 1, K::SYMMETRIC);
                 numbers[number] = self.kernel.finish(&cell, &sum).as_ref()[0];
             }
         }
@@ -288,7 +328,7 @@ impl<'a, K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Work<'a, K
 
     /// The blocks of all pairs of linear functions at one point, written into matrices in our order.
     #[inline(always)]
-    fn linear_blocks(&self, batch: &FixedBatch<L, S, D>, fields: &mut FieldBuffers<L>, room: &mut [f64]) {
+    fn linear_blocks(&self, batch: &FixedBatch<L, S, D>, fields: &FieldBuffers<L>, room: &mut [f64]) {
         let nodes = const { lengths::<K, S, D>()[0] };
         let cell = self.kernel.cell(&batch.cell_geometry(&K::REQUIREMENTS));
         let (test, trial) = K::zero_factors::<L>();
@@ -304,6 +344,15 @@ impl<'a, K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Work<'a, K
         }
     }
 
+    /// The numbers of all pairs, or of all entries, by a reference tensor.
+    #[inline(always)]
+    fn numbers<B: BlockSink<L> + ?Sized>(&self, batch: &FixedBatch<L, S, D>, sink: &mut B) {
+        let (kernel, map) = (self.kernel, batch.map_at(0));
+        let cell = kernel.cell(&batch.cell_geometry(&K::REQUIREMENTS));
+        let (coefficients, inverse) = (self.coefficients, &map.inverse);
+        contract_numbers::<K, L, _, B, D>(kernel, &cell, coefficients, map.determinant, inverse, sink);
+    }
+
     /// The blocks of some cells.
     #[inline(always)]
     fn blocks<B: BlockSink<L> + ?Sized>(
@@ -314,18 +363,17 @@ impl<'a, K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Work<'a, K
     ) {
         let requirements = &K::REQUIREMENTS;
         let [nodes, points, ..] = const { lengths::<K, S, D>() };
-        let &Work { kernel, tables, tensor, coefficients, .. } = self;
+        let &Work { kernel, tables, tensor, .. } = self;
         let Buffers { fields, tests, trials, directions, .. } = buffers;
         let cell = kernel.cell(&batch.cell_geometry(requirements));
-        if const { has_tensor::<K, S, D>() }
+        if const { has_tensor::<K, S, D>() && !entry_by_entry::<K, L, S, D>() }
             && let Some(tensor) = tensor
         {
-            let map = batch.map_at(0);
-            let (determinant, inverse) = (map.determinant, &map.inverse);
             if const { BilinearConstants::of::<K, D>().scalar() && in_lanes::<L>() } {
-                let numbers = sink.numbers();
-                contract_numbers::<K, L, _, D>(kernel, &cell, coefficients, determinant, inverse, numbers);
+                self.numbers(batch, sink);
             } else {
+                let map = batch.map_at(0);
+                let (determinant, inverse) = (map.determinant, &map.inverse);
                 contract::<K, L, B, D>(kernel, &cell, tensor, determinant, inverse, directions, sink);
             }
             return;
@@ -334,8 +382,9 @@ impl<'a, K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Work<'a, K
         let hessian = [[zero; D]; D];
         if const { simple::<S, D>() } {
             let map = batch.map_at(0);
-            let geometry = batch.point(requirements, 0, &map, fields);
-            let point = kernel.point(&cell, &geometry, &fields.fields);
+            let mut numbers = [zero; MOST_NUMBERS];
+            let geometry = batch.point(requirements, 0, &map, fields, &mut numbers);
+            let point = kernel.point(&cell, &geometry, &numbers);
             let (test, trial) = K::zero_factors::<L>();
             let (mut tests, mut trials) = (S::Nodes::filled(test), S::Nodes::filled(trial));
             for i in 0..nodes {
@@ -350,10 +399,11 @@ impl<'a, K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Work<'a, K
             return;
         }
         let (tests, trials) = (&mut tests[..nodes * points], &mut trials[..nodes * points]);
+        let mut numbers = [zero; MOST_NUMBERS];
         for q in 0..points {
             let map = batch.map_at(q);
-            let geometry = batch.point(requirements, q, &map, fields);
-            let point = kernel.point(&cell, &geometry, &fields.fields);
+            let geometry = batch.point(requirements, q, &map, fields, &mut numbers);
+            let point = kernel.point(&cell, &geometry, &numbers);
             // One after the other: gradients of all functions at once do not fit into registers.
             for i in 0..nodes {
                 let basis = batch.basis(requirements, q, &map, i);

@@ -13,12 +13,16 @@ use crate::element::Tables;
 /// Components of a field, at most.
 pub(super) const MOST_COMPONENTS: usize = 3;
 
+/// Numbers that a kernel reads of fields at a point, at most: three fields with values and gradients, in space, and some.
+pub(super) const MOST_NUMBERS: usize = 48;
+
 /// Whether a kernel reads only what the loops of fixed lengths give.
 pub(in crate::assemble) const fn fits(requirements: &Requirements) -> bool {
     if requirements.hessian
         || requirements.curvature
         || requirements.opposite_diameter
         || requirements.opposite_volume
+        || requirements.field_length > MOST_NUMBERS
     {
         return false;
     }
@@ -58,9 +62,19 @@ pub(super) type GeometryTables<S, const D: usize> = BasisTables<
 /// A field whose coefficients the caller lists.
 pub(super) struct FieldTables<const D: usize> {
     pub offsets: Arc<[usize]>,
-    /// Its element is that of the test function.
-    pub as_arguments: bool,
+    pub basis: FieldBasis,
     pub tables: Tables<D>,
+}
+
+/// The basis functions of a field: some stand in arrays already.
+#[derive(Clone, Copy)]
+pub(super) enum FieldBasis {
+    /// Those of the test function.
+    Arguments,
+    /// Those of the geometry map.
+    Geometry,
+    /// Others, in the field's own tables.
+    Own,
 }
 
 /// A group's tables.
@@ -78,6 +92,8 @@ pub(in crate::assemble) struct FixedTables<S: Sizes, const D: usize> {
     pub(super) tangents: Option<[[f64; D]; 2]>,
     /// For |T| and |F|.
     pub(super) measure: Measure<D>,
+    /// Sums of the weights of `measure`, inside the cell and on the facet: |T| and |F| of the reference cell.
+    pub(super) reference_measure: [f64; 2],
     /// Of the cell.
     pub(super) vertices: usize,
     /// Number of points, for loops that are to stay loops.
@@ -101,7 +117,11 @@ impl<S: Sizes, const D: usize> FixedTables<S, D> {
         let fields = values.iter().map(|values| match values {
             Values::Given { element, offsets } => Some(FieldTables {
                 offsets: offsets.clone(),
-                as_arguments: *element == 0,
+                basis: match &side.elements[*element] {
+                    _ if *element == 0 => FieldBasis::Arguments,
+                    own if own.value == side.geometry.value => FieldBasis::Geometry,
+                    _ => FieldBasis::Own,
+                },
                 tables: side.elements[*element].clone(),
             }),
             _ => None,
@@ -124,6 +144,10 @@ impl<S: Sizes, const D: usize> FixedTables<S, D> {
             coefficient_stride: layout.coefficient_stride,
             tangents: side.facet.map(|(_, tangents)| tangents),
             measure: side.measure.clone(),
+            reference_measure: [
+                side.measure.cell_weights.iter().sum(),
+                side.measure.facet.as_ref().map_or(0.0, |(_, weights)| weights.iter().sum()),
+            ],
             vertices: side.shape.vertices(),
             points: group.points(),
         }

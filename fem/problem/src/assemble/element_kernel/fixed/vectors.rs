@@ -2,7 +2,7 @@
 //!
 //! What a kernel adds to a test function is linear in it: at each point the kernel is asked for the functions
 //! whose value, or whose derivative along one axis of the reference cell, is one, and each basis function
-//! combines these by its own tabulated values.
+//! combines these by its own tabulated values. All points come before the first basis function, so that its sums stay in registers.
 
 // Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
 // loops over lane values are plain.
@@ -12,7 +12,7 @@ use forms_core::contract::{Basis, LinearKernel};
 
 use super::batch::FixedBatch;
 use super::fields::FieldBuffers;
-use super::tables::MOST_COMPONENTS;
+use super::tables::{MOST_COMPONENTS, MOST_NUMBERS};
 use super::{Call, FixedIntegral, FixedTables, store};
 use crate::assemble::element_kernel::ElementCells;
 use crate::assemble::element_kernel::sizes::{Array, Sizes};
@@ -32,7 +32,15 @@ struct Vectors<K, L, S: Sizes, const D: usize> {
     tables: FixedTables<S, D>,
     order: Order,
     fields: FieldBuffers<L>,
+    /// What a kernel adds to each function that it is asked for, at each point.
+    fluxes: Vec<L>,
     sums: Vec<L>,
+}
+
+/// Functions that a kernel is asked for at a point.
+const fn asked<K: LinearKernel<D>, const D: usize>() -> usize {
+    let requirements = &K::REQUIREMENTS;
+    requirements.basis_value as usize + if requirements.basis_gradient { D } else { 0 }
 }
 
 impl<K: LinearKernel<D>, S: Sizes, const D: usize> LaneWork for PrepareVectors<'_, K, S, D> {
@@ -44,7 +52,10 @@ impl<K: LinearKernel<D>, S: Sizes, const D: usize> LaneWork for PrepareVectors<'
         let size = <S::Nodes<f64> as Array<f64>>::LENGTH * K::TEST_COMPONENTS;
         let fields = FieldBuffers::new(&K::REQUIREMENTS, &tables);
         let sums = vec![L::splat(0.0); size];
-        Box::new(Vectors::<K, L, S, D> { kernel: kernel.clone(), tables, order: order.clone(), fields, sums })
+        let points = <S::Points<f64> as Array<f64>>::LENGTH;
+        let fluxes = vec![L::splat(0.0); points * asked::<K, D>() * MOST_COMPONENTS];
+        let (kernel, order) = (kernel.clone(), order.clone());
+        Box::new(Vectors::<K, L, S, D> { kernel, tables, order, fields, fluxes, sums })
     }
 }
 
@@ -84,60 +95,64 @@ impl<K: LinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Vectors<K, L, S,
     fn sums<const C: usize>(&mut self, cells: &ElementCells, start: usize, filled: usize) {
         let requirements = &K::REQUIREMENTS;
         let zero = L::splat(0.0);
-        let Vectors { kernel, tables, fields, sums, .. } = self;
+        let Vectors { kernel, tables, fields, fluxes, sums, .. } = self;
         let (kernel, tables) = (&*kernel, &*tables);
         let batch = FixedBatch::<L, S, D>::load(requirements, tables, cells, start, filled, fields);
         let cell = kernel.cell(&batch.cell_geometry(requirements));
-        let mut totals = S::Nodes::filled([zero; C]);
-        let totals = totals.entries_mut();
+        let asked = const { asked::<K, D>() };
+        // Of known lengths: nothing is checked per function.
+        let (fluxes, _) = fluxes.as_chunks_mut::<C>();
+        let fluxes = &mut fluxes[..<S::Points<f64> as Array<f64>>::LENGTH * asked];
         let hessian = [[zero; D]; D];
         let arguments = &tables.arguments;
+        let mut numbers = [zero; MOST_NUMBERS];
         for q in 0..<S::Points<f64> as Array<f64>>::LENGTH {
             let map = batch.map_at(q);
-            let geometry = batch.point(requirements, q, &map, fields);
-            let flux = kernel.point(&cell, &geometry, &fields.fields);
-            let values = &arguments.values.entries()[q].entries()[..totals.len()];
-            let slopes = &arguments.slopes.entries()[q].entries()[..totals.len()];
-            if requirements.basis_value {
-                let unit = Basis { value: L::splat(1.0), gradient: [zero; D] };
-                let block = kernel.test(&flux, &unit, &hessian);
-                let block = &block.as_ref()[..C];
-                for i in 0..totals.len() {
-                    for component in 0..C {
-                        totals[i][component] =
-                            block[component].multiply_add(L::splat(values[i]), totals[i][component]);
-                    }
-                }
-            }
-            if requirements.basis_gradient {
-                let mut blocks = [[zero; C]; D];
-                for j in 0..D {
-                    let mut unit = Basis { value: zero, gradient: [zero; D] };
+            let geometry = batch.point(requirements, q, &map, fields, &mut numbers);
+            let flux = kernel.point(&cell, &geometry, &numbers);
+            for number in 0..asked {
+                let mut unit = Basis { value: zero, gradient: [zero; D] };
+                if requirements.basis_value && number == 0 {
+                    unit.value = L::splat(1.0);
+                } else {
+                    let j = number - requirements.basis_value as usize;
                     for i in 0..D {
                         unit.gradient[i] = map.inverse[i][j];
                     }
-                    let block = kernel.test(&flux, &unit, &hessian);
-                    let block = &block.as_ref()[..C];
-                    for component in 0..C {
-                        blocks[j][component] = block[component];
-                    }
                 }
-                for i in 0..totals.len() {
+                let block = kernel.test(&flux, &unit, &hessian);
+                let block = &block.as_ref()[..C];
+                for component in 0..C {
+                    fluxes[q * asked + number][component] = block[component];
+                }
+            }
+        }
+        let (sums, _) = sums.as_chunks_mut::<C>();
+        let sums = &mut sums[..<S::Nodes<f64> as Array<f64>>::LENGTH];
+        for node in 0..sums.len() {
+            let mut sum = [zero; C];
+            for q in 0..<S::Points<f64> as Array<f64>>::LENGTH {
+                let mut own = &fluxes[q * asked..][..asked];
+                if requirements.basis_value
+                    && let Some((flux, others)) = own.split_first()
+                {
+                    let value = L::splat(arguments.values.entries()[q].entries()[node]);
+                    for component in 0..C {
+                        sum[component] = flux[component].multiply_add(value, sum[component]);
+                    }
+                    own = others;
+                }
+                if requirements.basis_gradient {
+                    let slopes = &arguments.slopes.entries()[q].entries()[node];
                     for j in 0..D {
-                        let slope = L::splat(slopes[i][j]);
+                        let slope = L::splat(slopes[j]);
                         for component in 0..C {
-                            totals[i][component] =
-                                blocks[j][component].multiply_add(slope, totals[i][component]);
+                            sum[component] = own[j][component].multiply_add(slope, sum[component]);
                         }
                     }
                 }
             }
-        }
-        let sums = &mut sums[..totals.len() * C];
-        for i in 0..totals.len() {
-            for component in 0..C {
-                sums[i * C + component] = totals[i][component];
-            }
+            sums[node] = sum;
         }
     }
 }

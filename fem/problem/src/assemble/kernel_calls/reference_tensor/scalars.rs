@@ -10,6 +10,7 @@
 use forms_core::contract::{Basis, BilinearKernel, PointGeometry, Requirements};
 
 use crate::assemble::kernel_calls::BilinearConstants;
+use crate::assemble::kernel_calls::block_sink::BlockSink;
 use crate::assemble::walk::GroupSide;
 use crate::lanes::SimdLane;
 
@@ -20,7 +21,7 @@ pub(super) const fn directions<const D: usize>(kernel: &BilinearConstants) -> us
 }
 
 /// Blocks of pairs of directions (a, b); of a symmetric form those with a ≤ b.
-pub(super) const fn products<const D: usize>(kernel: &BilinearConstants) -> usize {
+pub(in crate::assemble) const fn products<const D: usize>(kernel: &BilinearConstants) -> usize {
     let directions = directions::<D>(kernel);
     if kernel.symmetric { directions * (directions + 1) / 2 } else { directions * directions }
 }
@@ -105,41 +106,47 @@ impl<L: Copy> Coefficient<L> for InLanes<L> {
     }
 }
 
-/// The numbers of all pairs.
+/// The numbers of all pairs, as sums of coefficients.
 #[inline(always)]
-pub(in crate::assemble) fn contract<K: BilinearKernel<D>, L: SimdLane, C: Coefficient<L>, const D: usize>(
+pub(in crate::assemble) fn contract<K, L, C, S, const D: usize>(
     kernel: &K,
     cell: &K::Cell<L>,
     coefficients: &[C],
     determinant: L,
     inverse: &[[L; D]; D],
-    blocks: &mut [L],
-) {
+    sink: &mut S,
+) where
+    K: BilinearKernel<D>,
+    L: SimdLane,
+    C: Coefficient<L>,
+    S: BlockSink<L> + ?Sized,
+{
     // A constant block: only the case that is used is compiled.
     match const { products::<D>(&BilinearConstants::of::<K, D>()) } {
-        1 => contract_products::<K, L, C, 1, D>(kernel, cell, coefficients, determinant, inverse, blocks),
-        3 => contract_products::<K, L, C, 3, D>(kernel, cell, coefficients, determinant, inverse, blocks),
-        4 => contract_products::<K, L, C, 4, D>(kernel, cell, coefficients, determinant, inverse, blocks),
-        6 => contract_products::<K, L, C, 6, D>(kernel, cell, coefficients, determinant, inverse, blocks),
-        9 => contract_products::<K, L, C, 9, D>(kernel, cell, coefficients, determinant, inverse, blocks),
-        10 => contract_products::<K, L, C, 10, D>(kernel, cell, coefficients, determinant, inverse, blocks),
-        16 => contract_products::<K, L, C, 16, D>(kernel, cell, coefficients, determinant, inverse, blocks),
+        1 => contract_products::<K, L, C, S, 1, D>(kernel, cell, coefficients, determinant, inverse, sink),
+        3 => contract_products::<K, L, C, S, 3, D>(kernel, cell, coefficients, determinant, inverse, sink),
+        4 => contract_products::<K, L, C, S, 4, D>(kernel, cell, coefficients, determinant, inverse, sink),
+        6 => contract_products::<K, L, C, S, 6, D>(kernel, cell, coefficients, determinant, inverse, sink),
+        9 => contract_products::<K, L, C, S, 9, D>(kernel, cell, coefficients, determinant, inverse, sink),
+        10 => contract_products::<K, L, C, S, 10, D>(kernel, cell, coefficients, determinant, inverse, sink),
+        16 => contract_products::<K, L, C, S, 16, D>(kernel, cell, coefficients, determinant, inverse, sink),
         _ => unreachable!("at most three axes and the value"),
     }
 }
 
 #[inline(always)]
-fn contract_products<K, L, C, const PRODUCTS: usize, const D: usize>(
+fn contract_products<K, L, C, S, const PRODUCTS: usize, const D: usize>(
     kernel: &K,
     cell: &K::Cell<L>,
     coefficients: &[C],
     determinant: L,
     inverse: &[[L; D]; D],
-    blocks: &mut [L],
+    sink: &mut S,
 ) where
     K: BilinearKernel<D>,
     L: SimdLane,
     C: Coefficient<L>,
+    S: BlockSink<L> + ?Sized,
 {
     let zero = L::splat(0.0);
     let geometry = PointGeometry::of_weight(determinant);
@@ -159,14 +166,7 @@ fn contract_products<K, L, C, const PRODUCTS: usize, const D: usize>(
         }
     }
     let (coefficients, _) = coefficients.as_chunks::<PRODUCTS>();
-    let blocks = &mut blocks[..coefficients.len()];
-    for pair in 0..coefficients.len() {
-        let mut sum = products[0] * coefficients[pair][0].lanes();
-        for product in 1..PRODUCTS {
-            sum = products[product].multiply_add(coefficients[pair][product].lanes(), sum);
-        }
-        blocks[pair] = sum;
-    }
+    sink.put_sums(&products, coefficients);
 }
 
 /// A function whose derivative along one axis of the reference cell is one, or whose value is.

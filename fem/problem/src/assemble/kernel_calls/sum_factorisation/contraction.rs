@@ -43,12 +43,11 @@ fn contract_fixed<L: SimdLane, const COLUMNS: usize>(
             for c in 0..COLUMNS {
                 values[c] = source[c];
             }
-            for (factors, target) in table.chunks_exact(COLUMNS).zip(target.iter_mut()) {
-                let mut sum = if add { *target } else { zero };
-                for c in 0..COLUMNS {
-                    sum = values[c].multiply_add(L::splat(factors[c]), sum);
-                }
-                *target = sum;
+            let (table, _) = table.as_chunks::<COLUMNS>();
+            if add {
+                down::<L, COLUMNS, true>(table, &values, &mut target[..table.len()]);
+            } else {
+                down::<L, COLUMNS, false>(table, &values, &mut target[..table.len()]);
             }
             continue;
         }
@@ -72,18 +71,75 @@ fn contract_fixed<L: SimdLane, const COLUMNS: usize>(
     }
 }
 
+/// Entries that are computed side by side: what a loop takes for itself is shared.
+const SIDE_BY_SIDE: usize = 3;
+
+/// Σ over columns, for each row of the table.
+#[inline(always)]
+fn down<L: SimdLane, const COLUMNS: usize, const ADD: bool>(
+    table: &[[f64; COLUMNS]],
+    values: &[L; COLUMNS],
+    target: &mut [L],
+) {
+    let (rows, others) = table.as_chunks::<SIDE_BY_SIDE>();
+    let (targets, rest) = target.as_chunks_mut::<SIDE_BY_SIDE>();
+    let targets = &mut targets[..rows.len()];
+    for k in 0..rows.len() {
+        for r in 0..SIDE_BY_SIDE {
+            let start = if ADD { targets[k][r] } else { L::splat(0.0) };
+            targets[k][r] = combined(values, &rows[k][r], start);
+        }
+    }
+    let rest = &mut rest[..others.len()];
+    for r in 0..others.len() {
+        let start = if ADD { rest[r] } else { L::splat(0.0) };
+        rest[r] = combined(values, &others[r], start);
+    }
+}
+
+#[inline(always)]
+fn combined<L: SimdLane, const COLUMNS: usize>(
+    values: &[L; COLUMNS],
+    factors: &[f64; COLUMNS],
+    start: L,
+) -> L {
+    let mut sum = start;
+    for c in 0..COLUMNS {
+        sum = values[c].multiply_add(L::splat(factors[c]), sum);
+    }
+    sum
+}
+
 #[inline(always)]
 fn along<L: SimdLane, const COLUMNS: usize, const ADD: bool>(
     columns: &[&[L]; COLUMNS],
     factors: &[L; COLUMNS],
     target: &mut [L],
 ) {
-    for k in 0..target.len() {
-        let mut sum = if ADD { target[k] } else { L::splat(0.0) };
-        for c in 0..COLUMNS {
-            sum = columns[c][k].multiply_add(factors[c], sum);
+    // Of known lengths: nothing is checked per entry.
+    let (targets, rest) = target.as_chunks_mut::<SIDE_BY_SIDE>();
+    let whole = targets.len();
+    let mut chunks = [columns[0].as_chunks::<SIDE_BY_SIDE>().0; COLUMNS];
+    let mut ends = [&columns[0][..0]; COLUMNS];
+    for c in 0..COLUMNS {
+        let (own, end) = columns[c].as_chunks::<SIDE_BY_SIDE>();
+        (chunks[c], ends[c]) = (&own[..whole], &end[..rest.len()]);
+    }
+    for k in 0..whole {
+        for entry in 0..SIDE_BY_SIDE {
+            let mut sum = if ADD { targets[k][entry] } else { L::splat(0.0) };
+            for c in 0..COLUMNS {
+                sum = chunks[c][k][entry].multiply_add(factors[c], sum);
+            }
+            targets[k][entry] = sum;
         }
-        target[k] = sum;
+    }
+    for k in 0..rest.len() {
+        let mut sum = if ADD { rest[k] } else { L::splat(0.0) };
+        for c in 0..COLUMNS {
+            sum = ends[c][k].multiply_add(factors[c], sum);
+        }
+        rest[k] = sum;
     }
 }
 

@@ -130,9 +130,10 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for PairSums<'_, L, D> {
             }
             std::mem::swap(&mut stages.from, &mut stages.to);
         }
-        let last = &stages.from[0];
-        for (place, block) in stages.places.iter().zip(blocks) {
-            *block = last[*place as usize];
+        let (last, places) = (&stages.from[0][..], &stages.places[..]);
+        let blocks = &mut blocks[..places.len()];
+        for pair in 0..places.len() {
+            blocks[pair] = last[places[pair] as usize];
         }
     }
 }
