@@ -118,6 +118,7 @@ impl<L: SimdLane> BlockSink<L> for PlacedBlocks<'_> {
 
     #[inline(always)]
     fn put_sums<C: Coefficient<L>, const PRODUCTS: usize>(&mut self, _: &[L; PRODUCTS], _: &[[C; PRODUCTS]]) {
+        unreachable!("blocks of two rows and two columns are no numbers");
     }
 }
 
@@ -129,7 +130,9 @@ pub(super) struct Numbers<'a> {
 
 impl<L: SimdLane> BlockSink<L> for Numbers<'_> {
     #[inline(always)]
-    fn put(&mut self, _: usize, _: &[L]) {}
+    fn put(&mut self, _: usize, _: &[L]) {
+        unreachable!("all numbers of a matrix come at once");
+    }
 
     /// Entry by entry, in the order of memory: four are in registers when they are written.
     #[inline(always)]
