@@ -320,9 +320,10 @@ fn what_is_constant_on_a_cell_is_computed_there() {
     // kept there and S_kk accumulates, which is a little less where points are many (the factor's degree is a guess).
     assert_eq!(tangent(&form!(on_the_cell, 3, Omega)).sizes, [[1, 1, 3]]);
     assert_eq!(tangent(&form!(on_the_cell, 2, Omega)).sizes, [[1, 1, 1]]);
-    // Two moduli: nothing but the weight at points, and the D² sums of products of derivatives.
-    assert_eq!(tangent(&form!(elasticity, 3, Omega)).sizes, [[0, 1, 9]]);
-    assert_eq!(tangent(&form!(elasticity, 2, Omega)).sizes, [[0, 1, 4]]);
+    // Two moduli: nothing but the weight at points, and the D² sums of products of derivatives. The block's end reads
+    // the moduli, and sums of them, from constants of the cell, in all lanes.
+    assert_eq!(tangent(&form!(elasticity, 3, Omega)).sizes, [[3, 1, 9]]);
+    assert_eq!(tangent(&form!(elasticity, 2, Omega)).sizes, [[4, 1, 4]]);
     // With a field in it, the factor times the weight is one number per point, its cell part one per cell.
     assert_eq!(tangent(&form!(at_the_point, 3, Omega)).sizes, [[1, 1, 1]]);
 }
