@@ -272,3 +272,51 @@ impl<'a, T> IntoIterator for &'a SortedSet<T> {
         self.elements.iter()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::{BTreeMap, BTreeSet};
+
+    use super::*;
+
+    /// Numbers below 40 in no order, many of them more than once.
+    fn numbers() -> impl Iterator<Item = u32> {
+        (0..200_u32).map(|k| k.wrapping_mul(2_654_435_761) >> 16).map(|number| number % 40)
+    }
+
+    #[test]
+    fn maps_are_those_of_the_standard_library() {
+        let (mut own, mut expected) = (SortedMap::new(), BTreeMap::new());
+        for (k, key) in numbers().enumerate() {
+            match k % 4 {
+                0 => assert_eq!(own.remove(&key), expected.remove(&key)),
+                1 => {
+                    *own.get_or_default(key) += k;
+                    *expected.entry(key).or_default() += k;
+                }
+                _ => assert_eq!(own.insert(key, k), expected.insert(key, k)),
+            }
+            assert_eq!(own.get(&key), expected.get(&key));
+            assert!(own.iter().map(|(key, value)| (key, value)).eq(&expected), "step {k}");
+        }
+        own.retain(|key, _| key % 3 > 0);
+        expected.retain(|key, _| key % 3 > 0);
+        assert!(own.keys().eq(expected.keys()) && own.values().eq(expected.values()));
+        // Of two entries with one key the later one counts.
+        let twice: SortedMap<_, _> = [(2, 'a'), (1, 'b'), (2, 'c')].into();
+        assert_eq!(Vec::from_iter(twice), [(1, 'b'), (2, 'c')]);
+    }
+
+    #[test]
+    fn sets_are_those_of_the_standard_library() {
+        let (mut own, mut expected) = (SortedSet::new(), BTreeSet::new());
+        for number in numbers() {
+            assert_eq!(own.insert(number), expected.insert(number));
+            assert!(own.iter().eq(&expected) && own.contains(&number));
+        }
+        for limit in 0..41 {
+            assert_eq!(own.last_before(&limit), expected.range(..limit).next_back());
+        }
+        assert_eq!(own, numbers().collect());
+    }
+}

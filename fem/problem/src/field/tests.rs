@@ -1,3 +1,5 @@
+//! Fields against the functions that they interpolate, and errors that name the node.
+
 use super::*;
 use crate::element::CellShape;
 use crate::mesh::{annulus, cuboid, rectangle};

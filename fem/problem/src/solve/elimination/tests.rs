@@ -1,3 +1,5 @@
+//! Eliminated unknowns on a line between two ends: solutions, transposed problems, prescriptions that are refused.
+
 use super::*;
 use crate::solve::{TangentSolver, solve_linear, solve_linear_transposed};
 
