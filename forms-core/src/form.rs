@@ -3,6 +3,7 @@
 //! A form is a value of a type that `#[forms]` emits. The backend walks its integrals with a visitor,
 //! so each kernel arrives with its static type and is inlined into the backend's loops.
 
+use crate::degree::Degree;
 use crate::dimension::Constants;
 use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel, Side};
 use crate::pairing::Pairing;
@@ -116,10 +117,8 @@ pub struct Integral {
     pub vanishes: bool,
     /// The tangent's blocks are proved symmetric (tangents only, else false).
     pub symmetric: bool,
-    /// Degree of the integrand as a polynomial, from the degrees of the fields (by field index), of the
-    /// geometry map, and whether cells are simplices (there a gradient lowers the degree by one); for
-    /// what is not a polynomial, an estimate as in UFL.
-    pub degree: fn(fields: &[usize], geometry: usize, simplex: bool) -> usize,
+    /// Degree of the integrand as a polynomial of the place, from which follows that of a quadrature rule.
+    pub degree: Degree,
 }
 
 /// The data that a form was built with.

@@ -6,11 +6,12 @@
 //! toy backend beside this package shows that nothing more is needed.
 //!
 //! Reading order: [`lane`] (the number type), [`kernel`] (what is called at a point), [`mod@form`] (how a
-//! form hands its kernels over), [`dimension`] (one bound for all forms), [`source`] (where data come from). Functions written in Rust compute with
+//! form hands its kernels over), [`degree`] (of an integrand), [`dimension`] (one bound for all forms), [`source`] (where data come from). Functions written in Rust compute with
 //! [`real`] and [`dual`] numbers, are called through [`external`], and may use [`spectral`] ones; a [`table`]
 //! is a law given by points, and [`history`] what a material remembers. [`pairing`] says which surfaces of a region of contact pairs meet.
 
 pub mod contract;
+pub mod degree;
 pub mod dimension;
 pub mod dual;
 mod error_function;

@@ -358,7 +358,7 @@ fn blocks_cost_what_their_algebra_needs() {
 
 /// The degree of the integral at `index`, for fields of degree 2, a geometry of degree 2.
 fn degree(told: &Told, index: usize, simplex: bool) -> usize {
-    (told.integrals[index].degree)(&[2; 8], 2, simplex)
+    told.integrals[index].degree.of(&[2; 8], 2, simplex)
 }
 
 #[test]

@@ -311,7 +311,7 @@ impl BilinearVisitor<2> for Told {
     fn visit<K: BilinearKernel<2>>(&mut self, integral: &Integral, _: &K) -> Result<(), ()> {
         self.symmetric.push(integral.symmetric);
         self.hessian.push(K::REQUIREMENTS.hessian);
-        let degree = |field: usize, simplex: bool| (integral.degree)(&[field; 4], 1, simplex);
+        let degree = |field: usize, simplex: bool| integral.degree.of(&[field; 4], 1, simplex);
         self.degrees.push([degree(1, true), degree(3, true), degree(3, false)]);
         Ok(())
     }

@@ -237,7 +237,7 @@ pub(super) fn groups<const D: usize>(
     let history = binding.history_degree(requirements, quadrature)?;
     let degree = |simplex: bool| match history {
         Some((_, degree)) => degree,
-        None => (integral.degree)(degrees, mesh.degree(), simplex),
+        None => integral.degree.of(degrees, mesh.degree(), simplex),
     };
     let region = &binding.regions[integral.region];
     let place = format!("the region `{}` (\"{}\")", region.symbol, region.name);
@@ -245,7 +245,8 @@ pub(super) fn groups<const D: usize>(
     let form = binding.name;
     let failed = |source| AssemblyError::Quadrature { form, source };
     if region.entity == Entity::Pairs {
-        let degree = degree_on_pairs(mesh, &|_, simplex| degree(simplex));
+        let estimate = || degree_on_pairs(mesh, &integral.degree, degrees);
+        let degree = history.map_or_else(estimate, |(_, degree)| degree);
         return pair_groups(binding, integral, quadrature, degree, requirements);
     }
     match binding.entities(integral.region)? {

@@ -62,22 +62,26 @@ pub fn describe(
     }
 }
 
-/// A function from the fields' degrees to the integrand's.
+/// The text of a degree.
 fn degree(degree: &Degree) -> TokenStream {
     let sums = degree.0.iter().map(|sum| {
         let constant = sum.constant;
-        let parts = sum.parts.iter().map(|(part, count)| {
-            let value = match part {
-                Part::Field { field, order: 0 } => quote! { fields[#field] },
-                Part::Field { field, order } => {
-                    quote! { fields[#field].saturating_sub(#order * simplex as usize) }
-                }
-                Part::Position => quote! { geometry },
-                Part::Normal => quote! { geometry.saturating_sub(1) },
-            };
-            quote! { + #count * #value }
-        });
-        quote! { .max(#constant #(#parts)*) }
+        let (mut positions, mut normals, mut fields) = (0, 0, vec![]);
+        for (part, count) in &sum.parts {
+            match part {
+                Part::Field { field, order } => fields.push(quote! { [#field, #order, #count] }),
+                Part::Position => positions += count,
+                Part::Normal => normals += count,
+            }
+        }
+        quote! {
+            contract::DegreeSum {
+                constant: #constant,
+                positions: #positions,
+                normals: #normals,
+                fields: &[#(#fields),*],
+            }
+        }
     });
-    quote! { |fields, geometry, simplex| 0usize #(#sums)* }
+    quote! { contract::Degree(&[#(#sums),*]) }
 }

@@ -9,10 +9,12 @@ use super::external::ExternalNames;
 use super::parts::parts;
 use crate::optimise::scalar::Node;
 use crate::optimise::straight_line::{Code, Instruction, Level, Value};
+use crate::sorted::SortedSet;
 use crate::tensor::{External, Function};
 
-/// Names of a function from which on one `let` declares them all; rustc's stack ends between 2,000 and 3,000.
-const MANY_NAMES: usize = 500;
+/// Names of a block at most. Each `let` opens a scope inside the last, and where rustc writes debug information its stack
+/// ends between 1,600 and 3,000 of them.
+const NAMES: usize = 500;
 
 /// The text of one function, and what it wants from the functions before it.
 pub struct Body {
@@ -35,6 +37,47 @@ pub fn kept_name(part: usize) -> Ident {
 
 /// The text by which each value is read.
 type Texts = HashMap<Value, TokenStream>;
+
+/// One `let`.
+struct Line {
+    value: Value,
+    name: Ident,
+    right: TokenStream,
+    reads: Vec<Value>,
+}
+
+impl Line {
+    /// Gives the value its name, by which later lines read it.
+    fn new(value: Value, right: TokenStream, reads: Vec<Value>, texts: &mut Texts) -> Self {
+        let name = format_ident!("t{}", value.0);
+        texts.insert(value, quote! { #name });
+        Line { value, name, right, reads }
+    }
+}
+
+/// The lines in blocks of a bounded number, each of which leaves what later ones, or the results, read.
+fn in_blocks(lines: &[Line], results: &[Value]) -> TokenStream {
+    let blocks: Vec<&[Line]> = lines.chunks(NAMES).collect();
+    let mut last_reader: HashMap<Value, usize> = HashMap::new();
+    for (number, block) in blocks.iter().enumerate() {
+        last_reader.extend(block.iter().flat_map(|line| line.reads.iter().map(|value| (*value, number))));
+    }
+    last_reader.extend(results.iter().map(|value| (*value, blocks.len())));
+    let mut text = TokenStream::new();
+    for (number, block) in blocks.iter().enumerate() {
+        let lets: TokenStream =
+            block.iter().map(|Line { name, right, .. }| quote! { let #name = #right; }).collect();
+        if number + 1 == blocks.len() {
+            text.extend(lets);
+            continue;
+        }
+        let kept =
+            block.iter().filter(|line| last_reader.get(&line.value).is_some_and(|reader| *reader > number));
+        let kept: Vec<&Ident> = kept.map(|line| &line.name).collect();
+        text.extend(quote! { let (#(#kept,)*) = { #lets (#(#kept,)*) }; });
+    }
+    text
+}
 
 /// Values that one function leaves to later ones, in the order of their slots.
 #[derive(Default)]
@@ -102,7 +145,7 @@ impl Printer<'_> {
         let own = self.code.own(roots, level);
         let operations = self.code.operations(&own);
         let mut texts = Texts::new();
-        let statements = self.statements(&own, terminal, earlier, &mut texts);
+        let statements = self.statements(&own, roots, terminal, earlier, &mut texts);
         let results = roots.iter().map(|root| self.text(*root, earlier, &mut texts)).collect();
         Body { statements, results, operations }
     }
@@ -124,7 +167,7 @@ impl Printer<'_> {
         let mut bodies = vec![];
         for (number, part) in parts.iter().enumerate() {
             let mut texts = known.clone();
-            let statements = self.statements(&part.values, terminal, earlier, &mut texts);
+            let statements = self.statements(&part.values, &part.kept, terminal, earlier, &mut texts);
             let results = part.kept.iter().map(|value| self.text(*value, earlier, &mut texts)).collect();
             bodies.push(PartBody { statements, results });
             let array = kept_name(number);
@@ -134,38 +177,50 @@ impl Printer<'_> {
         // Inputs that are results themselves.
         let inputs: Vec<Value> =
             own.iter().copied().filter(|value| roots.contains(value) && !known.contains_key(value)).collect();
-        let statements = self.statements(&inputs, terminal, earlier, &mut known);
+        let statements = self.statements(&inputs, roots, terminal, earlier, &mut known);
         let results = roots.iter().map(|root| self.text(*root, earlier, &mut known)).collect();
         let operations = parts.iter().map(|part| self.code.operations(&part.values)).sum();
         (bodies, Body { statements, results, operations })
     }
 
+    /// A `let` for each value, and for each constant before the first of several that read it; `results` are read at the end.
     fn statements(
         &self,
         values: &[Value],
+        results: &[Value],
         terminal: &dyn Fn(&Node) -> TokenStream,
         earlier: &mut dyn FnMut(Value, Level) -> TokenStream,
         texts: &mut Texts,
     ) -> TokenStream {
-        // Where a name's type is known at its `let`, rustc checks types in half the time. But each `let` opens a scope inside
-        // the last, and some thousands of them overflow rustc's stack where it writes debug information: one for all names then.
-        let names: Vec<_> = values.iter().map(|value| format_ident!("t{}", value.0)).collect();
-        let at_once = names.len() > MANY_NAMES;
-        let mut statements = if at_once {
-            quote! { let (#(#names,)*); }
-        } else {
-            TokenStream::new()
-        };
-        for (value, name) in values.iter().zip(names) {
+        let named = self.constants_read_twice(values);
+        let mut lines = Vec::with_capacity(values.len());
+        for value in values {
+            let reads = self.code.instruction(*value).operands();
+            for constant in reads.iter().filter(|operand| named.contains(operand)) {
+                if !texts.contains_key(constant) {
+                    let right = self.text(*constant, earlier, texts);
+                    lines.push(Line::new(*constant, right, vec![], texts));
+                }
+            }
             let right = self.print_instruction(*value, terminal, earlier, texts);
-            statements.extend(if at_once {
-                quote! { #name = #right; }
-            } else {
-                quote! { let #name = #right; }
-            });
-            texts.insert(*value, quote! { #name });
+            lines.push(Line::new(*value, right, reads, texts));
         }
-        statements
+        in_blocks(&lines, results)
+    }
+
+    /// Numbers, and values known with the parameters, that more than one of these instructions reads. Named, they are spread over
+    /// the lanes, and read by rustc, once.
+    fn constants_read_twice(&self, values: &[Value]) -> SortedSet<Value> {
+        let mut read: Vec<Value> = values
+            .iter()
+            .flat_map(|value| self.code.instruction(*value).operands())
+            .filter(|operand| {
+                matches!(self.code.instruction(*operand), Instruction::Number(_))
+                    || self.code.level(*operand) == Level::Form
+            })
+            .collect();
+        read.sort_unstable();
+        read.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect()
     }
 
     fn text(

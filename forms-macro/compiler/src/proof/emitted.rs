@@ -274,9 +274,12 @@ fn read_visit(visit: &Expr, kernels: &BTreeMap<String, Kernel>) -> Integral {
     }
 }
 
-/// The members of an integral's description, without its degree, which is a function.
+/// The members of an integral's description, without its degree, of which nothing is proved here.
 fn members(integral: &syn::ExprStruct) -> Value {
-    let known = integral.fields.iter().filter(|member| !matches!(member.expr, Expr::Closure(_)));
+    let known = integral
+        .fields
+        .iter()
+        .filter(|member| !matches!(&member.member, syn::Member::Named(name) if name == "degree"));
     let members = known.map(|member| match &member.member {
         syn::Member::Named(name) => (name.to_string(), evaluate(&member.expr, &Scope::new())),
         syn::Member::Unnamed(_) => panic!("members have names"),

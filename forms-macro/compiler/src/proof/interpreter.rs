@@ -75,29 +75,21 @@ impl Value {
 /// Names and their values.
 pub type Scope = BTreeMap<String, Value>;
 
-/// Runs a block; assignments to names and to elements of arrays change the scope.
+/// Runs a block; assignments to elements of arrays change the scope.
 pub fn run(block: &syn::Block, scope: &mut Scope) -> Option<Value> {
     let mut result = None;
     for statement in &block.stmts {
         result = None;
         match statement {
-            // `let (t0, t1,);` declares the names that assignments give values.
-            Stmt::Local(local) if local.init.is_none() => {}
             Stmt::Local(local) => {
-                let Pat::Ident(name) = &local.pat else { panic!("a pattern in emitted code") };
                 let init = local.init.as_ref().expect("a `let` has a value");
                 let value = evaluate(&init.expr, scope);
-                scope.insert(name.ident.to_string(), value);
+                bind(&local.pat, value, scope);
             }
             // `type L = f64;`
             Stmt::Item(syn::Item::Type(_)) => {}
             Stmt::Expr(Expr::Assign(assign), Some(_)) => {
                 let value = evaluate(&assign.right, scope);
-                if let Expr::Path(name) = &*assign.left {
-                    let name = name.path.get_ident().expect("a name").to_string();
-                    scope.insert(name, value);
-                    continue;
-                }
                 let Expr::Index(place) = &*assign.left else { panic!("an assignment to no element") };
                 let Expr::Path(name) = &*place.expr else { panic!("an assignment to no array") };
                 let index = index_of(&place.index);
@@ -110,6 +102,20 @@ pub fn run(block: &syn::Block, scope: &mut Scope) -> Option<Value> {
         }
     }
     result
+}
+
+/// Names in the scope for a value, or for the entries of a list.
+fn bind(pattern: &Pat, value: Value, scope: &mut Scope) {
+    match (pattern, value) {
+        (Pat::Ident(name), value) => {
+            scope.insert(name.ident.to_string(), value);
+        }
+        (Pat::Tuple(names), Value::List(entries)) => {
+            assert_eq!(names.elems.len(), entries.len(), "names: {}", show(pattern));
+            names.elems.iter().zip(entries).for_each(|(name, entry)| bind(name, entry, scope));
+        }
+        _ => panic!("a pattern in emitted code: {}", show(pattern)),
+    }
 }
 
 fn show(tokens: &impl quote::ToTokens) -> String {
@@ -146,6 +152,9 @@ pub fn evaluate(expression: &Expr, scope: &Scope) -> Value {
         },
         Expr::Path(_) | Expr::Field(_) | Expr::Index(_) => place(expression, scope).clone(),
         Expr::Array(array) => Value::List(array.elems.iter().map(|entry| evaluate(entry, scope)).collect()),
+        Expr::Tuple(tuple) => Value::List(tuple.elems.iter().map(|entry| evaluate(entry, scope)).collect()),
+        // Its names end with it.
+        Expr::Block(block) => run(&block.block, &mut scope.clone()).expect("a block has a value"),
         Expr::Repeat(repeat) => Value::List(vec![evaluate(&repeat.expr, scope); index_of(&repeat.len)]),
         Expr::Struct(structure) => {
             let members = structure.fields.iter().map(|field| match &field.member {

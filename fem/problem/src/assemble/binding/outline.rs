@@ -5,14 +5,13 @@ use std::ops::Deref;
 use std::sync::Arc;
 
 use forms_core::contract::{
-    BilinearKernel, BilinearVisitor, Entity, Expression, FieldDescription, Form, Functional, Inputs,
+    BilinearKernel, BilinearVisitor, Degree, Entity, Expression, FieldDescription, Form, Functional, Inputs,
     Integral, Region, Requirements, Role, Side,
 };
 
 use super::entities::Entities;
 use crate::assemble::Parts;
 use crate::assemble::scatter::group_nodes::{Reading, SeenAtFacets};
-use crate::assemble::walk::pair_groups::DegreeEstimate;
 use crate::mesh::Facet;
 use crate::space::Space;
 
@@ -90,7 +89,7 @@ pub(crate) struct Coupling {
     pub region: usize,
     pub sides: [Side; 2],
     /// Of contact pairs, where points decide which cells are coupled, the degree of the rule.
-    pub degree: DegreeEstimate,
+    pub degree: Degree,
     /// Of pairs of displaced surfaces, the fields that displace them.
     pub displacement: Option<&'static [usize]>,
     /// Of contact pairs, among them histories with a rule of their own.

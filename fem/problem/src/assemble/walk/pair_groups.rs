@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use forms_core::contract::{Integral, Pairing, Requirements};
+use forms_core::contract::{Degree, Integral, Pairing, Requirements};
 
 use super::{Group, GroupSide, Places};
 use crate::assemble::batch::basis_in_lanes::LaneElement;
@@ -29,16 +29,15 @@ pub(in crate::assemble) struct PairTables<const D: usize> {
     pub elements: [Vec<LaneElement>; 2],
 }
 
-/// The degree of an integrand, from those of the fields and of the geometry map; on simplices or not.
-pub(crate) type DegreeEstimate = fn(&[usize], usize, bool) -> usize;
-
-/// The degree of a rule on pairs, whose cells may have several shapes: the highest of the estimates.
+/// The degree of a rule on pairs, whose cells may have several shapes: the highest of the integrand's, for fields of these degrees.
 #[inline(never)]
 pub(in crate::assemble) fn degree_on_pairs<const D: usize>(
     mesh: &Mesh<D>,
-    estimate: &dyn Fn(usize, bool) -> usize,
+    integrand: &Degree,
+    fields: &[usize],
 ) -> usize {
-    mesh.shapes().into_iter().map(|shape| estimate(mesh.degree(), shape.is_simplex())).max().unwrap_or(0)
+    let degree = |shape: CellShape| integrand.of(fields, mesh.degree(), shape.is_simplex());
+    mesh.shapes().into_iter().map(degree).max().unwrap_or(0)
 }
 
 /// Unknowns of which nothing but their spaces is asked.

@@ -126,10 +126,10 @@ impl<const D: usize> ReportVisitor<'_, '_, D> {
         if region.entity != Entity::Pairs || is_known {
             return Ok(());
         }
-        let estimate = |geometry, simplex| (integral.degree)(&self.degrees, geometry, simplex);
         let quadrature = &self.assembler.quadrature;
         let of_history = self.binding.history_degree(requirements, quadrature)?.map(|(_, degree)| degree);
-        let degree = of_history.unwrap_or_else(|| degree_on_pairs(self.binding.mesh, &estimate));
+        let degree =
+            of_history.unwrap_or_else(|| degree_on_pairs(self.binding.mesh, &integral.degree, &self.degrees));
         let is_estimated = of_history.is_none() && matches!(quadrature, Quadrature::Estimated);
         let pairs = self.binding.pairs(number, displacement, &self.assembler.quadrature, degree)?;
         let report = RegionPairs {

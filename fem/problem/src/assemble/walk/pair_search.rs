@@ -85,8 +85,7 @@ impl<const D: usize> PairSearch<D> {
         let mut binding = Binding::new(*form, mesh, unknowns)?;
         binding.searches = Some((&self.known, self.threads));
         let degrees = binding.degrees(tests);
-        let estimate =
-            || degree_on_pairs(mesh, &|geometry, simplex| (coupling.degree)(&degrees, geometry, simplex));
+        let estimate = || degree_on_pairs(mesh, &coupling.degree, &degrees);
         let history = binding.history_degree(&coupling.requirements, &self.quadrature)?;
         let degree = history.map_or_else(estimate, |(_, degree)| degree);
         binding.pairs(coupling.region, coupling.displacement, &self.quadrature, degree)
