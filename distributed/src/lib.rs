@@ -19,6 +19,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#![cfg(feature = "petsc")]
+
 pub mod cases;
 mod error;
 mod functional;
