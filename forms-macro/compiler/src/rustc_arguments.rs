@@ -1,14 +1,39 @@
-//! The optimisation of the crate that is being compiled, as the arguments of rustc tell: macros run inside it.
+//! The optimisation of the crate that is being compiled, and whether machine code is made of it at all, as the arguments of rustc
+//! tell: macros run inside it.
 //!
 //! `debug_assertions` and a build script's `OPT_LEVEL` are no such signs: the first is on in profiles with an `opt-level`,
 //! the second is that of another crate.
 
 use std::fs;
+use std::path::Path;
 
 /// Are kernels compiled with optimisation? Also where nothing is known: outside of rustc, in an editor, and in the examples of
 /// documentation, to which no profile applies.
 pub fn optimised() -> bool {
     level(std::env::args()).is_none_or(|level| level != "0")
+}
+
+/// Is no machine code made of the crate: by `cargo check`, clippy, rustdoc or an editor? Kernels, which are most of what a
+/// macro writes, are left out there.
+pub fn only_checked() -> bool {
+    emits_no_code(std::env::args())
+}
+
+/// Of the arguments of rustc, and of those of rustdoc and rust-analyzer, which have none of these.
+fn emits_no_code(arguments: impl Iterator<Item = String>) -> bool {
+    let arguments: Vec<String> = arguments.flat_map(in_file).collect();
+    let program = arguments.first().map(|path| Path::new(path).file_stem().unwrap_or_default());
+    if program.is_some_and(|name| name == "rustdoc" || name.to_string_lossy().starts_with("rust-analyzer")) {
+        return true;
+    }
+    let emitted = arguments.iter().enumerate().filter_map(|(index, argument)| match argument.as_str() {
+        "--emit" => arguments.get(index + 1).map(String::as_str),
+        other => other.strip_prefix("--emit="),
+    });
+    let mut kinds = emitted.flat_map(|list| list.split(',')).peekable();
+    // `metadata=path` says where.
+    let is_code = |kind: &str| !matches!(kind.split('=').next(), Some("metadata" | "dep-info"));
+    kinds.peek().is_some() && !kinds.any(is_code)
 }
 
 /// The last `opt-level` among the arguments, `0` where there is none. `None` for the arguments of another program than rustc
@@ -43,7 +68,7 @@ fn in_file(argument: String) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::level;
+    use super::{emits_no_code, level};
 
     fn of(arguments: &str) -> Option<String> {
         level(arguments.split(' ').map(str::to_string))
@@ -62,6 +87,19 @@ mod tests {
         assert_eq!(of("rust-analyzer-proc-macro-srv"), None);
         assert_eq!(of("rustc --crate-type bin -o rust_out -"), None);
         assert_eq!(of("rustc --crate-name=doctest_bundle_2024 --crate-type lib"), None);
+    }
+
+    #[test]
+    fn checks_make_no_code() {
+        let no_code = |arguments: &str| emits_no_code(arguments.split(' ').map(str::to_string));
+        assert!(no_code("rustc --crate-name a --emit=dep-info,metadata -C opt-level=1"));
+        assert!(no_code("clippy-driver /bin/rustc --crate-name a --emit dep-info,metadata=a.rmeta"));
+        assert!(no_code("/bin/rustdoc --crate-name a src/lib.rs -o doc"));
+        assert!(no_code("/bin/rust-analyzer-proc-macro-srv"));
+        assert!(!no_code("rustc --crate-name a --emit=dep-info,metadata,link"));
+        assert!(!no_code("rustc --crate-name a --emit=metadata --emit=llvm-ir=a.ll"));
+        assert!(!no_code("rustc --crate-name a src/main.rs"));
+        assert!(!no_code("forms_compiler-0123 proof"));
     }
 
     #[test]

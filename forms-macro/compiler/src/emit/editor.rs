@@ -10,7 +10,7 @@ use syn::{Attribute, FnArg, ForeignItem, Item, ItemFn, ItemMod, Signature};
 
 use crate::parse::syntax::{MemberKind, Module, Output, Rank};
 
-/// Does an editor expand the macro, and no compiler?
+/// Does an editor expand the macro, and no compiler? Then names are written beside what [`crate::rustc_arguments::only_checked`] leaves.
 pub fn is_editor() -> bool {
     let program = std::env::current_exe().unwrap_or_default();
     program.file_stem().is_some_and(|name| name.to_string_lossy().starts_with("rust-analyzer"))
