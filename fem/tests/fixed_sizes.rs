@@ -163,8 +163,8 @@ compare!(curved_quadrilaterals, Quadrilateral, 2, geometry 2, degree 2, 9, 4, 2,
 /// The row of a node's component, of so many nodes.
 type Row = fn(node: usize, component: usize, nodes: usize) -> usize;
 
-/// Matrices of two components are written block by block, those of linear simplices at one point as a whole: wherever the rows are, and
-/// for fewer cells than lanes at the end.
+/// Matrices of two components are written block by block, those of linear simplices at one point as a whole, those of
+/// grids from sums by moments: wherever the rows are, and for fewer cells than lanes at the end.
 #[test]
 fn rows_stand_in_any_order() {
     let data = Data::<2> { mu: 0.7, lambda: 1.3, gap: 0.0.into() };
@@ -189,6 +189,13 @@ fn rows_stand_in_any_order() {
                 ordered_results::<_, Counted, 2>(form(), 2, [1, 2], triangle, 0, set, 2, row),
             ];
             agree(&quadratic[0], &quadratic[1], &format!("{set}, quadratic, {name}"));
+            // By moments.
+            let quadrilateral = CellShape::Quadrilateral;
+            let by_moments = [
+                ordered_results::<_, Fixed<9, 9, 4>, 2>(form(), 2, [1, 2], quadrilateral, 0, set, 4, row),
+                ordered_results::<_, Counted, 2>(form(), 2, [1, 2], quadrilateral, 0, set, 4, row),
+            ];
+            agree(&by_moments[0], &by_moments[1], &format!("{set}, quadrilaterals, {name}"));
         }
         let orders: [(&str, Row); 2] =
             [("in our order", |node, _, _| node), ("backwards", |node, _, nodes| nodes - 1 - node)];
@@ -199,6 +206,12 @@ fn rows_stand_in_any_order() {
                 ordered_results::<_, Counted, 2>(form(), 1, [1, 1], triangle, 0, set, 1, row),
             ];
             agree(&numbers[0], &numbers[1], &format!("{set}, numbers, {name}"));
+            let quadrilateral = CellShape::Quadrilateral;
+            let by_moments = [
+                ordered_results::<_, Fixed<9, 9, 9>, 2>(form(), 1, [2, 2], quadrilateral, 0, set, 4, row),
+                ordered_results::<_, Counted, 2>(form(), 1, [2, 2], quadrilateral, 0, set, 4, row),
+            ];
+            agree(&by_moments[0], &by_moments[1], &format!("{set}, numbers on quadrilaterals, {name}"));
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::assemble::AssemblyError;
 use crate::assemble::element_kernel::fixed::{FixedIntegral, PrepareMatrices, PrepareVectors, fits};
 use crate::assemble::element_kernel::sizes::Sizes;
 use crate::assemble::kernel_calls::BilinearConstants;
-use crate::assemble::kernel_calls::matrices::along_axes;
+use crate::assemble::kernel_calls::matrices::{along_axes, by_moments};
 use crate::assemble::walk::{Group, groups};
 use crate::quadrature::Quadrature;
 
@@ -111,9 +111,11 @@ impl<F: Form<D>, S: Sizes, const D: usize> BilinearVisitor<D> for Prepare<'_, F,
     fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), AssemblyError> {
         let (tables, groups) = (self.tables, self.groups(integral, &K::REQUIREMENTS)?);
         let factorised = |group: &Group<D>| {
-            let tables = group.sides[0].products[0].as_ref();
-            tables
-                .is_some_and(|tables| along_axes::<D>(&BilinearConstants::of::<K, D>(), tables, K::SYMMETRIC))
+            let (kernel, tables) = (BilinearConstants::of::<K, D>(), group.sides[0].products[0].as_ref());
+            tables.is_some_and(|tables| {
+                along_axes::<D>(&kernel, tables, K::SYMMETRIC)
+                    && by_moments::<D>(&kernel, tables, K::SYMMETRIC).is_none()
+            })
         };
         if const { Lengths::<K, S>::of_matrices() } && !groups.iter().any(factorised) {
             let order = &tables.orders[usize::from(K::SYMMETRIC)];

@@ -25,7 +25,7 @@ pub(in crate::assemble) enum MatrixCall<'a, L, const D: usize> {
     },
     /// The blocks of all pairs (i, j), one after the other, from the factors at all points; of symmetric ones only i ≤ j.
     Pairs { symmetric: bool, blocks: &'a mut [L] },
-    /// The number of a pair of functions at each point q, at `place_of[q]`, of forms whose block is a number.
+    /// The block of a pair of functions at each point q, entry after entry, each at all places `place_of[q]`.
     Numbers { pair: [usize; 2], place_of: &'a [u32], target: &'a mut [L] },
     /// The blocks of all pairs by a reference tensor, without a call before it.
     Tensor {
@@ -147,7 +147,11 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> SharedWork<L>
                 for q in 0..points {
                     let mut sum = K::zero::<L>();
                     K::pair(&mut sum, &own_tests[*s * points + q], &own_trials[*t * points + q]);
-                    target[place_of[q] as usize] = kernel.finish(cell, &sum).as_ref()[0];
+                    let (block, place) = (kernel.finish(cell, &sum), place_of[q] as usize);
+                    let block = block.as_ref();
+                    for entry in 0..const { K::TEST_COMPONENTS * K::TRIAL_COMPONENTS } {
+                        target[entry * points + place] = block[entry];
+                    }
                 }
             }
             MatrixCall::Tensor { geometry, tensor, map, directions, blocks } => {

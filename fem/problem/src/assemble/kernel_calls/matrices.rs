@@ -17,7 +17,7 @@ use crate::assemble::binding::Binding;
 use crate::assemble::kernel_calls::reference_tensor::ReferenceTensor;
 use crate::assemble::kernel_calls::sink::{Buffered, Deliver, Sink};
 use crate::assemble::kernel_calls::sum_factorisation::{
-    Derivatives, MatrixStages, PairSums, ProductTables, matrix_operations, unit,
+    Derivatives, MatrixStages, Moments, PairSums, ProductTables, matrix_operations, unit,
 };
 use crate::assemble::scatter::group_nodes::Reading;
 use crate::assemble::walk::Group;
@@ -43,13 +43,19 @@ pub(in crate::assemble) struct ElementMatrices<'a, const D: usize> {
 /// Memory of the loops, kept from one run to the next.
 pub(in crate::assemble) struct MatrixBuffers<L, const D: usize> {
     batch: BatchBuffers<L, D>,
-    /// Blocks of the pairs (i, j), at `(i * columns + j) * entries`; of symmetric ones only i ≤ j.
+    /// Blocks of the pairs (i, j), at `(i * columns + j) * entries`; of symmetric ones only i ≤ j. By moments the same numbers in an order of
+    /// their own.
     blocks: Vec<L>,
     /// Blocks of pairs of directions, of a reference tensor.
     directions: Vec<L>,
     stages: MatrixStages<L>,
     /// The reference tensor, once it is known whether there is one.
     tensor: Option<Option<ReferenceTensor>>,
+    /// The same of sums by moments, and the order of a matrix's entries among them.
+    moments: Option<Option<(Moments, Order)>>,
+    /// Numbers of blocks at the points, and memory of the sums by moments.
+    numbers: Vec<L>,
+    room: Vec<L>,
 }
 
 impl<L: SimdLane, const D: usize> Default for MatrixBuffers<L, D> {
@@ -60,6 +66,9 @@ impl<L: SimdLane, const D: usize> Default for MatrixBuffers<L, D> {
             directions: vec![],
             stages: MatrixStages::default(),
             tensor: None,
+            moments: None,
+            numbers: vec![],
+            room: vec![],
         }
     }
 }
@@ -132,11 +141,10 @@ impl<const D: usize> ElementMatrices<'_, D> {
         }
     }
 
-    /// The tables, if sums go along the axes.
-    fn factorised(&self, kernel: &BilinearConstants) -> Option<&ProductTables> {
+    /// The tables of a grid, if there is one.
+    fn grid(&self) -> Option<&ProductTables> {
         let suited = self.elements[0] == self.elements[1] && self.sides == [0, 0];
-        let tables = self.group.sides[0].products[self.elements[0]].as_ref().filter(|_| suited)?;
-        along_axes::<D>(kernel, tables, self.symmetric).then_some(tables)
+        self.group.sides[0].products[self.elements[0]].as_ref().filter(|_| suited)
     }
 }
 
@@ -159,13 +167,28 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
         let Loops { task, kernel, calls, order, range, buffers, sink } = self;
         let ElementMatrices { group, symmetric, .. } = *task;
         let ([rows, columns], points) = (task.nodes(), group.points());
-        let MatrixBuffers { batch, blocks, directions, stages, tensor } = buffers;
+        let MatrixBuffers { batch, blocks, directions, stages, tensor, moments, numbers, room } = buffers;
         if tensor.is_none() && !range.is_empty() {
             let side = &group.sides[task.sides[0]];
             *tensor = Some(ReferenceTensor::new(kernel, side, task.elements, &group.weights, symmetric));
         }
         let tensor = tensor.as_ref().and_then(Option::as_ref);
-        let factorised = task.factorised(kernel);
+        let grid = task.grid();
+        if moments.is_none() && !range.is_empty() {
+            *moments = Some(grid.and_then(|tables| {
+                let moments = by_moments::<D>(kernel, tables, symmetric)?;
+                let order = moments.order::<D>(tables, order, L::WIDTH);
+                Some((moments, order))
+            }));
+        }
+        let moments = moments.as_ref().and_then(Option::as_ref);
+        let factorised =
+            grid.filter(|tables| moments.is_some() || along_axes::<D>(kernel, tables, symmetric));
+        let slope = L::splat(moments.map_or(1.0, |(moments, _)| moments.slope));
+        let (length, order) = match moments {
+            Some((moments, order)) => (moments.length::<D>(), order),
+            None => (rows * columns * kernel.entries(), order),
+        };
         let reading = Reading::of_arguments(kernel.requirements);
         let basis =
             |k: usize| ArgumentBasis { side: task.sides[k], element: task.elements[k], reading: reading[k] };
@@ -184,7 +207,7 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
             let geometry = &batch.load(start, filled);
-            blocks.resize(size, zero);
+            blocks.resize(length, zero);
             if let Some(tensor) = tensor {
                 let map = &batch.affine_map(task.sides[0]);
                 calls.call(&mut MatrixCall::Tensor { geometry, tensor, map, directions, blocks });
@@ -194,6 +217,9 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
                     batch.point(q)?;
                     for k in 0..asked {
                         units[k] = unit(batch.inverse(), derivatives.kind(k));
+                        for i in 0..D {
+                            units[k].gradient[i] = units[k].gradient[i] * slope;
+                        }
                     }
                     let (basis, hessians) = (&units[..asked], &no_hessians[..asked]);
                     let functions = || Functions { basis, hessians, places: None };
@@ -201,15 +227,27 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
                     let (tests, trials) = (functions(), functions());
                     calls.call(&mut MatrixCall::Point { q, geometry, fields, tests, trials });
                 }
-                stages.prepare::<D>(tables, symmetric);
-                for s in 0..asked {
-                    for t in 0..asked {
-                        let target = stages.coefficients::<D>([derivatives.kind(s), derivatives.kind(t)]);
-                        let place_of = &tables.place_of;
-                        calls.call(&mut MatrixCall::Numbers { pair: [s, t], place_of, target });
+                let place_of = &tables.place_of;
+                if let Some((moments, _)) = moments {
+                    numbers.resize(asked * asked * kernel.entries() * points, zero);
+                    let mut lists = numbers.chunks_exact_mut(kernel.entries() * points);
+                    for s in 0..asked {
+                        for t in if symmetric { s } else { 0 }..asked {
+                            let Some(target) = lists.next() else { break };
+                            calls.call(&mut MatrixCall::Numbers { pair: [s, t], place_of, target });
+                        }
                     }
+                    moments.sum::<L, D>(numbers, room, blocks);
+                } else {
+                    stages.prepare::<D>(tables, symmetric);
+                    for s in 0..asked {
+                        for t in 0..asked {
+                            let target = stages.coefficients::<D>([derivatives.kind(s), derivatives.kind(t)]);
+                            calls.call(&mut MatrixCall::Numbers { pair: [s, t], place_of, target });
+                        }
+                    }
+                    L::call(PairSums::<L, D> { tables, derivatives, symmetric, stages, blocks });
                 }
-                L::call(PairSums::<L, D> { tables, derivatives, symmetric, stages, blocks });
             } else {
                 calls.call(&mut MatrixCall::Cell { geometry, functions: [rows, columns], points });
                 for q in 0..points {
@@ -234,6 +272,25 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
 /// are as short as a row of points, and go through memory from axis to axis (docs/decisions/lanes.md).
 const ALONG_AN_AXIS: usize = 2;
 
+/// Cost of a number of all pairs by moments, in the same operations.
+const BY_MOMENTS: usize = 10;
+
+/// Operations of the kernel where it is asked at the points alone, for the functions whose value, or whose derivative along an axis, is one.
+fn at_points<const D: usize>(kernel: &BilinearConstants, points: usize) -> usize {
+    let count = kernel.operations;
+    let asked = Derivatives::of_arguments(kernel.requirements).count::<D>();
+    points * (asked * (count.test + count.trial) + asked * asked * (count.pair + count.finish))
+}
+
+/// Operations of sums over the points for each pair.
+fn by_pairs<const D: usize>(kernel: &BilinearConstants, tables: &ProductTables, symmetric: bool) -> usize {
+    let (count, derivatives) = (kernel.operations, Derivatives::of_arguments(kernel.requirements));
+    let (nodes, points) = (tables.node_at.len(), tables.place_of.len());
+    let pairs = if symmetric { nodes * (nodes + 1) / 2 } else { nodes * nodes };
+    let transformed = if derivatives.gradient { D * D } else { 0 };
+    points * (nodes * (count.test + count.trial + transformed) + pairs * count.pair) + pairs * count.finish
+}
+
 /// Whether sum factorisation takes less than sums over the points for each pair. Of vector forms it does
 /// not: each of the D² entries of a block would need sums of its own for each pair of derivatives.
 pub(in crate::assemble) fn along_axes<const D: usize>(
@@ -241,19 +298,29 @@ pub(in crate::assemble) fn along_axes<const D: usize>(
     tables: &ProductTables,
     symmetric: bool,
 ) -> bool {
-    let (requirements, count) = (kernel.requirements, kernel.operations);
-    if !kernel.scalar() || requirements.hessian {
+    if !kernel.scalar() || kernel.requirements.hessian {
         return false;
     }
-    let (nodes, points) = (tables.node_at.len(), tables.place_of.len());
-    let pairs = if symmetric { nodes * (nodes + 1) / 2 } else { nodes * nodes };
-    let derivatives = Derivatives::of_arguments(requirements);
-    let transformed = if derivatives.gradient { D * D } else { 0 };
-    let direct = points * (nodes * (count.test + count.trial + transformed) + pairs * count.pair)
-        + pairs * count.finish;
-    let asked = derivatives.count::<D>();
-    let at_point = asked * (count.test + count.trial) + asked * asked * (count.pair + count.finish);
-    points * at_point + ALONG_AN_AXIS * matrix_operations::<D>(tables, derivatives, symmetric) < direct
+    let derivatives = Derivatives::of_arguments(kernel.requirements);
+    let sums = ALONG_AN_AXIS * matrix_operations::<D>(tables, derivatives, symmetric);
+    at_points::<D>(kernel, tables.place_of.len()) + sums < by_pairs::<D>(kernel, tables, symmetric)
+}
+
+/// The plan of sums by moments, where they take less than sums over the points for each pair.
+#[inline(never)]
+pub(in crate::assemble) fn by_moments<const D: usize>(
+    kernel: &BilinearConstants,
+    tables: &ProductTables,
+    symmetric: bool,
+) -> Option<Moments> {
+    if kernel.requirements.hessian {
+        return None;
+    }
+    let derivatives = Derivatives::of_arguments(kernel.requirements);
+    let moments = Moments::new::<D>(tables, derivatives, kernel.components, symmetric)?;
+    let sums = BY_MOMENTS * moments.length::<D>();
+    (at_points::<D>(kernel, tables.place_of.len()) + sums < by_pairs::<D>(kernel, tables, symmetric))
+        .then_some(moments)
 }
 
 struct Compute<'a, 'd, K, const D: usize> {
@@ -312,6 +379,8 @@ pub(in crate::assemble) fn block_order(
 
 compiled_here!(
     element_matrices in lanes:
+    Moments::sum::<L, D>,
+    by_moments::<D>,
     ElementMatrices::<D>::compute_in_order::<L>,
     ElementMatrices::<D>::compute_in_lanes::<L>,
 );

@@ -15,4 +15,4 @@ pub(super) mod vectors;
 pub(super) use bilinear_calls::{BilinearCalls, Factors};
 pub(super) use constants::{BilinearConstants, LinearConstants};
 pub(super) use linear_calls::LinearCalls;
-pub(super) use node_pairs::NodePairs;
+pub(super) use node_pairs::{NodePairs, no_products};

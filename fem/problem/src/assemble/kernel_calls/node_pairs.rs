@@ -159,6 +159,18 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> NodePairs<'_, K, L, D> {
     }
 }
 
+/// Sums of no products: a product and −0 are the product whatever it is, so that the first one takes no addition.
+#[inline(always)]
+pub(in crate::assemble) fn no_products<K: BilinearKernel<D>, L: SimdLane, const D: usize>()
+-> K::Accumulator<L> {
+    let mut sums = K::zero::<L>();
+    let numbers = sums.as_mut();
+    for k in 0..numbers.len() {
+        numbers[k] = L::splat(-0.0);
+    }
+    sums
+}
+
 /// Numbers of a pair's sums.
 const fn numbers<K: BilinearKernel<D>, L: SimdLane, const D: usize>() -> usize {
     size_of::<K::Accumulator<L>>() / size_of::<L>()

@@ -7,7 +7,7 @@
 use forms_core::contract::{Basis, CellGeometry, OppositePoint, PointGeometry, Requirements};
 
 use super::fields::{FieldBuffers, Numbers};
-use super::tables::FixedTables;
+use super::tables::{FixedTables, MOST_CORNERS, corner};
 use crate::assemble::batch::{inverse_transposed, largest_distance, surface};
 use crate::assemble::element_kernel::ElementCells;
 use crate::assemble::element_kernel::sizes::{Array, Sizes};
@@ -19,6 +19,8 @@ use crate::lanes::{SimdLane, Starts};
 pub(super) struct FixedBatch<'a, L: SimdLane, S: Sizes, const D: usize> {
     pub tables: &'a FixedTables<S, D>,
     nodes: S::GeometryNodes<[L; D]>,
+    /// Of multilinear maps the coefficients of products of coordinates, by [`corner`].
+    products: S::GeometryNodes<[L; D]>,
     /// Of affine cells.
     affine: PointMap<L, D>,
 }
@@ -57,9 +59,12 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
             buffers.load(requirements, tables, cells.coefficients, &starts);
         }
         let none = PointMap { measure: zero, determinant: zero, inverse: [[zero; D]; D], normal: [zero; D] };
-        let mut batch = FixedBatch { tables, nodes, affine: none };
+        let mut batch = FixedBatch { tables, nodes, products: nodes, affine: none };
         if const { FixedTables::<S, D>::AFFINE } {
             batch.affine = batch.map_of(&batch.edges());
+        }
+        if const { FixedTables::<S, D>::MULTILINEAR } {
+            batch.products = products::<L, S, D>(&nodes);
         }
         batch
     }
@@ -69,6 +74,8 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
     pub fn map_at(&self, q: usize) -> PointMap<L, D> {
         if const { FixedTables::<S, D>::AFFINE } {
             self.affine
+        } else if const { FixedTables::<S, D>::MULTILINEAR } {
+            self.map_of(&self.multilinear_jacobian(&self.tables.monomials.entries()[q]))
         } else {
             self.map_of(&self.jacobian(self.tables.geometry.slopes.entries()[q].entries()))
         }
@@ -92,6 +99,27 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         for i in 0..D {
             for j in 0..D {
                 jacobian[i][j] = nodes[j + 1][i] - nodes[0][i];
+            }
+        }
+        jacobian
+    }
+
+    /// ∂x_i/∂ξ_j of multilinear maps, from the products of coordinates at a point: a derivative has half of the terms.
+    #[inline(always)]
+    fn multilinear_jacobian(&self, monomials: &[f64; MOST_CORNERS]) -> [[L; D]; D] {
+        let mut jacobian = [[L::splat(0.0); D]; D];
+        let products = self.products.entries();
+        for j in 0..D {
+            for i in 0..D {
+                jacobian[i][j] = products[1 << j][i];
+            }
+            for product in (1 << j) + 1..1 << D {
+                if product >> j & 1 == 1 {
+                    let monomial = L::splat(monomials[product - (1 << j)]);
+                    for i in 0..D {
+                        jacobian[i][j] = products[product][i].multiply_add(monomial, jacobian[i][j]);
+                    }
+                }
             }
         }
         jacobian
@@ -222,6 +250,29 @@ impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
         }
         basis
     }
+}
+
+/// Of a multilinear map, from its corners: the coefficients of the products of coordinates, whose axes are the bits of their numbers.
+#[inline(always)]
+fn products<L: SimdLane, S: Sizes, const D: usize>(
+    nodes: &S::GeometryNodes<[L; D]>,
+) -> S::GeometryNodes<[L; D]> {
+    let mut products = *nodes;
+    let (nodes, coefficients) = (nodes.entries(), products.entries_mut());
+    for node in 0..1 << D {
+        coefficients[corner(node)] = nodes[node];
+    }
+    for axis in 0..D {
+        for product in 0..1 << D {
+            if product >> axis & 1 == 1 {
+                for i in 0..D {
+                    coefficients[product][i] =
+                        coefficients[product][i] - coefficients[product - (1 << axis)][i];
+                }
+            }
+        }
+    }
+    products
 }
 
 /// The gradient of a barycentric coordinate of a straight simplex.

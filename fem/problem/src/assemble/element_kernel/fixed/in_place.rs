@@ -29,9 +29,8 @@ pub(super) struct Destination {
 }
 
 impl Destination {
-    /// The places of blocks in matrices whose entries are the computed ones in an order. `in_our_order`: the places are those of
-    /// [`put_pair`], whatever the order.
-    pub fn of_blocks(order: &Order, nodes: usize, symmetric: bool, in_our_order: bool, room: usize) -> Self {
+    /// The places of blocks in matrices whose entries are the computed ones in an order.
+    pub fn of_blocks(order: &Order, nodes: usize, symmetric: bool, room: usize) -> Self {
         let (computed, width): (Vec<u32>, usize) = (order.places().collect(), 2 * nodes);
         let (mut own, mut first_with) = (vec![], vec![]);
         for i in 0..nodes {
@@ -43,9 +42,7 @@ impl Destination {
         }
         let scratch = vec![0.0; room];
         match places(&computed, width, own.len()) {
-            Some(places) if !in_our_order || places == own => {
-                Destination { places: PairPlaces::new(places, width), rearranged: None, scratch }
-            }
+            Some(places) => Destination { places: PairPlaces::new(places, width), rearranged: None, scratch },
             _ => {
                 let rearranged = computed.iter().map(|place| first_with[*place as usize]).collect();
                 Destination { places: PairPlaces::new(own, width), rearranged: Some(rearranged), scratch }
@@ -159,29 +156,10 @@ impl<L: SimdLane> BlockSink<L> for Numbers<'_> {
     }
 }
 
-/// Writes the block of a pair of nodes, and its mirror image, into matrices in our order: no place is looked up.
-#[inline(always)]
-pub(super) fn put_pair<L: SimdLane>(
-    target: &mut [f64],
-    [i, j]: [usize; 2],
-    nodes: usize,
-    symmetric: bool,
-    block: &[L],
-) {
-    let (width, size) = (2 * nodes, 4 * nodes * nodes);
-    let place = 2 * (i * width + j);
-    L::store_few([block[0], block[1]], target, place, size);
-    L::store_few([block[2], block[3]], target, place + width, size);
-    if symmetric && i != j {
-        let place = 2 * (j * width + i);
-        L::store_few([block[0], block[2]], target, place, size);
-        L::store_few([block[1], block[3]], target, place + width, size);
-    }
-}
-
 /// Whether the matrices of linear simplices are written as a whole.
 pub(super) const fn at_once<K: BilinearKernel<D>, L: SimdLane, const D: usize>() -> bool {
-    L::STORES_FEW && K::TEST_COMPONENTS * K::TRIAL_COMPONENTS == 1
+    let square = K::TEST_COMPONENTS == K::TRIAL_COMPONENTS;
+    L::STORES_FEW && square && (K::TEST_COMPONENTS == 1 || D == 2 && K::TEST_COMPONENTS == 2)
 }
 
 /// The place of the k-th entry, of a matrix whose rows are in our order, among the computed blocks.
@@ -197,27 +175,31 @@ pub(super) const fn place_of(k: usize, nodes: usize, components: usize, symmetri
     (i * nodes - i * (i + 1) / 2 + j) * entries + a * components + b
 }
 
-/// Writes the matrices of all lanes, from the numbers of their pairs.
+/// Writes the matrices of all lanes, from the blocks of their pairs, by four numbers of a matrix one after the other: registers that begin
+/// at multiples of 32 bytes where the caller's memory does.
 #[inline(always)]
-pub(super) fn write<L: SimdLane, const PAIRS: usize>(
-    numbers: &[L; PAIRS],
-    nodes: usize,
+pub(super) fn write<L: SimdLane, const NUMBERS: usize>(
+    numbers: &[L; NUMBERS],
+    [nodes, components]: [usize; 2],
     symmetric: bool,
     target: &mut [f64],
 ) {
-    let size = nodes * nodes;
-    let mut k = 0;
-    while k + 4 <= size {
-        let mut entries = [numbers[0]; 4];
-        for entry in 0..4 {
-            entries[entry] = numbers[place_of(k + entry, nodes, 1, symmetric)];
-        }
-        L::store_few(entries, target, k, size);
-        k += 4;
+    let size = (nodes * components).pow(2);
+    // Written out: a loop of so many passes would look its places up.
+    macro_rules! four {
+        ($($number:literal)*) => {
+            $(if 4 * $number + 4 <= size {
+                let mut entries = [numbers[0]; 4];
+                for entry in 0..4 {
+                    entries[entry] = numbers[place_of(4 * $number + entry, nodes, components, symmetric)];
+                }
+                L::store_few(entries, target, 4 * $number, size);
+            })*
+        };
     }
-    while k < size {
-        L::store_few([numbers[place_of(k, nodes, 1, symmetric)]], target, k, size);
-        k += 1;
+    four!(0 1 2 3 4 5 6 7 8);
+    for k in size / 4 * 4..size {
+        L::store_few([numbers[place_of(k, nodes, components, symmetric)]], target, k, size);
     }
 }
 

@@ -7,6 +7,7 @@
 use forms_core::contract::BilinearKernel;
 
 use super::batch::FixedBatch;
+use super::by_moments::{self, ByMoments};
 use super::fields::FieldBuffers;
 use super::in_place::{self, Destination, Numbers};
 use super::tables::MOST_NUMBERS;
@@ -17,7 +18,7 @@ use crate::assemble::kernel_calls::block_sink::BlockSink;
 use crate::assemble::kernel_calls::reference_tensor::{
     InLanes, ReferenceTensor, contract, contract_numbers, products, suits,
 };
-use crate::assemble::kernel_calls::{BilinearConstants, NodePairs};
+use crate::assemble::kernel_calls::{BilinearConstants, NodePairs, no_products};
 use crate::assemble::walk::Group;
 use crate::lanes::{LaneWork, Order, Ordered, SharedWork, SimdLane};
 
@@ -42,6 +43,7 @@ struct Matrices<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> {
     /// ([`entry_by_entry`]).
     coefficients: Vec<InLanes<L>>,
     destination: Destination,
+    moments: Option<ByMoments<L>>,
     buffers: Buffers<K, L, D>,
 }
 
@@ -66,8 +68,8 @@ const fn simple<S: Sizes, const D: usize>() -> bool {
     FixedTables::<S, D>::LINEAR && <S::Points<f64> as Array<f64>>::LENGTH == 1
 }
 
-/// Pairs of linear functions, at most.
-const LINEAR_PAIRS: usize = 16;
+/// Numbers of the blocks of linear functions that are kept in registers, at most: numbers in space, two rows and columns in the plane.
+const LINEAR_NUMBERS: usize = 36;
 
 /// Possibility of a reference tensor. Linear functions at one point need none: it would copy the blocks of their gradients.
 const fn has_tensor<K: BilinearKernel<D>, S: Sizes, const D: usize>() -> bool {
@@ -124,8 +126,8 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for PrepareMatrice
             }
         }
         let room = L::WIDTH * nodes * nodes * entries;
-        let destination = if const { in_place::by_pairs::<K, L, D>() } {
-            Destination::of_blocks(order, nodes, K::SYMMETRIC, simple::<S, D>(), room)
+        let destination = if const { in_place::by_pairs::<K, L, D>() && !simple::<S, D>() } {
+            Destination::of_blocks(order, nodes, K::SYMMETRIC, room)
         } else if const { entry_by_entry::<K, L, S, D>() } {
             Destination::in_order(room)
         } else {
@@ -137,6 +139,11 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for PrepareMatrice
             trials: vec![trial; nodes * points],
             blocks,
             directions: vec![],
+        };
+        let moments = if const { by_moments::suits::<K, S, D>() } {
+            ByMoments::new::<K, D>(group, order)
+        } else {
+            None
         };
         let mut computed = order.places().enumerate();
         Box::new(Matrices::<K, L, S, D> {
@@ -150,6 +157,7 @@ impl<K: BilinearKernel<D>, S: Sizes, const D: usize> LaneWork for PrepareMatrice
             tensor,
             coefficients,
             destination,
+            moments,
             buffers,
         })
     }
@@ -169,11 +177,26 @@ impl<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> SharedWork<L>
     #[inline(always)]
     fn run(self) {
         let Call { integral, cells, target, add } = self;
-        let Matrices { kernel, tables, order, ordered, tensor, coefficients, destination, buffers } =
+        let Matrices { kernel, tables, order, ordered, tensor, coefficients, destination, moments, buffers } =
             integral;
         let work =
             Work { kernel, tables, cells, order, ordered: *ordered, tensor: tensor.as_ref(), coefficients };
         let mut start = 0;
+        if const { by_moments::suits::<K, S, D>() }
+            && let Some(moments) = moments
+        {
+            let size = const {
+                <S::Nodes<f64> as Array<f64>>::LENGTH.pow(2) * K::TEST_COMPONENTS * K::TRIAL_COMPONENTS
+            };
+            while start < cells.count {
+                let filled = L::WIDTH.min(cells.count - start);
+                let batch = work.load(start, &mut buffers.fields);
+                let target = &mut target[start * size..][..filled * size];
+                moments.write(work.kernel, &batch, &buffers.fields, filled, target, add);
+                start += filled;
+            }
+            return;
+        }
         if const { !beforehand::<K, L, S, D>() } {
             while start < cells.count {
                 let batch = work.load(start, &mut buffers.fields);
@@ -239,14 +262,9 @@ impl<'a, K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Work<'a, K
         let filled = L::WIDTH.min(self.cells.count - start);
         let target = &mut target[start * size..][..filled * size];
         let whole = filled == L::WIDTH && !add;
-        if const { in_place::by_pairs::<K, L, D>() } {
+        if const { in_place::by_pairs::<K, L, D>() && !simple::<S, D>() } {
             let callers = whole && destination.is_the_callers();
-            if const { simple::<S, D>() } {
-                let room = destination.room(target, callers, L::WIDTH * size);
-                self.linear_blocks(batch, &buffers.fields, room);
-            } else {
-                self.blocks(batch, buffers, &mut destination.sink::<L>(target, callers, nodes));
-            }
+            self.blocks(batch, buffers, &mut destination.sink::<L>(target, callers, nodes));
             if !callers {
                 destination.copy(target, size, add);
             }
@@ -257,14 +275,20 @@ impl<'a, K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Work<'a, K
                 destination.copy(target, size, add);
             }
         } else if const { simple::<S, D>() && in_place::at_once::<K, L, D>() } {
-            let numbers = self.linear_numbers(batch, &buffers.fields);
+            let mut numbers = [L::splat(0.0); LINEAR_NUMBERS];
+            self.linear_blocks(batch, &buffers.fields, &mut numbers[..]);
             if whole && self.ordered {
-                in_place::write(&numbers, nodes, K::SYMMETRIC, &mut target[..L::WIDTH * size]);
+                in_place::write(
+                    &numbers,
+                    [nodes, K::TEST_COMPONENTS],
+                    K::SYMMETRIC,
+                    &mut target[..L::WIDTH * size],
+                );
             } else {
-                let blocks = &mut buffers.blocks[..pairs];
+                let blocks = &mut buffers.blocks[..pairs * entries];
                 // One by one, so that they stay in registers where they are written as they are.
-                for pair in 0..pairs {
-                    blocks[pair] = numbers[pair];
+                for number in 0..pairs * entries {
+                    blocks[number] = numbers[number];
                 }
                 store(Ordered::new(blocks, self.order, size), size, filled, target, add);
             }
@@ -306,42 +330,33 @@ impl<'a, K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Work<'a, K
         }
     }
 
-    /// The numbers of all pairs of linear functions at one point.
+    /// The blocks of all pairs of linear functions at one point.
     #[inline(always)]
-    fn linear_numbers(&self, batch: &FixedBatch<L, S, D>, fields: &FieldBuffers<L>) -> [L; LINEAR_PAIRS] {
-        let nodes = const { lengths::<K, S, D>()[0] };
+    fn linear_blocks<B: BlockSink<L> + ?Sized>(
+        &self,
+        batch: &FixedBatch<L, S, D>,
+        fields: &FieldBuffers<L>,
+        sink: &mut B,
+    ) {
+        let [nodes, _, entries, _] = const { lengths::<K, S, D>() };
         let cell = self.kernel.cell(&batch.cell_geometry(&K::REQUIREMENTS));
         let (test, trial) = K::zero_factors::<L>();
         let (mut tests, mut trials) = (S::Nodes::filled(test), S::Nodes::filled(trial));
         self.linear_factors(batch, &cell, fields, &mut tests, &mut trials);
-        let mut numbers = [L::splat(0.0); LINEAR_PAIRS];
-        for i in 0..nodes {
-            for j in if K::SYMMETRIC { i } else { 0 }..nodes {
-                let mut sum = K::zero::<L>();
-                K::pair(&mut sum, &tests.entries()[i], &trials.entries()[j]);
-                let number = in_place::place_of(i * nodes + j, nodes, 1, K::SYMMETRIC);
-                numbers[number] = self.kernel.finish(&cell, &sum).as_ref()[0];
-            }
+        let (tests, trials) = (tests.entries(), trials.entries());
+        // Written out: factors and places are those of the pair then, and nothing is counted.
+        macro_rules! pairs {
+            ($($i:literal $j:literal),*) => {
+                $(if usize::max($i, $j) < nodes && ($i <= $j || !K::SYMMETRIC) {
+                    let mut sum = no_products::<K, L, D>();
+                    K::pair(&mut sum, &tests[$i], &trials[$j]);
+                    let block = self.kernel.finish(&cell, &sum);
+                    let number = in_place::place_of($i * nodes + $j, nodes, 1, K::SYMMETRIC);
+                    sink.put(number, &block.as_ref()[..entries]);
+                })*
+            };
         }
-        numbers
-    }
-
-    /// The blocks of all pairs of linear functions at one point, written into matrices in our order.
-    #[inline(always)]
-    fn linear_blocks(&self, batch: &FixedBatch<L, S, D>, fields: &FieldBuffers<L>, room: &mut [f64]) {
-        let nodes = const { lengths::<K, S, D>()[0] };
-        let cell = self.kernel.cell(&batch.cell_geometry(&K::REQUIREMENTS));
-        let (test, trial) = K::zero_factors::<L>();
-        let (mut tests, mut trials) = (S::Nodes::filled(test), S::Nodes::filled(trial));
-        self.linear_factors(batch, &cell, fields, &mut tests, &mut trials);
-        for i in 0..nodes {
-            for j in if K::SYMMETRIC { i } else { 0 }..nodes {
-                let mut sum = K::zero::<L>();
-                K::pair(&mut sum, &tests.entries()[i], &trials.entries()[j]);
-                let block = self.kernel.finish(&cell, &sum);
-                in_place::put_pair(room, [i, j], nodes, K::SYMMETRIC, block.as_ref());
-            }
-        }
+        pairs!(0 0, 0 1, 0 2, 0 3, 1 0, 1 1, 1 2, 1 3, 2 0, 2 1, 2 2, 2 3, 3 0, 3 1, 3 2, 3 3);
     }
 
     /// The numbers of all pairs, or of all entries, by a reference tensor.

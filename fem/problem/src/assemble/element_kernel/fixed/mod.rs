@@ -3,6 +3,7 @@
 //! nothing is looked up or checked per call but the lengths of the caller's lists.
 
 mod batch;
+mod by_moments;
 mod fields;
 mod in_place;
 mod matrices;

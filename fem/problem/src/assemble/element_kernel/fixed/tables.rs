@@ -16,6 +16,15 @@ pub(super) const MOST_COMPONENTS: usize = 3;
 /// Numbers that a kernel reads of fields at a point, at most: three fields with values and gradients, in space, and some.
 pub(super) const MOST_NUMBERS: usize = 48;
 
+/// Corners of a cell, at most.
+pub(super) const MOST_CORNERS: usize = 8;
+
+/// The place of a corner of a quadrilateral or hexahedron, whose bits are its coordinates along the axes.
+#[inline(always)]
+pub(super) const fn corner(node: usize) -> usize {
+    [0, 1, 3, 2][node % 4] + node / 4 * 4
+}
+
 /// Whether a kernel reads only what the loops of fixed lengths give.
 pub(in crate::assemble) const fn fits(requirements: &Requirements) -> bool {
     if requirements.hessian
@@ -81,6 +90,8 @@ pub(super) enum FieldBasis {
 pub(in crate::assemble) struct FixedTables<S: Sizes, const D: usize> {
     pub(super) weights: S::Points<f64>,
     pub(super) geometry: GeometryTables<S, D>,
+    /// Of multilinear maps, products of the coordinates of a point, whose axes are the bits of their numbers.
+    pub(super) monomials: S::Points<[f64; MOST_CORNERS]>,
     pub(super) arguments: ArgumentTables<S, D>,
     /// By the form's index; `None` where there are no coefficients.
     pub(super) fields: Vec<Option<FieldTables<D>>>,
@@ -103,6 +114,10 @@ pub(in crate::assemble) struct FixedTables<S: Sizes, const D: usize> {
 impl<S: Sizes, const D: usize> FixedTables<S, D> {
     /// The map is affine, one Jacobian serves all points: only simplices with straight edges have as many geometry nodes.
     pub(super) const AFFINE: bool = <S::GeometryNodes<f64> as Array<f64>>::LENGTH == D + 1;
+
+    /// The map is that of a quadrilateral or hexahedron with straight edges.
+    pub(super) const MULTILINEAR: bool =
+        !Self::AFFINE && <S::GeometryNodes<f64> as Array<f64>>::LENGTH == 1 << D;
 
     /// The basis functions of the unknown are the barycentric coordinates of a straight simplex: no other cell has D + 1 nodes.
     pub(super) const LINEAR: bool = Self::AFFINE && <S::Nodes<f64> as Array<f64>>::LENGTH == D + 1;
@@ -134,8 +149,22 @@ impl<S: Sizes, const D: usize> FixedTables<S, D> {
             rows::<S::Points<S::Nodes<f64>>, _, _>(&side.elements[0].value),
             rows::<S::Points<S::Nodes<[f64; D]>>, _, _>(&side.elements[0].gradient),
         );
+        let mut monomials = S::Points::filled([1.0; MOST_CORNERS]);
+        if Self::MULTILINEAR {
+            for (values, monomials) in side.geometry.value.chunks(1 << D).zip(monomials.entries_mut()) {
+                for axis in 0..D {
+                    let at_one = |node: usize| corner(node) >> axis & 1 == 1;
+                    let coordinate: f64 =
+                        (0..1 << D).filter(|node| at_one(*node)).map(|node| values[node]).sum();
+                    for (product, monomial) in monomials.iter_mut().enumerate() {
+                        *monomial *= if product >> axis & 1 == 1 { coordinate } else { 1.0 };
+                    }
+                }
+            }
+        }
         FixedTables {
             weights,
+            monomials,
             geometry: BasisTables { values: places, slopes: map },
             arguments: BasisTables { values, slopes },
             fields: fields.collect(),

@@ -8,10 +8,12 @@
 mod contraction;
 mod derivatives;
 mod matrices;
+mod moments;
 mod product_tables;
 mod vectors;
 
 pub(in crate::assemble) use derivatives::{Derivatives, unit};
 pub(in crate::assemble) use matrices::{MatrixStages, PairSums, matrix_operations};
+pub(in crate::assemble) use moments::Moments;
 pub(in crate::assemble) use product_tables::ProductTables;
 pub(in crate::assemble) use vectors::{Integration, Interpolation, Stages, axis_operations};

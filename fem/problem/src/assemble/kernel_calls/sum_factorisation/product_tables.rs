@@ -26,6 +26,9 @@ pub(in crate::assemble) struct ProductTables {
     pub node_at: Vec<u32>,
     /// The place of each point of the rule on the grid of points.
     pub place_of: Vec<u32>,
+    /// The distance of the outer points from the middle of an axis, in halves of the axis, where two or three points lie symmetrically
+    /// and the basis functions have as many equidistant nodes.
+    pub reach: Option<f64>,
 }
 
 impl ProductTables {
@@ -63,8 +66,18 @@ impl ProductTables {
             ordered_pairs: all_pairs(true),
             node_at,
             place_of,
+            reach: reach(&coordinates, n),
         })
     }
+}
+
+/// [`ProductTables::reach`].
+fn reach(coordinates: &[f64], nodes: usize) -> Option<f64> {
+    let last = coordinates.len() - 1;
+    let symmetric =
+        (0..=last).all(|k| (coordinates[k] + coordinates[last - k] - 1.0).abs() < SAME_COORDINATE);
+    let alike = nodes == coordinates.len() && (nodes == 2 || nodes == 3);
+    (symmetric && alike).then(|| coordinates[last] - coordinates[0])
 }
 
 /// The coordinates along each axis of points that form a grid, and each point's place.
