@@ -1,7 +1,6 @@
 //! The graph of blocks of a symmetric pattern.
 
 use super::error::LinearAlgebraError;
-use super::large_pages::room;
 use super::pattern::SparsityPattern;
 
 /// Blocks of consecutive unknowns whose rows have the same pattern, and which of them are coupled. Rows of the graph
@@ -28,9 +27,7 @@ impl BlockGraph {
         }
         let mut pointers = Vec::with_capacity(blocks + 1);
         pointers.push(0_u32);
-        // Exactly as many where all blocks are of one size.
-        let shrunk = (blocks as f64 / size.max(1) as f64).powi(2);
-        let mut neighbours: Vec<u32> = room((pattern.entries() as f64 * shrunk) as usize);
+        let mut neighbours: Vec<u32> = Vec::new();
         for &begin in &begins[..blocks] {
             let first = neighbours.len();
             for &column in pattern.row(begin) {
@@ -52,10 +49,7 @@ impl BlockGraph {
         for (number, &block) in kept.iter().enumerate() {
             new[block as usize] = number as u32;
         }
-        let [mut pointers, mut neighbours] = [kept.len() + 1, self.neighbours.len()].map(room);
-        let mut begins = Vec::with_capacity(kept.len() + 1);
-        begins.push(0);
-        pointers.push(0_u32);
+        let (mut begins, mut pointers, mut neighbours) = (vec![0], vec![0_u32], Vec::new());
         for &block in kept {
             let near = self.row(block as usize).iter().map(|other| new[*other as usize]);
             neighbours.extend(near.filter(|other| *other != u32::MAX));

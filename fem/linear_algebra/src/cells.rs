@@ -55,8 +55,8 @@ impl Cells {
     /// The same cells with other numbers for their unknowns: `visit` is called with an unknown and with a function that takes
     /// each number that stands in its place, of which there may be several or none.
     pub fn renumbered(&self, numbers: impl Fn(u32, &mut dyn FnMut(u32))) -> Self {
-        let mut cells = Cells::with_room(self.count(), self.unknowns.len());
-        cells.centres.extend_from_slice(&self.centres);
+        let mut cells = Cells { centres: self.centres.clone(), ..Cells::default() };
+        cells.unknowns.reserve(self.unknowns.len());
         for cell in 0..self.count() {
             for &unknown in self.unknowns(cell) {
                 numbers(unknown, &mut |number| cells.unknowns.push(number));
@@ -95,9 +95,7 @@ impl<'a> CellBlocks<'a> {
         for (ends, number) in graph.begins.windows(2).zip(numbers) {
             of_unknown[ends[0]..ends[1]].fill(*number);
         }
-        let mut found =
-            CellBlocks { centres: &cells.centres, starts: room(cells.count() + 1), blocks: vec![] };
-        found.starts.push(0);
+        let mut found = CellBlocks { centres: &cells.centres, starts: vec![0], blocks: vec![] };
         let mut own: Vec<u32> = vec![];
         for cell in 0..cells.count() {
             own.clear();

@@ -11,7 +11,6 @@ use faer::sparse::linalg::cholesky::supernodal::{self, SymbolicSupernodalCholesk
 
 use super::block_graph::BlockGraph;
 use super::error::LinearAlgebraError;
-use super::large_pages::room;
 
 const NO_MEMORY: LinearAlgebraError = LinearAlgebraError::OutOfMemory { what: "the symbolic analysis" };
 const TOO_LARGE: LinearAlgebraError = LinearAlgebraError::TooLarge { what: "the factor" };
@@ -63,10 +62,10 @@ impl Runs {
     fn with_room(graph: &BlockGraph) -> Self {
         let couplings = graph.neighbours.len().saturating_sub(graph.blocks()) / 2;
         let [mut begins, mut pointers, earlier] =
-            [graph.blocks() + 1, graph.blocks() + 1, couplings].map(room);
+            [graph.blocks() + 1, graph.blocks() + 1, couplings].map(Vec::with_capacity);
         begins.push(0);
         pointers.push(0);
-        Runs { begins, pointers, earlier, tree: room(graph.blocks()) }
+        Runs { begins, pointers, earlier, tree: Vec::with_capacity(graph.blocks()) }
     }
 
     /// Whole blocks in some order.
@@ -185,7 +184,7 @@ impl Runs {
         let of_run =
             |(run, ends): (usize, &[u32])| (ends[1] - ends[0]) as usize * (self.earlier(run).len() + 1);
         let entries = self.begins.windows(2).enumerate().map(of_run).sum();
-        let (mut pointers, mut rows) = (vec![0_u32], room(entries));
+        let (mut pointers, mut rows) = (vec![0_u32], Vec::with_capacity(entries));
         for (run, ends) in self.begins.windows(2).enumerate() {
             for place in ends[0]..ends[1] {
                 rows.extend(self.earlier(run).iter().map(|earlier| self.begins[*earlier as usize]));
