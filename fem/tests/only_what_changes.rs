@@ -21,6 +21,10 @@ mod resting {
             + integral(Floor, dot(u, v))
             + integral(Floor, stiffness * pos_part(dot(u, n)) * dot(v, n))
     }
+    /// The same with a linear part that is not symmetric.
+    pub fn drifting(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        body(u, v) + integral(Omega, dot(grad(u) * load, v))
+    }
     /// Nonlinear everywhere.
     pub fn stiffening(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         integral(Omega, (1 + inner(grad(u), grad(u))) * inner(grad(u), grad(v)) - dot(load, v))
@@ -73,6 +77,23 @@ fn updates_are_those_of_an_assembly_from_scratch() {
     follows(&resting::body(&data(), &omega, &resting::Floor::on("bottom")), &space);
     follows(&resting::stiffening(&data(), &omega), &space);
     follows(&resting::both(&data(), &omega), &space);
+}
+
+/// A linear part is told to be symmetric where it is.
+#[test]
+fn a_symmetric_linear_part_is_known_by_proof() {
+    let mesh = mesh(6);
+    let space = Space::vector(&mesh, 2).unwrap();
+    let (omega, floor) = (resting::Omega::on("all"), resting::Floor::on("bottom"));
+    let known = |problem: &mut dyn NonlinearProblem<Error = AssemblyError>| {
+        let asymmetry = problem.linear_part().unwrap().unwrap().asymmetry().unwrap();
+        (problem.has_symmetric_linear_part(), asymmetry)
+    };
+    let (form, other) = (resting::body(&data(), &omega, &floor), resting::drifting(&data(), &omega, &floor));
+    let (is_symmetric, asymmetry) = known(&mut Problem::new(&form, &space));
+    assert!(is_symmetric && asymmetry < 1e-14, "{asymmetry:e}");
+    let (is_symmetric, asymmetry) = known(&mut Problem::new(&other, &space));
+    assert!(!is_symmetric && asymmetry > 1e-3, "{asymmetry:e}");
 }
 
 /// The changes between two iterates are those that the problem announces, and lie in rows and columns of nodes of the cells

@@ -183,6 +183,13 @@ impl BlockSparsity {
         entries.into_iter()
     }
 
+    /// Number of entries of a scalar row.
+    pub(crate) fn row_length(&self, row: usize) -> usize {
+        let (set, node, _) = Self::locate(&self.rows, row);
+        let blocks = |number: usize| self.pair(set, number).range(node).len();
+        self.columns.iter().enumerate().map(|(number, columns)| columns.components * blocks(number)).sum()
+    }
+
     /// Calls `visit(first column, place of the first value, number of entries)` for each run of entries of a scalar
     /// row that stand side by side, in ascending columns.
     pub(crate) fn visit_row(&self, row: usize, mut visit: impl FnMut(usize, usize, usize)) {

@@ -94,9 +94,17 @@ impl Condensation {
         unknowns.iter().all(|unknown| self.places[*unknown as usize].is_some())
     }
 
-    /// The dense factor of S + B; entries outside of c are left out.
-    pub fn dense_factor(&self, additions: &[Entry]) -> DenseFactor {
-        let mut system = self.schur.clone();
+    /// The dense factor of S + B; entries outside of c are left out. The memory of an earlier one may be reused.
+    pub fn dense_factor(&self, additions: &[Entry], earlier: Option<DenseFactor>) -> DenseFactor {
+        let size = self.schur.nrows();
+        let fits = |matrix: &Mat<f64>| (matrix.nrows(), matrix.ncols()) == (size, size);
+        let mut system = match earlier.map(|earlier| earlier.triangles).filter(fits) {
+            Some(mut memory) => {
+                memory.copy_from(&self.schur);
+                memory
+            }
+            None => self.schur.clone(),
+        };
         for Entry { row, column, value } in additions {
             let place = |unknown: u32| self.places[unknown as usize];
             if let (Some(row), Some(column)) = (place(*row), place(*column)) {

@@ -7,6 +7,7 @@
 //! matrix, and [`gmres()`] solves what is nearly symmetric. [`cg()`] and [`minres()`] solve with any [`LinearOperator`] and
 //! [`Preconditioner`], of which [`Multigrid`] is the one for large systems in space.
 
+mod ahead;
 pub mod analysis;
 mod asymmetry;
 pub mod back_substitution;

@@ -7,7 +7,7 @@ use super::block_matrix::BlockMatrix;
 use super::block_sparsity::BlockSparsity;
 use super::csr::CsrMatrix;
 use super::error::LinearAlgebraError;
-use super::large_pages::room;
+use super::large_pages::Filling;
 use super::pattern::SparsityPattern;
 
 /// Marks a column that is not kept.
@@ -87,8 +87,9 @@ impl Restriction {
         }
         let mut row_pointers = Vec::with_capacity(rows.len() + 1);
         row_pointers.push(0);
-        let mut column_indices = Vec::with_capacity(source.entries());
+        let mut filling = Filling::with_room(source.entries());
         for (number, &row) in rows.iter().enumerate() {
+            let column_indices = filling.before_adding(source.row_length(row));
             if number > 0 && source.are_of_one_node(rows[number - 1], row) {
                 column_indices.extend_from_within(row_pointers[number - 1]..);
             } else {
@@ -100,6 +101,7 @@ impl Restriction {
             }
             row_pointers.push(column_indices.len());
         }
+        let mut column_indices = filling.into_list();
         column_indices.shrink_to_fit();
         // Rows and columns that are numbered alike have cells.
         let cells = source.cells().filter(|_| rows == columns).map(|cells| {
@@ -120,11 +122,7 @@ impl Restriction {
         rows: &[usize],
         (new_rows, new_columns): (Vec<u32>, Vec<u32>),
     ) -> Self {
-        let is_whole = |(number, row): (usize, &usize)| {
-            let mut count = 0;
-            source.visit_pieces(*row, |_, width| count += width);
-            target.row(number).len() == count
-        };
+        let is_whole = |(number, row): (usize, &usize)| target.row(number).len() == source.row_length(*row);
         let whole = rows.iter().enumerate().map(is_whole).collect();
         Self { source: source.clone(), target, new_rows, new_columns, whole }
     }
@@ -162,14 +160,18 @@ impl Restriction {
     /// If the matrix does not have the structure that the restriction was made for.
     pub fn apply(&self, matrix: &BlockMatrix) -> Result<CsrMatrix, LinearAlgebraError> {
         self.check(matrix)?;
-        let mut values = room(self.target.entries());
+        let mut filling = Filling::with_room(self.target.entries());
         let kept = self.new_rows.iter().enumerate().filter(|(_, new)| **new != DROPPED);
         for (row, new) in kept {
+            let values = filling.before_adding(self.target.row(*new as usize).len());
             if self.whole[*new as usize] {
-                let copy = |place: usize, count: usize| {
-                    values.extend_from_slice(&matrix.values()[place..place + count]);
-                };
-                self.source.visit_pieces(row, copy);
+                let source = matrix.values();
+                // Of so few numbers a copy is quicker where the compiler knows how many.
+                self.source.visit_pieces(row, |place, count| match count {
+                    2 => values.extend_from_slice(&source[place..place + 2]),
+                    3 => values.extend_from_slice(&source[place..place + 3]),
+                    _ => values.extend_from_slice(&source[place..place + count]),
+                });
                 continue;
             }
             self.source.visit_row(row, |column, place, width| {
@@ -181,7 +183,7 @@ impl Restriction {
                 }
             });
         }
-        Ok(CsrMatrix::of_checked(&self.target, values))
+        Ok(CsrMatrix::of_checked(&self.target, filling.into_list()))
     }
 
     /// The entries of the submatrix whose values stand at some places of the matrix, as ranges of whole blocks.

@@ -21,7 +21,7 @@ use self::updates::Updates;
 use crate::analysis::Analysis;
 use crate::csr::CsrMatrix;
 use crate::error::LinearAlgebraError;
-use crate::large_pages::hand_over;
+use crate::large_pages::Supply;
 use crate::threads::Threads;
 
 /// Columns of a panel.
@@ -30,8 +30,6 @@ const PANEL: usize = 64;
 const LARGE: usize = 1 << 17;
 /// Columns of the one, and rows of the other factor from which on they are wide.
 const WIDE: usize = 24;
-/// Values whose memory is handed over at once, if not more are needed.
-const VALUES_AT_ONCE: usize = 1 << 17;
 /// Rows of such a product that are formed at once.
 const TILE: usize = 512;
 
@@ -55,14 +53,15 @@ struct Scratch {
     own: Panel,
     /// The end of the values whose memory has been handed over.
     handed_over: usize,
+    supply: Option<Supply>,
 }
 
 impl Scratch {
     /// Sees to the memory of the next values, of which the first has the given place among all, as far as so many are needed at once.
     fn hand_over(&mut self, place: usize, needed: usize, next: &mut [f64]) {
         if place + needed > self.handed_over {
-            let count = next.len().min(needed.max(VALUES_AT_ONCE));
-            self.handed_over = place + hand_over(&mut next[..count]);
+            let supply = self.supply.get_or_insert_with(|| Supply::of(size_of_val(next)));
+            self.handed_over = place + supply.hand_over(next, needed);
         }
     }
 }

@@ -4,11 +4,15 @@
 //! takes longer than the product where supernodes are small.
 
 use super::SymmetricFactor;
+use crate::ahead::ask_for;
 
 /// Columns that are taken at once, so that what is below them is read and written once.
 const AT_ONCE: usize = 4;
 /// Parts of a dot product that are summed side by side.
 const PARTS: usize = 4;
+/// Numbers of a supernode's block that are asked for while the one before it is at work: the processor by itself notices columns of
+/// some length alone.
+const AHEAD: usize = 1 << 11;
 
 /// The columns of a supernode, with the rows of its triangle and those below.
 struct Supernode<'a> {
@@ -97,11 +101,20 @@ impl SymmetricFactor {
     /// Replaces x, in elimination order, by L⁻¹ x.
     pub(crate) fn solve_with_lower(&self, x: &mut [f64]) {
         let mut below = vec![];
-        for number in 0..self.analysis.supernodes.n_supernodes() {
+        let count = self.analysis.supernodes.n_supernodes();
+        for number in 0..count {
             let node = self.supernode(number);
+            let own = &mut x[node.first..node.first + node.width];
+            // As away from the loads, where these are on a boundary.
+            if own.iter().all(|value| *value == 0.0) {
+                continue;
+            }
+            if number + 1 < count {
+                let next = self.supernode(number + 1).block;
+                ask_for(&next[..next.len().min(AHEAD)]);
+            }
             below.clear();
             below.resize(node.rows.len(), 0.0);
-            let own = &mut x[node.first..node.first + node.width];
             let mut from = 0;
             while from + AT_ONCE <= node.width {
                 node.forward::<AT_ONCE>(from, own, &mut below);
@@ -122,8 +135,13 @@ impl SymmetricFactor {
     /// The same in some supernodes, ascending, with all above them in the elimination tree.
     pub(crate) fn substitute_back(&self, supernodes: impl DoubleEndedIterator<Item = u32>, y: &mut [f64]) {
         let mut below = vec![];
-        for number in supernodes.rev() {
+        let mut supernodes = supernodes.rev().peekable();
+        while let Some(number) = supernodes.next() {
             let node = self.supernode(number as usize);
+            if let Some(next) = supernodes.peek() {
+                let next = self.supernode(*next as usize).block;
+                ask_for(&next[next.len().saturating_sub(AHEAD)..]);
+            }
             below.clear();
             below.extend(node.rows.iter().map(|row| y[*row as usize]));
             let own = &mut y[node.first..node.first + node.width];

@@ -72,8 +72,8 @@ pub struct CondensedSolver {
 struct LinearPart {
     matrix: Arc<CsrMatrix>,
     sizes: Vec<f64>,
-    /// Whether it is symmetric to the last bit.
-    equals_transposed: bool,
+    /// Whether it is known to be symmetric, but for rounding.
+    is_symmetric: bool,
 }
 
 impl LinearPart {
@@ -94,20 +94,20 @@ enum Current {
 #[derive(Debug)]
 struct Sum {
     base: Arc<CsrMatrix>,
-    /// Whether the stored one is symmetric to the last bit.
-    equals_transposed: bool,
+    /// Whether the stored one is known to be symmetric, but for rounding.
+    is_symmetric: bool,
     additions: Vec<Entry>,
 }
 
 impl Sum {
     /// A matrix without additions.
     fn of(matrix: CsrMatrix) -> Self {
-        Sum { base: Arc::new(matrix), equals_transposed: false, additions: vec![] }
+        Sum { base: Arc::new(matrix), is_symmetric: false, additions: vec![] }
     }
 
     /// The equations of a solve.
     fn side(&self, transpose: Transpose) -> Side<'_> {
-        let side = match self.equals_transposed {
+        let side = match self.is_symmetric {
             true => Side::of_symmetric(&self.base),
             false => Side::of(&self.base, transpose),
         };
@@ -173,10 +173,9 @@ impl CondensedSolver {
 
     /// The linear part with additions.
     fn sum(&self, linear_part: &Arc<CsrMatrix>, additions: Vec<Entry>) -> Sum {
-        let is_symmetric =
-            |known: &LinearPart| known.equals_transposed && Arc::ptr_eq(&known.matrix, linear_part);
-        let equals_transposed = self.linear_part.as_ref().is_some_and(is_symmetric);
-        Sum { base: linear_part.clone(), equals_transposed, additions }
+        let of_known = |known: &LinearPart| known.is_symmetric && Arc::ptr_eq(&known.matrix, linear_part);
+        let is_symmetric = self.linear_part.as_ref().is_some_and(of_known);
+        Sum { base: linear_part.clone(), is_symmetric, additions }
     }
 
     /// Additions that are more than rounding.
@@ -199,7 +198,7 @@ impl CondensedSolver {
         }
         let Some(condensation) = &self.condensation else { return self.fall_back(matrix.to_matrix()?) };
         let start = Instant::now();
-        let dense = (!changes.is_empty()).then(|| condensation.dense_factor(&changes));
+        let dense = (!changes.is_empty()).then(|| condensation.dense_factor(&changes, None));
         self.report.factorisation_seconds += start.elapsed().as_secs_f64();
         self.current = Some(Current::Condensed { matrix, dense });
         Ok(())

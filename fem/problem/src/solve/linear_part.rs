@@ -14,7 +14,7 @@ use crate::assemble::{
 };
 use crate::field::{Field, FieldView, views};
 use crate::linear_algebra::error::check_size;
-use crate::linear_algebra::vector::add_scaled;
+use crate::linear_algebra::vector::{add_scaled, is_finite};
 use crate::linear_algebra::{BlockMatrix, LinearAlgebraError};
 use crate::space::Space;
 
@@ -209,11 +209,7 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         let zero = self.spaces.each_ref().map(Field::zero);
         let (zero, spaces) = (views(&zero.each_ref()), self.spaces.each_ref());
         let linear = form.outline(Parts::LINEAR_AND_CONSTANT);
-        // Newton's method names the place of what is no number, by residuals; an affine problem shows it in its matrix.
-        let mut load = match form.is_affine() {
-            true => form.load(&self.assembler, &spaces)?,
-            false => form.residual(&self.assembler, &zero, &spaces, Parts::LINEAR_AND_CONSTANT)?,
-        };
+        let mut load = form.load(&self.assembler, &spaces)?;
         self.for_each_load(|unknown, force| load[unknown] -= force)?;
         let mut assembled = match earlier {
             Some(earlier) => Assembled { commits, load, ..earlier },
@@ -229,9 +225,14 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
             }
         };
         if assembled.linear {
-            let Assembled { matrix, linear_values, touched, .. } = &mut assembled;
+            let Assembled { load, matrix, linear_values, touched, .. } = &mut assembled;
             let arguments = (&zero[..], &spaces[..]);
             form.assemble_tangent(&self.assembler, arguments, Parts::LINEAR_AND_CONSTANT, pattern, matrix)?;
+            // Newton's method names the place of what is no number, by residuals; an affine problem shows it in its matrix.
+            if !form.is_affine() && !is_finite(matrix.values()) {
+                let parts = Parts::LINEAR_AND_CONSTANT;
+                *load = form.residual(&self.assembler, &zero, &spaces, parts)?;
+            }
             linear_values.clear();
             linear_values.reserve_exact(touched.places.iter().map(|places| places.len()).sum());
             for places in &touched.places {

@@ -51,6 +51,11 @@ pub trait NonlinearProblem {
         Ok(None)
     }
 
+    /// Whether the linear part is proved to be symmetric, but for rounding.
+    fn has_symmetric_linear_part(&self) -> bool {
+        false
+    }
+
     /// The part of R(u) beyond an affine function with the linear part for its matrix, if the problem knows it. It reads
     /// the unknowns alone in whose rows or columns some tangent differs from the linear part.
     ///

@@ -260,6 +260,10 @@ impl<F: Form<D>, const D: usize, const N: usize> NonlinearProblem for Problem<'_
         self.untyped.linear_part()
     }
 
+    fn has_symmetric_linear_part(&self) -> bool {
+        self.untyped.has_symmetric_linear_part()
+    }
+
     fn nonlinear_residual(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
         self.untyped.nonlinear_residual(u)
     }

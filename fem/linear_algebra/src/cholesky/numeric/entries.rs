@@ -3,11 +3,10 @@
 use std::ops::Range;
 
 use super::Numeric;
+use crate::ahead::ask_for;
 
 /// Columns for whose rows memory is asked ahead: rows follow each other in the order of elimination, not in memory.
 const COLUMNS_AHEAD: usize = 6;
-/// Bytes that the processor fetches at once.
-const LINE: usize = 64;
 
 impl Numeric<'_> {
     /// Copies the entries of some columns from the diagonal on into a panel of zeros. `places` has the panel's row for each row.
@@ -58,17 +57,4 @@ impl Numeric<'_> {
             ask_for(self.matrix.row(next as usize).1);
         }
     }
-}
-
-/// Has the processor fetch a list while other work goes on.
-#[inline(always)]
-fn ask_for<T>(list: &[T]) {
-    #[cfg(target_arch = "x86_64")]
-    for value in list.iter().step_by(LINE / size_of::<T>()) {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        // SAFETY: an instruction that every such processor has; it reads nothing, whatever the address.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast()) };
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = (list, LINE);
 }

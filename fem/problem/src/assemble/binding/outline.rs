@@ -60,11 +60,18 @@ impl<'a, const D: usize> Described<'a, D> {
 pub struct Outline<'a, const D: usize> {
     described: Described<'a, D>,
     pub(in crate::assemble) couplings: Vec<Coupling>,
+    is_symmetric: bool,
 }
 
 impl<'a, const D: usize> Outline<'a, D> {
     pub fn of<F: Form<D>>(form: &'a F, parts: Parts) -> Self {
-        Outline { described: Described::of(form), couplings: couplings(form, parts) }
+        let (couplings, is_symmetric) = couplings(form, parts);
+        Outline { described: Described::of(form), couplings, is_symmetric }
+    }
+
+    /// Whether each of the tangents is proved to be symmetric by itself, so that their sum is, but for rounding.
+    pub fn is_symmetric(&self) -> bool {
+        self.is_symmetric
     }
 
     /// Whether some of the integrals have tangents.
@@ -137,13 +144,15 @@ struct CouplingVisitor<'a> {
     regions: &'a [Region],
     parts: Parts,
     found: Vec<Coupling>,
+    are_symmetric: bool,
 }
 
-/// The couplings of the tangents of some of a form's integrals.
-fn couplings<F: Form<D>, const D: usize>(form: &F, parts: Parts) -> Vec<Coupling> {
-    let mut visitor = CouplingVisitor { regions: &form.inputs().regions, parts, found: vec![] };
+/// The couplings of the tangents of some of a form's integrals, and whether all of these are proved to be symmetric.
+fn couplings<F: Form<D>, const D: usize>(form: &F, parts: Parts) -> (Vec<Coupling>, bool) {
+    let regions = &form.inputs().regions;
+    let mut visitor = CouplingVisitor { regions, parts, found: vec![], are_symmetric: true };
     match form.tangent(&mut visitor) {
-        Ok(()) => visitor.found,
+        Ok(()) => (visitor.found, visitor.are_symmetric),
         Err(never) => match never {},
     }
 }
@@ -155,8 +164,11 @@ impl CouplingVisitor<'_> {
         let coupling = Coupling { test, trial, region, sides, degree, displacement, requirements };
         let on_pairs = self.regions[region].entity == Entity::Pairs;
         let is_new = on_pairs || !self.found.iter().any(|known| known.is_like(&coupling));
-        if self.parts.contain(integral.dependence) && is_new {
-            self.found.push(coupling);
+        if self.parts.contain(integral.dependence) {
+            self.are_symmetric &= integral.symmetric && test == trial && test_side == trial_side;
+            if is_new {
+                self.found.push(coupling);
+            }
         }
     }
 }

@@ -27,9 +27,8 @@ impl CondensedSolver {
         // An unsymmetric linear part has no Cholesky factor.
         let asymmetry = asymmetry()?;
         self.refused = asymmetry > SYMMETRIC || asymmetry.is_nan();
-        let sizes = linear_part.sizes_of_unknowns();
-        self.linear_part =
-            Some(LinearPart { matrix: linear_part.clone(), sizes, equals_transposed: asymmetry == 0.0 });
+        let (sizes, is_symmetric) = (linear_part.sizes_of_unknowns(), asymmetry == 0.0);
+        self.linear_part = Some(LinearPart { matrix: linear_part.clone(), sizes, is_symmetric });
         Ok(())
     }
 }
@@ -116,7 +115,11 @@ impl CondensingSolver for CondensedSolver {
         let changes = self.changes(&additions);
         let condensation = self.condensation.as_ref().ok_or(SolverError::NoMatrix)?;
         let start = Instant::now();
-        let dense = (!changes.is_empty()).then(|| condensation.dense_factor(&changes));
+        let earlier = match self.current.take() {
+            Some(Current::Condensed { dense, .. }) => dense,
+            _ => None,
+        };
+        let dense = (!changes.is_empty()).then(|| condensation.dense_factor(&changes, earlier));
         let factored_in = start.elapsed().as_secs_f64();
         let start = Instant::now();
         let mut step = condensation.dense_solve(r, dense.as_ref());

@@ -97,10 +97,11 @@ pub(super) fn share_linear_part<P: NonlinearProblem>(
     if !elimination.only_prescribes() {
         return Ok(None);
     }
+    let is_symmetric = problem.has_symmetric_linear_part();
     let Some(matrix) = problem.linear_part().map_err(NewtonFailure::Assembly)? else { return Ok(None) };
     let reduced = Arc::new(elimination.reduce_matrix(matrix).map_err(NewtonFailure::Mismatch)?);
     // Its rows and columns are the same ones of the whole, which is compared block by block.
-    match matrix.equals_transposed() {
+    match is_symmetric || matrix.equals_transposed() {
         true => solver.set_symmetric_linear_part(&reduced),
         false => solver.set_linear_part(&reduced),
     }

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use std::time::Instant;
 
 use super::untyped::UntypedProblem;
-use crate::assemble::AssemblyError;
+use crate::assemble::{AssemblyError, Parts};
 use crate::history::commits;
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::communicator::{agreed, all_active, summed};
@@ -82,6 +82,10 @@ impl<const D: usize, const N: usize> NonlinearProblem for UntypedProblem<'_, D, 
             return Ok(self.split.as_ref().map(|split| &split.linear));
         }
         Ok(self.ready()?.1.linear_part())
+    }
+
+    fn has_symmetric_linear_part(&self) -> bool {
+        self.system.form.outline(Parts::LINEAR_AND_CONSTANT).is_symmetric()
     }
 
     fn nonlinear_tangent(&mut self, u: &[f64]) -> Result<Option<NonlinearTangent<'_>>, AssemblyError> {

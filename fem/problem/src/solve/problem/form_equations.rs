@@ -40,6 +40,10 @@ impl NonlinearProblem for FormEquations<'_> {
         self.0.linear_part()
     }
 
+    fn has_symmetric_linear_part(&self) -> bool {
+        self.0.has_symmetric_linear_part()
+    }
+
     fn nonlinear_residual(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
         self.0.nonlinear_residual(u)
     }

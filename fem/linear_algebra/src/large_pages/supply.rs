@@ -1,0 +1,142 @@
+//! Memory of a long array that is handed over piece by piece, just before it is written from its beginning to its end.
+//!
+//! One call for a piece takes the place of a fault for each of its pages. Large pages are quicker still where the system has some at
+//! hand, but a virtual machine may have given them back to its host, and then waits longer for one than for all the small pages in its
+//! place. So they are asked for as long as they come quickly.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use super::{Advice, SMALLEST, advise, pages_in};
+
+/// Bytes of a large page.
+const LARGE: usize = 1 << 21;
+/// Small pages in the place of a large one take about so long.
+const SLOW: Duration = Duration::from_millis(1);
+/// After so many slow ones an array is given large pages no more; a single one may be slow because another process had its turn.
+const PATIENCE: u32 = 3;
+/// Bytes of an array for which one large page is tried where the last ones were slow.
+const WORTH_TRYING: usize = 1 << 26;
+
+/// Whether the last array came to the end of its patience. A race costs time alone.
+static HAS_BEEN_SLOW: AtomicBool = AtomicBool::new(false);
+
+/// The handing over of an array.
+pub(crate) struct Supply {
+    patience: u32,
+}
+
+impl Supply {
+    /// For an array of so many bytes.
+    pub(crate) fn of(bytes: usize) -> Self {
+        let patience = match HAS_BEEN_SLOW.load(Ordering::Relaxed) {
+            true => u32::from(bytes >= WORTH_TRYING),
+            false => PATIENCE,
+        };
+        Supply { patience }
+    }
+
+    /// Has the system hand over memory from the beginning of an array on, of which so many items are about to be written, and gives the
+    /// number of those up to the last whole page. What has been handed over stays as it is.
+    pub(crate) fn hand_over<T>(&mut self, array: &mut [T], needed: usize) -> usize {
+        let (begin, bytes) = (array.as_ptr(), size_of_val(array));
+        let end = (begin.addr() + needed * size_of::<T>()).next_multiple_of(LARGE);
+        let pages = pages_in(begin.addr(), (end - begin.addr()).min(bytes));
+        let count = (pages.end - begin.addr()) / size_of::<T>();
+        self.hand_over_pages(begin, pages);
+        count
+    }
+
+    /// Has pages handed over, and says whether the large ones among them come quickly.
+    pub(super) fn come_quickly<T>(mut self, begin: *const T, pages: Range<usize>) -> bool {
+        self.hand_over_pages(begin, pages);
+        self.patience > 0
+    }
+
+    fn hand_over_pages<T>(&mut self, begin: *const T, pages: Range<usize>) {
+        let mut start = pages.start;
+        while start < pages.end {
+            let end = (start + 1).next_multiple_of(LARGE).min(pages.end);
+            let is_large = end - start == LARGE && self.patience > 0;
+            if is_large {
+                advise(begin, &(start..end), Advice::Large);
+            }
+            let called = Instant::now();
+            advise(begin, &(start..end), Advice::Now);
+            if is_large {
+                let is_slow = called.elapsed() > SLOW;
+                self.patience -= u32::from(is_slow);
+                HAS_BEEN_SLOW.store(is_slow && self.patience == 0, Ordering::Relaxed);
+            }
+            start = end;
+        }
+    }
+}
+
+/// A list that grows up to a length that is known.
+pub(crate) struct Filling<T> {
+    list: Vec<T>,
+    /// So many items have their memory.
+    handed_over: usize,
+    supply: Supply,
+}
+
+impl<T> Filling<T> {
+    /// An empty list with room for so many.
+    pub(crate) fn with_room(count: usize) -> Self {
+        // Small ones are left alone.
+        let bytes = size_of::<T>() * count;
+        let handed_over = if bytes < SMALLEST { count } else { 0 };
+        Filling { list: Vec::with_capacity(count), handed_over, supply: Supply::of(bytes) }
+    }
+
+    /// The list, to which so many are about to be added.
+    #[inline]
+    pub(crate) fn before_adding(&mut self, count: usize) -> &mut Vec<T> {
+        let length = self.list.len();
+        if length + count > self.handed_over {
+            let rest = self.list.spare_capacity_mut();
+            let count = count.min(rest.len());
+            self.handed_over = length + self.supply.hand_over(rest, count);
+        }
+        &mut self.list
+    }
+
+    pub(crate) fn into_list(self) -> Vec<T> {
+        self.list
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pages_that_are_handed_over_keep_their_numbers() {
+        let mut values = vec![0.0; 1 << 20];
+        values[400_000] = 3.0;
+        let (mut first, mut supply) = (5, Supply::of(1 << 23));
+        while first < 900_000 {
+            let count = supply.hand_over(&mut values[first..], 1_000);
+            assert!(count >= 1_000, "{count}");
+            first += count;
+        }
+        // Not beyond the end.
+        let rest = values.len() - first;
+        assert!(supply.hand_over(&mut values[first..], rest) <= rest);
+        assert_eq!(values.iter().sum::<f64>(), 3.0);
+    }
+
+    #[test]
+    fn lists_are_filled_beyond_what_was_said() {
+        for count in [0, 10, 300_000] {
+            let mut filling = Filling::with_room(count);
+            for k in 0..count as u64 + 2 {
+                filling.before_adding(1).push(k);
+            }
+            let list = filling.into_list();
+            assert!(list.len() == count + 2 && list.iter().zip(0..).all(|(item, k)| *item == k));
+        }
+    }
+}
