@@ -5,6 +5,10 @@
 //! the linear solver. What every process has: the mesh, the spaces, the vectors of Newton's method.
 //!
 //! ```no_run
+//! # #[cfg(not(feature = "petsc"))]
+//! # fn main() {}
+//! # #[cfg(feature = "petsc")]
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! use forms_distributed::{Method, PetscSolver, World};
 //! use forms_fem::prelude::*;
 //!
@@ -16,7 +20,8 @@
 //! constraints.fix("boundary", |_| 0.0)?;
 //! let mut solver = PetscSolver::new(&world, &constraints, Method::conjugate_gradients())?;
 //! let solved = Problem::new(&poisson, &space).on(&world).constrained(&constraints).solver(&mut solver).solve()?;
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! # Ok(())
+//! # }
 //! ```
 
 #![cfg(feature = "petsc")]
