@@ -8,11 +8,11 @@ pub struct Degree(pub &'static [DegreeSum]);
 /// One product's degree: a constant and multiples of the degrees of its factors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DegreeSum {
-    /// What does not depend on the fields.
+    /// The part that does not depend on the fields.
     pub constant: usize,
-    /// How often the place of a point is a factor.
+    /// The number of factors that are the place of a point.
     pub positions: usize,
-    /// How often a factor is of one degree less than the place, as normals are.
+    /// The number of factors of one degree less than the place, as normals are.
     pub normals: usize,
     /// Of each field among the factors: index, order of the derivative, and how often.
     pub fields: &'static [[usize; 3]],
@@ -23,7 +23,7 @@ impl Degree {
     /// field's degree by its order; on tensor-product cells, where it lowers that of one direction only, it does not.
     ///
     /// # Panics
-    /// Where a field's index is not below the number of degrees.
+    /// If a field's index is not below the number of degrees.
     pub fn of(&self, fields: &[usize], geometry: usize, simplex: bool) -> usize {
         self.0.iter().map(|sum| sum.of(fields, geometry, simplex)).max().unwrap_or(0)
     }

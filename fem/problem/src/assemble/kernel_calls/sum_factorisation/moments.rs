@@ -44,7 +44,7 @@ struct Plane {
 /// Squares of moments along the last two axes, of all pairs of what is done to test and trial function there: nothing (0), the
 /// derivative along the one (1) or the other (2), at `3 * test + trial`.
 struct Squares {
-    /// Where they stand: behind the moments one of zeros, and those that are made.
+    /// Their places: behind the moments one of zeros, and those that are made.
     places: [usize; 9],
     /// Those that are sums or multiples of others because of what is done along the first of three axes.
     made: Vec<Made>,

@@ -325,7 +325,7 @@ fn both_ways<L: SimdLane, const N: usize>(mut matrix: Square<L, N>, factors: &[L
     matrix
 }
 
-/// What is linear in a function, of powers of u, as that of the basis functions along an axis.
+/// Numbers linear in a function, given of powers of u, as those of the basis functions along an axis.
 #[inline(always)]
 fn to_nodes<L: SimdLane, const N: usize>(powers: [L; N], [even, odd]: &[L; 2]) -> [L; N] {
     let mut basis = powers;

@@ -1,3 +1,5 @@
+//! Sums by moments against plain sums over the points, and the grids that have none.
+
 use super::*;
 use crate::element::{CellShape, Lagrange};
 use crate::quadrature::cell_rule;
