@@ -180,7 +180,7 @@ fn memory(_: FaerError) -> LinearAlgebraError {
 const WEAK_DIAGONAL: f64 = 1e-6;
 
 /// Factors of rows and columns, powers of two, so that scaling rounds nothing.
-fn scale(matrix: &CsrMatrix) -> Result<(Vec<f64>, Vec<f64>), LinearAlgebraError> {
+pub(super) fn scale(matrix: &CsrMatrix) -> Result<(Vec<f64>, Vec<f64>), LinearAlgebraError> {
     let size = matrix.rows();
     let (rows, columns) = scale_from(matrix, vec![1.0; size])?;
     // In a saddle point [K Bᵀ; B 0] whose unknowns have odd units B may hide K: all rows have largest entries of about one

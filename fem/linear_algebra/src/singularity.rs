@@ -3,9 +3,10 @@
 
 use super::csr::CsrMatrix;
 use super::error::LinearAlgebraError;
+use super::lu::scale;
 use super::spectrum::irregular;
 
-/// A vector y of which every |(A y)_i| is below this part of the largest Σ|a_ij||y_j|, with the diagonal scaled to one,
+/// A vector y of which every |(A y)_i| is below this part of the largest Σ|a_ij||y_j|, with the largest entries scaled to one,
 /// is as good as a null vector: rounding of the entries moves a solution along it by a part in 10⁴. Floating bodies left
 /// 1e-16 to 1e-13; a chain of 10⁶ springs, whose condition is 10¹², leaves 1e-9.
 const NOTHING: f64 = 1e-12;
@@ -25,11 +26,12 @@ pub fn check_regular(
     matrix: &CsrMatrix,
     solve: impl FnOnce(&mut [f64]) -> Result<(), LinearAlgebraError>,
 ) -> Result<(), LinearAlgebraError> {
-    let sizes = matrix.sizes_of_unknowns();
-    let mut y: Vec<f64> = irregular(matrix.rows()).zip(&sizes).map(|(value, size)| value * size).collect();
+    // The diagonal says nothing of the scale of a row whose largest entries are elsewhere, as in a saddle point.
+    let (of_rows, of_columns) = scale(matrix)?;
+    let mut y: Vec<f64> = irregular(matrix.rows()).zip(&of_rows).map(|(value, scale)| value / scale).collect();
     solve(&mut y)?;
     let (mut product, mut terms) = (0.0_f64, 0.0_f64);
-    for (row, size) in sizes.iter().enumerate().filter(|(_, size)| **size > 0.0) {
+    for (row, scale) in of_rows.iter().enumerate() {
         let (columns, values) = matrix.row(row);
         let (mut sum, mut terms_of_row) = (0.0, 0.0_f64);
         for (&column, value) in columns.iter().zip(values) {
@@ -37,12 +39,12 @@ pub fn check_regular(
             sum += term;
             terms_of_row += term.abs();
         }
-        (product, terms) = (product.max(sum.abs() / size), terms.max(terms_of_row / size));
+        (product, terms) = (product.max(sum.abs() * scale), terms.max(terms_of_row * scale));
     }
     if terms == 0.0 || product > NOTHING * terms {
         return Ok(());
     }
-    let motion = |unknown: &usize| y[*unknown].abs() * sizes[*unknown];
+    let motion = |unknown: &usize| y[*unknown].abs() / of_columns[*unknown];
     let most = (0..y.len()).max_by(|a, b| motion(a).total_cmp(&motion(b)));
     let (unknown, ratio) = (most.unwrap_or(0), product / terms);
     if ratio <= singular_ratio(matrix.rows()) {

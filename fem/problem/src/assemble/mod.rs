@@ -50,6 +50,7 @@ pub use element_kernel::sizes::{Counted, Fixed, Sizes};
 pub use element_kernel::{ElementCells, ElementKernel, ElementLayout, FieldLayout};
 pub use error::AssemblyError;
 pub use forms_core::contract::Dependence;
+pub use residual::Terms;
 pub use tangent::ElementMatrix;
 #[doc(hidden)]
 pub use walk::pair_reports::FoundPairs;

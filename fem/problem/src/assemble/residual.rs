@@ -17,7 +17,6 @@ use crate::assemble::scatter::group_nodes::GroupNodes;
 use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView, views};
 use crate::lanes::InstructionSet;
-use crate::linear_algebra::vector::largest;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
 use crate::threads::Threads;
@@ -133,8 +132,8 @@ impl<const D: usize> Assembler<D> {
         })
     }
 
-    /// The size of what cells add to each entry of the residual, in whatever direction: per integral, the largest entry of each
-    /// cell's vector (facet's, for integrals there), summed over the cells at the entry's node.
+    /// The size of the terms that are summed in each entry of the residual: contributions of cells and facets, each integral by
+    /// itself, with the sign removed.
     ///
     /// # Errors
     /// As [`Assembler::residual`].
@@ -143,8 +142,9 @@ impl<const D: usize> Assembler<D> {
         form: &F,
         unknowns: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
+        terms: Terms,
     ) -> Result<Vec<f64>, AssemblyError> {
-        self.sizes_of(Described::of(form), (unknowns, tests), &mut walk(form))
+        self.sizes_of(Described::of(form), (unknowns, tests), terms, &mut walk(form))
     }
 
     #[inline(never)]
@@ -152,10 +152,11 @@ impl<const D: usize> Assembler<D> {
         &self,
         form: Described<D>,
         (unknowns, tests): (&[FieldView<D>], &[&Arc<Space<D>>]),
+        terms: Terms,
         walk: WalkResidual<D>,
     ) -> Result<Vec<f64>, AssemblyError> {
         self.linear_integrals(self.bind(form, unknowns)?, tests, Parts::ALL, &mut |visitor| {
-            visitor.added = Added::Sizes;
+            visitor.added = Added::Sizes(terms);
             walk(visitor, Integrals::Apart)
         })
     }
@@ -242,8 +243,18 @@ pub(super) struct VectorVisitor<'a, const D: usize> {
 enum Added {
     /// Element vectors.
     Vectors,
-    /// Of each element vector its largest amount, in all places.
-    Sizes,
+    /// Sizes of element vectors.
+    Sizes(Terms),
+}
+
+/// Sizes of the terms of a residual.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Terms {
+    /// The amount of each entry of an element vector, in its own row: what must balance there.
+    OfRows,
+    /// The largest amount in an element vector among those of the same component, in all of its rows: what an entry was computed from,
+    /// where the terms of a row cancel inside of the cell.
+    OfCells,
 }
 
 impl<const D: usize> LinearVisitor<D> for VectorVisitor<'_, D> {
@@ -294,10 +305,17 @@ impl<const D: usize> VectorVisitor<'_, D> {
                 compute(&task, entities, &mut |first, vectors| {
                     let added = match added {
                         Added::Vectors => vectors,
-                        Added::Sizes => {
+                        Added::Sizes(Terms::OfRows) => {
+                            sizes.clear();
+                            sizes.extend(vectors.iter().map(|value| value.abs()));
+                            &sizes
+                        }
+                        Added::Sizes(Terms::OfCells) => {
                             sizes.clear();
                             for vector in vectors.chunks_exact(length) {
-                                sizes.resize(sizes.len() + length, largest(vector));
+                                let first = sizes.len();
+                                sizes.resize(first + length, 0.0_f64);
+                                spread_largest(vector, components, &mut sizes[first..]);
                             }
                             &sizes
                         }
@@ -312,6 +330,17 @@ impl<const D: usize> VectorVisitor<'_, D> {
             }
         }
         Ok(())
+    }
+}
+
+/// Writes the largest amount of each component of a vector into all of its places that are not zero: at a facet the nodes away from it
+/// have no part in the vector.
+fn spread_largest(vector: &[f64], components: usize, sizes: &mut [f64]) {
+    for component in 0..components {
+        let own = || vector.iter().skip(component).step_by(components);
+        let most = own().fold(0.0, |most: f64, value| most.max(value.abs()));
+        let places = sizes.iter_mut().skip(component).step_by(components);
+        places.zip(own()).filter(|(_, value)| **value != 0.0).for_each(|(size, _)| *size = most);
     }
 }
 

@@ -8,7 +8,7 @@ use forms_core::contract::{
     Dependence, FieldDescription, Form, Inputs, Integral, LinearKernel, LinearVisitor, Role,
 };
 
-use crate::assemble::{Assembler, AssemblyError, BlockPattern, FoundPairs, Outline, Parts};
+use crate::assemble::{Assembler, AssemblyError, BlockPattern, FoundPairs, Outline, Parts, Terms};
 use crate::field::FieldView;
 use crate::linear_algebra::BlockMatrix;
 use crate::space::Space;
@@ -59,6 +59,7 @@ pub trait AnyForm<const D: usize> {
         assembler: &Assembler<D>,
         unknowns: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
+        terms: Terms,
     ) -> Result<Vec<f64>, AssemblyError>;
     /// See `Assembler::active_set_of`.
     fn active_set(
@@ -152,8 +153,9 @@ impl<F: Form<D>, const D: usize> AnyForm<D> for F {
         assembler: &Assembler<D>,
         unknowns: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
+        terms: Terms,
     ) -> Result<Vec<f64>, AssemblyError> {
-        assembler.sizes_of_contributions(self, unknowns, tests)
+        assembler.sizes_of_contributions(self, unknowns, tests, terms)
     }
 
     fn active_set(

@@ -83,15 +83,3 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         Ok(split.nonlinear.insert(nonlinear))
     }
 }
-
-/// Σ_j |K_ij| a_j + Σ_j |N_ij| a_j for each row i.
-pub(super) fn balancing_forces(
-    linear: &BlockMatrix,
-    nonlinear: &BlockMatrix,
-    amplitudes: &[f64],
-) -> Vec<f64> {
-    let of = |matrix: &BlockMatrix, row: usize| -> f64 {
-        matrix.row(row).map(|(column, k)| k.abs() * amplitudes[column]).sum()
-    };
-    (0..linear.rows()).map(|row| of(linear, row) + of(nonlinear, row)).collect()
-}

@@ -10,7 +10,7 @@ use forms_core::contract::Role;
 use super::any_form::Held;
 use super::rigid_loads::RigidLoads;
 use crate::assemble::{
-    Assembler, AssemblyError, BlockPattern, FoundPairs, Parts, RegionPairs, TouchedEntries,
+    Assembler, AssemblyError, BlockPattern, FoundPairs, Parts, RegionPairs, Terms, TouchedEntries,
 };
 use crate::field::{Field, FieldView, views};
 use crate::linear_algebra::error::check_size;
@@ -68,6 +68,11 @@ impl Assembled {
                 values.fill(0.0);
             }
         }
+    }
+
+    /// Whether the matrix is the tangent at some iterate.
+    pub fn is_tangent(&self) -> bool {
+        self.updated
     }
 
     /// The matrix as memory.
@@ -288,9 +293,9 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     }
 
     /// See [`Assembler::sizes_of_contributions`].
-    pub fn sizes_of_contributions(&self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
+    pub fn sizes_of_contributions(&self, u: &[f64], terms: Terms) -> Result<Vec<f64>, AssemblyError> {
         let (views, spaces) = (self.views(u)?, self.spaces.each_ref());
-        let mut sizes = self.form.sizes_of_contributions(&*self.assembler_at(u)?, &views, &spaces)?;
+        let mut sizes = self.form.sizes_of_contributions(&*self.assembler_at(u)?, &views, &spaces, terms)?;
         self.for_each_load(|unknown, force| sizes[unknown] += force.abs())?;
         Ok(sizes)
     }

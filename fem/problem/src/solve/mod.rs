@@ -44,9 +44,11 @@ pub use load_steps::{
 };
 pub use lu_solver::LuSolver;
 pub use multigrid_solver::{MultigridSolver, MultigridSolverOptions, MultigridSolverReport};
+pub use crate::assemble::Terms;
 pub use newton::{
-    ActivePoints, LineSearch, NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep,
-    NonlinearProblem, NonlinearTangent, Start, Tangent, newton, newton_eliminating,
+    ActivePoints, FieldUnknowns, LineSearch, NewtonError, NewtonFailure, NewtonOptions, NewtonSolution,
+    NewtonStep, NonlinearProblem, NonlinearTangent, Products, Start, Tangent, WorstEquation, newton,
+    newton_eliminating,
 };
 pub use per_unknown::PerUnknown;
 #[doc(hidden)]

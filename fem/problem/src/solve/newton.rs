@@ -5,6 +5,7 @@ mod condensed;
 mod convergence;
 mod cycles;
 mod imposed;
+mod judgement;
 mod line_search;
 mod report;
 mod tangent;
@@ -15,14 +16,19 @@ use std::sync::Arc;
 pub use self::active_points::ActivePoints;
 use super::elimination::Elimination;
 use super::linear_solver::LinearSolver;
+use crate::assemble::Terms;
 use crate::linear_algebra::vector::{add_scaled, norm};
 use crate::linear_algebra::{BlockMatrix, CsrMatrix};
 use condensed::{nonlinear_changes, share_linear_part};
-use convergence::{Fields, Norms, Rounding, mark};
+pub use convergence::FieldUnknowns;
+use convergence::{Fields, Norms, mark};
+use judgement::{LastCorrection, Verdict};
 pub use line_search::LineSearch;
 use line_search::{Forced, Taken, along_potential, along_residual, check_potential};
-pub use report::{NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep};
-pub use tangent::{NonlinearTangent, Tangent};
+pub use report::{
+    NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep, WorstEquation,
+};
+pub use tangent::{NonlinearTangent, Products, Tangent};
 
 /// A system R(u) = 0 with a (generalised) derivative. Vectors and matrices have all unknowns, the prescribed
 /// ones included.
@@ -83,19 +89,19 @@ pub trait NonlinearProblem {
         Ok(None)
     }
 
-    /// Number of unknowns of each field, one field after the other. Convergence is judged field by field, for fields have
-    /// units of their own. What is left over is one more field, and all unknowns are one if none is named.
-    fn field_sizes(&self) -> Vec<usize> {
+    /// The fields of the unknowns, one after the other. What is left over is one more field, and all unknowns are one field of one
+    /// component if none is named. Each component is judged by its own size.
+    fn fields(&self) -> Vec<FieldUnknowns> {
         vec![]
     }
 
-    /// Σ_j |K_ij| a_j for each row i of the tangent K at u \[unit of R\]: the forces that balance there where unknown j is of
-    /// the size a_j. Rounding of R is a small multiple of it.
+    /// K x, and Σ_j |K_ij x_j| of each row, with a tangent K at u or at an iterate near it: the forces that balance where unknown j
+    /// is of the size x_j \[unit of R\]. Rounding of R is a small multiple of those of u.
     ///
     /// # Errors
     /// If assembly fails.
-    fn balancing_forces(&mut self, u: &[f64], amplitudes: &[f64]) -> Result<Vec<f64>, Self::Error> {
-        Ok(self.tangent(u)?.balancing_forces(amplitudes))
+    fn products(&mut self, u: &[f64], x: &[f64]) -> Result<Products, Self::Error> {
+        Ok(self.tangent(u)?.products(x))
     }
 
     /// The sum of a vector of which each process has a part, as where its tangent is of its own cells alone.
@@ -106,12 +112,12 @@ pub trait NonlinearProblem {
         Ok(own)
     }
 
-    /// The size of the terms that are added up in each entry of R(u) \[unit of R\], if the problem knows it. They may be large
-    /// where u is zero, as the stresses of a body that was deformed for good.
+    /// The size of the terms that are summed in each entry of R(u) \[unit of R\], if the problem knows it. They may be large
+    /// where u is zero, as the stresses of a body that was deformed permanently.
     ///
     /// # Errors
     /// If assembly fails.
-    fn sizes_of_terms(&mut self, _u: &[f64]) -> Result<Option<Vec<f64>>, Self::Error> {
+    fn sizes_of_terms(&mut self, _u: &[f64], _terms: Terms) -> Result<Option<Vec<f64>>, Self::Error> {
         Ok(None)
     }
 }
@@ -139,7 +145,8 @@ pub fn newton<P: NonlinearProblem>(
             newton_eliminating(problem, elimination, Start::at(start), solver, options, progress)
         }
         Err(why) => {
-            Err(NewtonError { why: NewtonFailure::Mismatch(why), history: vec![], u: start, notes: vec![] })
+            let why = NewtonFailure::Mismatch(why);
+            Err(NewtonError { u: start, ..why.into() })
         }
     }
 }
@@ -174,12 +181,26 @@ pub fn newton_eliminating<P: NonlinearProblem>(
     progress: &mut dyn FnMut(&NewtonStep),
 ) -> Result<NewtonSolution, NewtonError<P::Error>> {
     let Start { u, guess } = start;
-    let fields = Fields::new(&problem.field_sizes(), &elimination);
-    let (history, norms, active) = (Vec::new(), Vec::new(), Vec::new());
-    let mut iteration = Iteration { u, fields, history, norms, active, forced: None, options, progress };
-    match iteration.run(problem, elimination, guess, solver) {
-        Ok(residual) => Ok(NewtonSolution { u: iteration.u, residual, history: iteration.history }),
-        Err(why) => Err(NewtonError { why, history: iteration.history, u: iteration.u, notes: vec![] }),
+    let mut iteration = Iteration {
+        u,
+        fields: Fields::new(&problem.fields(), &elimination),
+        history: vec![],
+        norms: vec![],
+        active: vec![],
+        forced: None,
+        last_step: None,
+        last_correction: None,
+        corrected_long_step: false,
+        zeroed: false,
+        worst: None,
+        options,
+        progress,
+    };
+    let found = iteration.run(problem, elimination, guess, solver);
+    let Iteration { u, history, worst, .. } = iteration;
+    match found {
+        Ok(residual) => Ok(NewtonSolution { u, residual, history }),
+        Err(why) => Err(NewtonError { why, history, u, worst, notes: vec![] }),
     }
 }
 
@@ -192,6 +213,15 @@ struct Iteration<'a> {
     norms: Vec<Norms>,
     active: Vec<Option<ActivePoints>>,
     forced: Option<Forced>,
+    /// The change of all unknowns in the last step, where it is known.
+    last_step: Option<Vec<f64>>,
+    last_correction: Option<LastCorrection>,
+    /// The rounding of a long step was corrected.
+    corrected_long_step: bool,
+    /// Components that are rounding only were made zero.
+    zeroed: bool,
+    /// The equation that is off by the most of its terms, where one was.
+    worst: Option<WorstEquation>,
     options: &'a NewtonOptions,
     progress: &'a mut dyn FnMut(&NewtonStep),
 }
@@ -245,36 +275,79 @@ impl Iteration<'_> {
             residuals = found;
         }
         self.enter(problem, &elimination, &residuals, Step::default(), None)?;
-        if let Some(linear_part) = &linear_part
-            && !self.is_finished(problem, &elimination, &residuals)?
-        {
+        let mut verdict = self.judge(problem, &elimination, &residuals.reduced, solver)?;
+        if let (Some(linear_part), Verdict::GoOn) = (&linear_part, &verdict) {
             residuals = self.condense(problem, &mut elimination, linear_part, guess, residuals, solver)?;
+            verdict = self.judge(problem, &elimination, &residuals.reduced, solver)?;
         }
-        while !self.is_finished(problem, &elimination, &residuals)? {
-            self.set_tangent(problem, &mut elimination, linear_part.as_ref(), solver)?;
-            let load: Vec<f64> = residuals.reduced.iter().map(|value| -value).collect();
-            let solution = solver.solve(&load, self.linear_target()).map_err(NewtonFailure::LinearSolver)?;
-            let change = elimination.extend_by_zero(&solution.solution).map_err(NewtonFailure::Mismatch)?;
-            let Taken { part, residuals: found } = match self.options.line_search {
-                LineSearch::Off => Taken::whole(),
-                LineSearch::OnPotential => along_potential(problem, &self.u, &change)?,
-                LineSearch::OnResidual => along_residual(self, problem, &elimination, &change)?,
+        loop {
+            residuals = match verdict {
+                Verdict::Solution => return Ok(residuals.full),
+                Verdict::Correct(change) => self.correct(problem, &elimination, change)?,
+                Verdict::GoOn => {
+                    self.step(problem, &mut elimination, linear_part.as_ref(), &residuals, solver)?
+                }
             };
-            add_scaled(&mut self.u, part, &change);
-            residuals = match found {
-                Some(found) => found,
-                None => Residuals::at(problem, &elimination, &self.u)?,
-            };
-            let step = Step {
-                length: Some(part * norm(&solution.solution)),
-                damping: Some(part),
-                linear_iterations: Some(solution.iterations),
-                condensed_unknowns: solver.as_condensing().and_then(|solver| solver.condensed_unknowns()),
-            };
-            let lengths = self.fields.norms(&solution.solution);
-            self.enter(problem, &elimination, &residuals, step, Some(lengths))?;
+            verdict = self.judge(problem, &elimination, &residuals.reduced, solver)?;
         }
-        Ok(residuals.full)
+    }
+
+    /// One Newton step, whole or shortened.
+    fn step<P: NonlinearProblem>(
+        &mut self,
+        problem: &mut P,
+        elimination: &mut Elimination,
+        linear_part: Option<&Arc<CsrMatrix>>,
+        residuals: &Residuals,
+        solver: &mut dyn LinearSolver,
+    ) -> Result<Residuals, NewtonFailure<P::Error>> {
+        self.set_tangent(problem, elimination, linear_part, solver)?;
+        let load: Vec<f64> = residuals.reduced.iter().map(|value| -value).collect();
+        let solution = solver.solve(&load, self.linear_target()).map_err(NewtonFailure::LinearSolver)?;
+        let mut change = elimination.extend_by_zero(&solution.solution).map_err(NewtonFailure::Mismatch)?;
+        let Taken { part, residuals: found } = match self.options.line_search {
+            LineSearch::Off => Taken::whole(),
+            LineSearch::OnPotential => along_potential(problem, &self.u, &change)?,
+            LineSearch::OnResidual => along_residual(self, problem, elimination, &change)?,
+        };
+        add_scaled(&mut self.u, part, &change);
+        let found = match found {
+            Some(found) => found,
+            None => Residuals::at(problem, elimination, &self.u)?,
+        };
+        let step = Step {
+            length: Some(part * norm(&solution.solution)),
+            damping: Some(part),
+            linear_iterations: Some(solution.iterations),
+            condensed_unknowns: solver.as_condensing().and_then(|solver| solver.condensed_unknowns()),
+        };
+        let lengths = self.fields.norms(&solution.solution);
+        change.iter_mut().for_each(|change| *change *= part);
+        self.last_step = Some(change);
+        self.enter(problem, elimination, &found, step, Some(lengths))?;
+        Ok(found)
+    }
+
+    /// A step by a correction that is known.
+    fn correct<P: NonlinearProblem>(
+        &mut self,
+        problem: &mut P,
+        elimination: &Elimination,
+        change: Vec<f64>,
+    ) -> Result<Residuals, NewtonFailure<P::Error>> {
+        add_scaled(&mut self.u, 1.0, &change);
+        let found = Residuals::at(problem, elimination, &self.u)?;
+        let reduced: Vec<f64> = elimination.free().iter().map(|unknown| change[*unknown]).collect();
+        let step = Step {
+            length: Some(norm(&reduced)),
+            damping: Some(1.0),
+            linear_iterations: Some(0),
+            condensed_unknowns: None,
+        };
+        let lengths = self.fields.norms(&reduced);
+        self.last_step = Some(change);
+        self.enter(problem, elimination, &found, step, Some(lengths))?;
+        Ok(found)
     }
 
     /// Hands the tangent at the current iterate to the solver: what differs from the linear part, or the whole.
@@ -339,29 +412,6 @@ impl Iteration<'_> {
     fn linear_target(&self) -> f64 {
         let smallest = self.targets().fold(f64::INFINITY, f64::min).max(self.options.absolute_tolerance);
         LINEAR_ACCURACY * self.history.last().map_or(smallest, |last| smallest.min(last.residual))
-    }
-
-    /// Whether the last iterate is the solution; an error if there is no sense in going on.
-    fn is_finished<P: NonlinearProblem>(
-        &self,
-        problem: &mut P,
-        elimination: &Elimination,
-        residuals: &Residuals,
-    ) -> Result<bool, NewtonFailure<P::Error>> {
-        if self.history.last().is_some_and(|last| !last.residual.is_finite()) {
-            return Err(NewtonFailure::NotFinite);
-        }
-        if self.has_converged(&Rounding::Unknown) {
-            return Ok(true);
-        }
-        if self.may_be_rounding() || self.does_not_fall() {
-            let rounding = self.rounding(problem, elimination, &residuals.reduced)?;
-            if self.has_converged(&rounding) {
-                return Ok(true);
-            }
-        }
-        self.check_progress()?;
-        Ok(false)
     }
 
     /// The last iterate was judged by its condensed residual; this is the whole one.

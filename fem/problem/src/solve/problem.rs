@@ -25,10 +25,10 @@ use super::any_form::{AnyForm, Held};
 use super::communicator::Communicator;
 use super::linear_part::Assembled;
 use super::{
-    ActivePoints, Increment, LinearSolver, NewtonError, NewtonOptions, NewtonStep, NonlinearProblem,
-    NonlinearTangent, PerUnknown, RigidLoads, Solved, Tangent,
+    ActivePoints, FieldUnknowns, Increment, LinearSolver, NewtonError, NewtonOptions, NewtonStep, NonlinearProblem,
+    NonlinearTangent, PerUnknown, Products, RigidLoads, Solved, Tangent,
 };
-use crate::assemble::{Assembler, AssemblyError, BlockPattern};
+use crate::assemble::{Assembler, AssemblyError, BlockPattern, Terms};
 use crate::constraints::Constraints;
 use crate::field::Field;
 use crate::linear_algebra::BlockMatrix;
@@ -276,19 +276,19 @@ impl<F: Form<D>, const D: usize, const N: usize> NonlinearProblem for Problem<'_
         self.untyped.active_points(u)
     }
 
-    fn field_sizes(&self) -> Vec<usize> {
-        self.untyped.field_sizes()
+    fn fields(&self) -> Vec<FieldUnknowns> {
+        self.untyped.fields()
     }
 
-    fn balancing_forces(&mut self, u: &[f64], amplitudes: &[f64]) -> Result<Vec<f64>, AssemblyError> {
-        self.untyped.balancing_forces(u, amplitudes)
+    fn products(&mut self, u: &[f64], x: &[f64]) -> Result<Products, AssemblyError> {
+        self.untyped.products(u, x)
     }
 
     fn summed_up(&mut self, own: Vec<f64>) -> Result<Vec<f64>, AssemblyError> {
         self.untyped.summed_up(own)
     }
 
-    fn sizes_of_terms(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
-        self.untyped.sizes_of_terms(u)
+    fn sizes_of_terms(&mut self, u: &[f64], terms: Terms) -> Result<Option<Vec<f64>>, AssemblyError> {
+        self.untyped.sizes_of_terms(u, terms)
     }
 }

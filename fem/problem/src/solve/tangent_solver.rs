@@ -17,7 +17,8 @@ use crate::linear_algebra::error::check_size;
 use crate::linear_algebra::singularity::check_regular;
 use crate::linear_algebra::vector::norm;
 use crate::linear_algebra::{
-    Analysis, ConditionEstimate, CsrMatrix, Ordering, SparsityPattern, SymmetricFactor, condition_estimate,
+    Analysis, ConditionEstimate, CsrMatrix, LinearAlgebraError, Ordering, SparsityPattern, SymmetricFactor,
+    condition_estimate,
 };
 use crate::threads::Threads;
 
@@ -185,7 +186,9 @@ impl TangentSolver {
         let factor = result?;
         if !factor.is_positive_definite() || factor.smallest_pivot_ratio() < DOUBTFUL {
             let found = check_regular(&part, |y| factor.solve_in_place(y));
-            self.proved_singular = self.symmetric && found.is_err();
+            // LU, which pivots, has a judgement of its own of what is only ill-conditioned.
+            let singular = matches!(found, Err(LinearAlgebraError::Singular { .. }));
+            self.proved_singular = self.symmetric && singular;
             found?;
         }
         self.report.factorisations += 1;

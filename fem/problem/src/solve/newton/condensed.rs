@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::convergence::{Norms, Rounding, mark};
+use super::convergence::{Norms, mark};
 use super::{Iteration, LineSearch, NewtonFailure, NonlinearProblem, Residuals, Step};
 use crate::linear_algebra::vector::{add_scaled, norm};
 use crate::linear_algebra::{CsrMatrix, Entry};
@@ -218,8 +218,7 @@ impl Iteration<'_> {
             self.record(norm(&residual), norms, active, step);
             // What ends the iteration is said of the whole residual.
             let last = !norm(&residual).is_finite()
-                || self.has_converged(&Rounding::Unknown)
-                || self.may_be_rounding()
+                || self.has_dropped_to(self.options.relative_tolerance)
                 || self.check_progress::<P::Error>().is_err();
             if last {
                 break;

@@ -11,24 +11,22 @@ use crate::solve::linear_solver::SolverError;
 
 /// The end of Newton's method: its tolerances, and whether steps are shortened on the way.
 ///
-/// An iterate is the solution when for every field of the problem (an unknown of a form; norms are over free unknowns)
+/// An iterate is the solution when
 ///
-/// 1. ‖R_f‖₂ ≤ `relative_tolerance` × the field's ‖R_f‖₂ at the start, with the prescribed values imposed. A field without a
-///    load there, which other fields drive, is measured by the largest residual that it came to instead.
-/// 2. The step still to be expected, ‖δ_f‖₂ of the last whole step times the factor by which residuals fell in it (of the
-///    field whose residual fell least), is at most 100 `relative_tolerance` × ‖u_f‖₂. A start that is far off makes the first
-///    residual large; this part of the criterion does not depend on it.
+/// 1. every equation holds next to the terms that it is made of: |R_i| ≤ `relative_tolerance` × S_i + rounding in each free row i, where
+///    S_i is the sum of the amounts that cells and facets contribute to the row, and rounding is 10³ε Σ_j |K_ij u_j|
+///    (Arioli, Demmel and Duff 1989), and
+/// 2. the correction that is still to be expected, −K⁻¹R with the last tangent, is at most 100 `relative_tolerance` of the variation of
+///    each component of each field (Deuflhard 2011).
 ///
-/// No residual can be smaller than rounding: where the iteration stalls above the tolerance, or a field has had no other
-/// residual, the forces that balance are added up row by row from the tangent ([`NonlinearProblem::balancing_forces`]),
-/// and a residual at their rounding level (10⁻¹⁴ of them, 10⁻¹² if it does not fall any more) counts as zero.
-///
-/// [`NonlinearProblem::balancing_forces`]: super::NonlinearProblem::balancing_forces
+/// Neither depends on the start, nor on how far the residual has dropped. An iterate that meets the first condition only is corrected.
+/// Where corrections do not become shorter, they are what rounding makes of the solution: it is accepted up to 10⁻⁶ of the largest
+/// value of the component, and refused beyond ([`NewtonFailure::Uncertain`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct NewtonOptions {
-    /// Tolerance of residuals and of expected steps, as above.
+    /// Tolerance of residuals and corrections, as above.
     pub relative_tolerance: f64,
-    /// Converged in any case at ‖R‖₂ ≤ `absolute_tolerance` over all fields \[unit of R\].
+    /// Converged in any case at ‖R‖₂ ≤ `absolute_tolerance` over all fields \[unit of R\]. Zero, the default, leaves it to the rows.
     pub absolute_tolerance: f64,
     /// Most steps.
     pub max_iterations: usize,
@@ -40,7 +38,7 @@ impl Default for NewtonOptions {
     fn default() -> Self {
         Self {
             relative_tolerance: 1e-10,
-            absolute_tolerance: 1e-300,
+            absolute_tolerance: 0.0,
             max_iterations: 50,
             line_search: LineSearch::Off,
         }
@@ -137,6 +135,16 @@ pub enum NewtonFailure<E> {
          tangent is not its derivative"
     )]
     Stagnated,
+    /// All equations hold up to rounding, but rounding moves the solution by more than 10⁻⁶ of itself: the problem is too
+    /// ill-conditioned, as where a stiff part is held by a much softer one.
+    #[error(
+        "every equation holds up to rounding, but rounding moves the solution by {part:.1e} of itself: the problem is too \
+         ill-conditioned for double precision, as where a stiff part is held by a much softer one"
+    )]
+    Uncertain {
+        /// The last correction as a part of the largest value of its component.
+        part: f64,
+    },
     /// The residual became NaN or infinite.
     #[error("the residual is not finite")]
     NotFinite,
@@ -166,6 +174,15 @@ pub enum NewtonFailure<E> {
     Assembly(#[source] E),
 }
 
+/// The equation that is off by the most of its terms.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorstEquation {
+    /// Its unknown among all.
+    pub unknown: usize,
+    /// |R_i| as a part of the size of the terms in the row.
+    pub off: f64,
+}
+
 /// A failure of Newton's method with the history up to it.
 #[derive(thiserror::Error)]
 #[error("{}: {why}{}", stage(history), and(notes))]
@@ -176,6 +193,8 @@ pub struct NewtonError<E: std::error::Error> {
     pub history: Vec<NewtonStep>,
     /// The last iterate.
     pub u: Vec<f64>,
+    /// The equation that held worst at the last iterate that was judged, if one did not hold.
+    pub worst: Option<WorstEquation>,
     /// Remarks of the problem, as that points of sliding pairs have lost each other.
     pub notes: Vec<String>,
 }
@@ -194,7 +213,7 @@ fn stage(history: &[NewtonStep]) -> String {
 
 impl<E: std::error::Error> From<NewtonFailure<E>> for NewtonError<E> {
     fn from(why: NewtonFailure<E>) -> Self {
-        NewtonError { why, history: vec![], u: vec![], notes: vec![] }
+        NewtonError { why, history: vec![], u: vec![], worst: None, notes: vec![] }
     }
 }
 

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 #[cfg(doc)]
 use super::NonlinearProblem;
+use crate::linear_algebra::equations::Equations;
 use crate::linear_algebra::{BlockMatrix, CsrMatrix};
 
 /// A tangent, lent by the problem that keeps it.
@@ -29,10 +30,35 @@ pub struct NonlinearTangent<'a> {
 }
 
 impl Tangent<'_> {
-    /// Σ_j |K_ij| a_j for each row i.
-    pub fn balancing_forces(&self, amplitudes: &[f64]) -> Vec<f64> {
-        let force = |row| self.matrix.row(row).map(|(column, k)| k.abs() * amplitudes[column]).sum();
-        (0..self.matrix.rows()).map(force).collect()
+    /// K x, and Σ_j |K_ij x_j| of each row. Both are zero where x does not fit.
+    pub fn products(&self, x: &[f64]) -> Products {
+        let zero = || (vec![0.0; self.matrix.rows()], vec![0.0; self.matrix.rows()]);
+        let (sums, sizes) = self.matrix.as_ref().products(x).unwrap_or_else(|_| zero());
+        Products { sums, sizes }
+    }
+}
+
+impl<'a> Tangent<'a> {
+    /// A matrix that is lent, with no places known.
+    pub(in crate::solve) fn lent(matrix: &'a BlockMatrix) -> Self {
+        Tangent { matrix: Cow::Borrowed(matrix), changed: None }
+    }
+}
+
+/// A product with a tangent, and the size of its terms.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Products {
+    /// Σ_j K_ij x_j of each row.
+    pub sums: Vec<f64>,
+    /// Σ_j |K_ij x_j| of each row.
+    pub sizes: Vec<f64>,
+}
+
+impl Products {
+    /// Adds the products of another part of the matrix.
+    pub(in crate::solve) fn add(&mut self, other: &Products) {
+        self.sums.iter_mut().zip(&other.sums).for_each(|(sum, other)| *sum += other);
+        self.sizes.iter_mut().zip(&other.sizes).for_each(|(size, other)| *size += other);
     }
 }
 

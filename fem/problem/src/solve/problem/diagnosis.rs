@@ -2,7 +2,7 @@
 
 use super::untyped::UntypedProblem;
 use crate::linear_algebra::{LinearAlgebraError, free_motions};
-use crate::solve::{Elimination, NonlinearProblem, SolverError};
+use crate::solve::{Elimination, NonlinearProblem, SolverError, WorstEquation};
 
 impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
     /// A singular matrix is reported with the field and the place of an unknown that it does not determine, an equation
@@ -46,6 +46,25 @@ impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
             index -= space.unknowns();
         }
         error
+    }
+
+    /// The field and the place of an equation that does not hold.
+    pub(super) fn equation_that_is_off(&self, worst: WorstEquation) -> Option<String> {
+        let (off, mut index) = (worst.off, worst.unknown);
+        for (number, space) in self.system.spaces.iter().enumerate() {
+            if index < space.unknowns() {
+                let (components, field) = (space.components(), self.system.unknown_name(number));
+                let (node, component) = (index / components, index % components);
+                let of = if components > 1 { format!("component {component} of ") } else { String::new() };
+                let position = space.positions()[node];
+                return Some(format!(
+                    "the equation of {of}`{field}` at {position:?} is off by {off:.1e} of its terms, more than that of any other \
+                     unknown"
+                ));
+            }
+            index -= space.unknowns();
+        }
+        None
     }
 
     /// The place of the first entry of the residual at u that is not finite, and what to do.

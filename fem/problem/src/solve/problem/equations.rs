@@ -2,15 +2,17 @@
 //! once, and sums over processes where there are several.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::untyped::UntypedProblem;
-use crate::assemble::{AssemblyError, Parts};
+use crate::assemble::{AssemblyError, Parts, Terms};
 use crate::history::commits;
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::communicator::{agreed, all_active, summed};
-use crate::solve::linear_and_nonlinear::{Nonlinear, balancing_forces};
-use crate::solve::{ActivePoints, NonlinearProblem, NonlinearTangent, Tangent};
+use crate::solve::linear_and_nonlinear::Nonlinear;
+use crate::solve::{ActivePoints, FieldUnknowns, NonlinearProblem, NonlinearTangent, Products, Tangent};
+use crate::space::Space;
 
 impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
     fn own_residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
@@ -126,26 +128,40 @@ impl<const D: usize, const N: usize> NonlinearProblem for UntypedProblem<'_, D, 
         }
     }
 
-    fn field_sizes(&self) -> Vec<usize> {
-        self.system.spaces.iter().map(|space| space.unknowns()).collect()
+    fn fields(&self) -> Vec<FieldUnknowns> {
+        let layout = |space: &Arc<Space<D>>| FieldUnknowns {
+            unknowns: space.unknowns(),
+            components: space.components(),
+        };
+        self.system.spaces.iter().map(layout).collect()
     }
 
-    fn balancing_forces(&mut self, u: &[f64], amplitudes: &[f64]) -> Result<Vec<f64>, AssemblyError> {
+    fn products(&mut self, u: &[f64], x: &[f64]) -> Result<Products, AssemblyError> {
         if let Some(split) = &mut self.split {
             let nonlinear = self.system.nonlinear_tangent(split, u)?.matrix.clone();
-            return Ok(balancing_forces(&split.linear, &nonlinear, amplitudes));
+            let mut products = Tangent::lent(&split.linear).products(x);
+            products.add(&Tangent::lent(&nonlinear).products(x));
+            return Ok(products);
         }
-        let own = self.tangent(u).map(|tangent| tangent.balancing_forces(amplitudes));
+        // The last tangent serves, where it was not taken apart for a residual.
+        let kept = self.assembled.as_ref().filter(|assembled| assembled.is_tangent());
+        let own = match kept {
+            Some(assembled) => Ok(Tangent::lent(assembled.matrix()).products(x)),
+            None => self.tangent(u).map(|tangent| tangent.products(x)),
+        };
         // All processes must come to the same judgement of convergence.
-        summed(self.communicator, self.system.form.name(), own)
+        let form = self.system.form.name();
+        let Products { sums, sizes } = own?;
+        let sums = summed(self.communicator, form, Ok(sums))?;
+        Ok(Products { sums, sizes: summed(self.communicator, form, Ok(sizes))? })
     }
 
     fn summed_up(&mut self, own: Vec<f64>) -> Result<Vec<f64>, AssemblyError> {
         summed(self.communicator, self.system.form.name(), Ok(own))
     }
 
-    fn sizes_of_terms(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
-        let own = self.system.sizes_of_contributions(u);
+    fn sizes_of_terms(&mut self, u: &[f64], terms: Terms) -> Result<Option<Vec<f64>>, AssemblyError> {
+        let own = self.system.sizes_of_contributions(u, terms);
         summed(self.communicator, self.system.form.name(), own).map(Some)
     }
 }

@@ -1,10 +1,10 @@
 //! Equations of any form behind one type, so that Newton's method for them is compiled once, in this crate.
 
-use crate::assemble::AssemblyError;
+use crate::assemble::{AssemblyError, Terms};
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::{
-    ActivePoints, Elimination, LinearSolver, NewtonError, NewtonOptions, NewtonSolution, NewtonStep,
-    NonlinearProblem, NonlinearTangent, Start, Tangent, newton_eliminating,
+    ActivePoints, Elimination, FieldUnknowns, LinearSolver, NewtonError, NewtonOptions, NewtonSolution, NewtonStep,
+    NonlinearProblem, NonlinearTangent, Products, Start, Tangent, newton_eliminating,
 };
 
 /// [`newton_eliminating`] for the problem of any form, compiled once: a user's form brings its kernels, not Newton's method.
@@ -56,19 +56,19 @@ impl NonlinearProblem for FormEquations<'_> {
         self.0.active_points(u)
     }
 
-    fn field_sizes(&self) -> Vec<usize> {
-        self.0.field_sizes()
+    fn fields(&self) -> Vec<FieldUnknowns> {
+        self.0.fields()
     }
 
-    fn balancing_forces(&mut self, u: &[f64], amplitudes: &[f64]) -> Result<Vec<f64>, AssemblyError> {
-        self.0.balancing_forces(u, amplitudes)
+    fn products(&mut self, u: &[f64], x: &[f64]) -> Result<Products, AssemblyError> {
+        self.0.products(u, x)
     }
 
     fn summed_up(&mut self, own: Vec<f64>) -> Result<Vec<f64>, AssemblyError> {
         self.0.summed_up(own)
     }
 
-    fn sizes_of_terms(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
-        self.0.sizes_of_terms(u)
+    fn sizes_of_terms(&mut self, u: &[f64], terms: Terms) -> Result<Option<Vec<f64>>, AssemblyError> {
+        self.0.sizes_of_terms(u, terms)
     }
 }
