@@ -12,7 +12,7 @@ use crate::linear_algebra::vector::add_scaled;
 use crate::space::Space;
 use crate::time::{Combination, Formulas, SolvedFor, State, Step};
 
-/// A step's formulas, and what they are between.
+/// One time step: its formulas and the times at its ends.
 pub(super) struct Interval {
     pub solution: Solution,
     pub formulas: Formulas,

@@ -205,8 +205,7 @@ fn before_the_next_state(steps: usize, slots: usize) -> usize {
     fewest.max(steps.saturating_sub(most_after)).clamp(1, steps - 1)
 }
 
-/// The smallest number r of times that no step need be solved more often than, for so many steps with so many stored states:
-/// the steps are at most (slots + r)!/(slots! r!).
+/// Smallest r with steps ≤ (slots + r)!/(slots! r!): no step needs to be solved more often than r times.
 pub fn largest_repetition(steps: usize, slots: usize) -> usize {
     (1..).find(|&repeated| reversible(slots.max(1), repeated) >= steps).unwrap_or(steps)
 }

@@ -80,10 +80,10 @@ pub use vtk::{VtkError, VtkMesh, VtkReader};
 
 /// A mesh of cells in D dimensions, with isoparametric geometry of degree 1 or 2. All cells have one shape, or, in the
 /// plane, some are triangles and some quadrilaterals: then cells of one shape follow each other in blocks.
-/// Geometry nodes of a cell stand in the order of [`crate::element::Lagrange`].
+/// Geometry nodes of a cell are in the order of [`crate::element::Lagrange`].
 ///
 /// The cell region "all", the facet region "boundary" and (where cells share facets) the region "interior" of
-/// interior facets always exist. Rigid surfaces ([`Mesh::with_rigid_surfaces`]) stand on further cells, which are in none of them.
+/// interior facets always exist. Rigid surfaces ([`Mesh::with_rigid_surfaces`]) have further cells, which are in none of them.
 #[derive(Clone, Debug)]
 pub struct Mesh<const D: usize> {
     /// Which cells have which shape.

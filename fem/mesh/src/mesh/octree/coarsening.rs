@@ -90,7 +90,7 @@ impl<const D: usize> OctreeMesh<D> {
         Ok((OctreeMesh { mesh: Arc::new(mesh), origins, divided }, nesting))
     }
 
-    /// Which of the divided cells stay so. Small ones are asked first, so that what is larger beside them sees what has become of them.
+    /// Which of the divided cells stay so. Small ones are asked first, so that larger neighbours see the result.
     fn stays(&self, marked: &[u32]) -> Vec<bool> {
         let (divided, shape) = (&self.divided, self.shape());
         let parts = 1 << D;

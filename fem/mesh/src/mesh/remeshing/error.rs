@@ -35,7 +35,7 @@ pub enum RemeshingError {
         /// Their number.
         found: usize,
     },
-    /// A sector is cut where a node stands.
+    /// A sector is cut at a node.
     #[error("the boundary near {at:?} has no node on the side of its sector")]
     NoNodeOnTheCut {
         /// The node that is nearest.
