@@ -43,7 +43,7 @@ const DENSE_COST: f64 = 400.0;
 
 /// Relative residual below which refinement of the whole solution stops.
 const ACCURATE: f64 = 1e-15;
-/// The most by which an equation may be off, beside its terms, where the caller asks for no more than the residual that
+/// The most by which an equation may be off, relative to its terms, where the caller asks for no more than the residual that
 /// there is.
 const ROUGH: f64 = 1e-3;
 

@@ -98,7 +98,7 @@ pub trait NonlinearProblem {
         Ok(self.tangent(u)?.balancing_forces(amplitudes))
     }
 
-    /// The sum of a vector of which each process has a part, as where its tangent is of its own cells alone.
+    /// The sum of a vector whose parts the processes have, as where its tangent is of its own cells alone.
     ///
     /// # Errors
     /// If another process fails.

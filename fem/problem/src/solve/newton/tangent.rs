@@ -37,7 +37,7 @@ impl Tangent<'_> {
 }
 
 impl From<CsrMatrix> for Tangent<'_> {
-    /// A tangent of which nothing else is known.
+    /// A tangent without further known properties.
     fn from(matrix: CsrMatrix) -> Self {
         Tangent { matrix: Cow::Owned(matrix.into()), changed: None }
     }
