@@ -75,7 +75,7 @@ macro_rules! choices_of {
                 self
             }
 
-            /// At most so many states are stored, and the others computed again on the way back; all are, unless this is said.
+            /// Stores at most the given number of states, and the others computed again on the way back; all are, unless this is said.
             pub fn stored_states(mut self, most: usize) -> Self {
                 self.storage.most = most;
                 self

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::output::write_whole;
 
-/// A stack of states, each with the number of the step before which it stands.
+/// A stack of states, each with the number of the step that follows it.
 pub(super) trait Shelf {
     /// Error of keeping or fetching a state.
     type Error;

@@ -30,7 +30,7 @@ pub struct Work {
     pub steps_solved: usize,
     /// Adjoint steps solved.
     pub steps_reversed: usize,
-    /// The most states that were stored at once, that before the first step among them; beside them stand the two ends of the
+    /// The most states that were stored at once, that before the first step among them; in addition to them there are the two ends of the
     /// step at hand.
     pub most_stored: usize,
 }
@@ -158,7 +158,7 @@ impl<V: Evolution + ?Sized> Sweep<'_, V> {
         Ok(state)
     }
 
-    /// Reverses all steps, with at most so many states on the shelf of those from which steps are computed again, and gives the
+    /// Reverses all steps, with at most the given number of states on the shelf of those from which steps are computed again, and gives the
     /// first state back.
     fn reverse<S: Shelf>(
         &mut self,
@@ -196,8 +196,8 @@ impl<V: Evolution + ?Sized> Sweep<'_, V> {
     }
 }
 
-/// The number of steps of which no state is stored before the next one that is: of `steps` that are to be reversed with `slots`
-/// states, the first of which is where they begin.
+/// The number of steps without a stored state before the next one with it: of `steps` that are to be reversed with `slots`
+/// states; the first is where they begin.
 fn before_the_next_state(steps: usize, slots: usize) -> usize {
     let repeated = largest_repetition(steps, slots);
     let fewest = if repeated >= 2 { reversible(slots, repeated - 2) } else { 1 };

@@ -324,7 +324,7 @@ mod tests {
         values.map(row).collect()
     }
 
-    /// While the constraint is restored, J may stand still: with λ = 50 five steps that take c by 0.05 down win 2.5.
+    /// While the constraint is restored, J may not change: with λ = 50 five steps that take c by 0.05 down win 2.5.
     #[test]
     fn the_way_back_to_the_constraint_is_no_end() {
         let restored = rows((0..6).map(|k| (7.0, 0.01 * f64::from(5 - k))));

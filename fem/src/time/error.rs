@@ -8,7 +8,7 @@ use crate::field::FieldError;
 use crate::linear_algebra::LinearAlgebraError;
 use crate::solve::{SolveError, SolverError};
 
-/// A step that was not taken. The loop stands where it was before, and may take another one.
+/// A step that was not taken. The loop is where it was before, and may take another one.
 #[derive(Debug, Error)]
 #[error("the step from t = {from} to {to} was not taken: {why}")]
 pub struct StepError {
@@ -27,7 +27,7 @@ pub enum StepFailure {
     /// A step size that is no positive number, or too small to change the time.
     #[error("the step size {0} is no positive number that changes the time")]
     StepSize(f64),
-    /// States that do not stand one before the other in time.
+    /// States that are not in the order of time.
     #[error("the states before the step, newest first, have times that do not fall: {times:?}")]
     NotEarlier {
         /// Their times.

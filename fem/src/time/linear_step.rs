@@ -147,7 +147,7 @@ impl StepMatrix {
         Ok(StepMatrix { weights, free, matrix, lumped, held })
     }
 
-    /// The residual of the first equation that does not hold, each beside its own terms with the largest value of the unknown: a
+    /// The residual of the first equation that does not hold, each relative to its own terms with the largest value of the unknown: a
     /// stiff part hides no soft one.
     fn wrong_row(
         &self,
