@@ -50,7 +50,7 @@ struct Cut {
 }
 
 impl Cut {
-    /// In the order of the instructions, with so many operations in each part; an entry of a call goes where the call is, for what the call gives is kept by
+    /// In the order of the instructions, with the given number of operations in each part; an entry of a call goes where the call is, for what the call gives is kept by
     /// entries.
     fn new(code: &Code, own: &[Value], most: usize) -> Cut {
         let (mut part, mut number, mut operations) = (HashMap::new(), 0, 0);

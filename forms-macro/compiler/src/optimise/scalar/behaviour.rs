@@ -1,4 +1,4 @@
-//! Limits of simplification: nodes that may be no number where all fields are finite are kept, and factors 1 + 0/x stand
+//! Limits of simplification: nodes that may be no number where all fields are finite are kept, and factors 1 + 0/x are kept
 //! for a divisor x that has cancelled. So no NaN is hidden: u/u is NaN where u is zero.
 
 use super::{Graph, Node, Scalar};
@@ -76,7 +76,7 @@ impl Graph {
         });
     }
 
-    /// Removes the factors 1 + 0/x of terms beside which another term divides by x.
+    /// Removes the factors 1 + 0/x of terms next to another term that divides by x.
     pub(super) fn drop_guards(&mut self, terms: &mut [(f64, Scalar)]) {
         if self.guards.is_empty() || terms.len() < 2 {
             return;
