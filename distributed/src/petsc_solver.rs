@@ -75,7 +75,7 @@ pub struct UnknownMethod {
 pub struct PetscReport {
     /// Rows of the matrix on all processes.
     pub rows: usize,
-    /// Matrices whose positions were told anew.
+    /// Matrices whose positions were declared again.
     pub patterns: usize,
     /// Iterations of each solve; 0 for direct solutions.
     pub iterations: Vec<usize>,
@@ -223,7 +223,7 @@ impl LinearSolver for PetscSolver<'_> {
         Ok(())
     }
 
-    /// Each equation of a solution that is handed out holds beside the sizes of its own terms, whatever the norm says.
+    /// Each equation of a solution that is handed out holds relative to the sizes of its own terms, whatever the norm says.
     fn judges_equations(&self) -> bool {
         true
     }

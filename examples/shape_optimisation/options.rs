@@ -54,7 +54,7 @@ pub struct Options {
     /// The derivative, relative to the first, at which a shape is called optimal
     #[arg(long, value_name = "T", default_value_t = 1e-3)]
     pub gradient_tolerance: f64,
-    /// Every so many steps the shape is written
+    /// Number of steps between written shapes
     #[arg(long, value_name = "N", default_value_t = 10)]
     pub every: usize,
     /// Begins anew where a run was stopped, or had ended

@@ -18,7 +18,7 @@ fn loaded(problem: &ContactProblem<2>, load: f64) -> ContactProblem<2> {
     changed
 }
 
-/// A block that sags onto a wavy obstacle, of which it touches a part.
+/// A block that sags onto a part of a wavy obstacle.
 fn problem(relate: fn(&mut Constraints<2>)) -> ContactProblem<2> {
     // The sides lean, so that normals have two components.
     let lean = |[s, t]: [f64; 2]| [2.0 * s + 0.2 * t, t];
