@@ -3,7 +3,7 @@
 Mesh, spaces, quadrature and material are those of ``cylinder.py``; only what
 friction adds stands here. Two load steps: the inner circle is pushed down, then
 aside, and the slip of the second step is counted from the first one's solution.
-The numbers go to ``frictional_cylinder.json`` beside this file.
+The numbers go to ``frictional_cylinder.json`` next to this file.
 
     python3 tests/getfem/frictional_cylinder.py            # n_r = 2, 4, 8
     python3 tests/getfem/frictional_cylinder.py --radial 2 --output FILE

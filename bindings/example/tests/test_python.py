@@ -1,4 +1,4 @@
-"""The wheel as a user has it: gradients beside differences, SciPy, JAX, and what is said of arrays that do not fit."""
+"""The wheel as a user has it: gradients compared with differences, SciPy, JAX, and what is said of arrays that do not fit."""
 import pathlib
 import threading
 import unittest
