@@ -6,7 +6,7 @@ use clap::{Parser, ValueEnum};
 use forms_fem::shape_optimisation::{DescentOptions, InnerProduct};
 use serde_json::{Value, json};
 
-/// Shapes that optimise under contact: free boundaries move until a criterion is least at the same volume.
+/// Shape optimisation under contact: free boundaries move until a criterion is smallest at constant volume.
 ///
 /// Lengths are in cm, stresses in MPa. A run that was stopped goes on from its last step.
 #[derive(Clone, Debug, Parser)]

@@ -1,5 +1,5 @@
 //! Maps over plain arrays: readings of histories of loads and of motions, their products with vectors compared with differences, with
-//! observations of the same, and with few stored states; what does not fit is named.
+//! observations of the same, and with checkpointing; what does not fit is named.
 
 use forms_fem::inverse::{
     ControlError, ControlledEvolution, Controls, CriterionMap, DifferentiableMap, During, LoadHistory,

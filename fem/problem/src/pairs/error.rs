@@ -82,7 +82,7 @@ pub enum PairError {
         /// The reach given.
         reach: f64,
     },
-    /// Surfaces that face each other nowhere.
+    /// A pairing without contact pairs.
     #[error(
         "no point of \"{own}\" faces \"{opposite}\" within reach ({met} points met it from behind or further away)"
     )]
