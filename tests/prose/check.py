@@ -1,7 +1,7 @@
 """The prose of pages and comments: counts the phrases that CONTRIBUTING.md replaces, and fails above a limit.
 
     python3 tests/prose/check.py                    # the table; exit code 1 above a limit
-    python3 tests/prose/check.py --show "so many"   # each place of one row
+    python3 tests/prose/check.py --show NAME        # each place of one row
 
 The limits form a ratchet: they may only be lowered. Lower one when its count has fallen; the table says where. The goals are
 those of the project for pages and comments together. Text between the marks `<!-- prose: off -->` and `<!-- prose: on -->` is not counted.
