@@ -18,18 +18,18 @@ ROOT = Path(__file__).resolve().parents[2]
 
 # name: (limit in pages, limit in comments, goal for both together)
 LIMITS = {
-    "so many": (999, 999, 0),
-    "is told": (999, 999, 0),
-    "stand, stands": (999, 999, 59),
-    "beside": (999, 999, 79),
-    "of which, of whom": (999, 999, 19),
-    "nothing else running": (999, 999, 0),
-    "times of day": (999, 999, 0),
+    "so many": (0, 0, 0),
+    "is told": (0, 1, 0),
+    "stand, stands": (0, 2, 59),
+    "beside": (0, 7, 79),
+    "of which, of whom": (1, 1, 19),
+    "nothing else running": (0, 0, 0),
+    "times of day": (0, 0, 0),
 }
 # Dates in user pages (README and docs without decisions), outside tables and code.
-DATES = (999, 0)
+DATES = (0, 0)
 # Sentences with more than 40 words in pages, per thousand sentences.
-LONG_SENTENCES = (999, 20)
+LONG_SENTENCES = (9, 20)
 
 # Lines of a page, and characters of an entry in the changelog, which are two lines of a wide editor.
 PAGE_LINES = {"README.md": 150, "docs/decisions/*.md": 60}
