@@ -1,5 +1,6 @@
 //! Contact pairs: each quadrature point of a surface with the point opposite to it, on the undeformed mesh or on displaced
-//! surfaces, where points slide.
+//! surfaces, where points slide. `search.rs` finds the opposite point: `Search::opposite_to` for the nearest point or a single ray,
+//! `nearest_on_rays.rs` for the rays of a facet together.
 //!
 //! ```text
 //! displacement   the fields that displace surfaces
