@@ -205,7 +205,7 @@ impl LinearSolver for PetscSolver<'_> {
         let start = Instant::now();
         let fit = self.check_size("the set of rows", local.rows());
         self.world.agree(fit.and_then(|()| local.check_finite()))?;
-        // All processes tell their positions anew if one has to.
+        // All processes tell their positions again if one has to.
         let is_new = !self.system.as_ref().is_some_and(|system| system.matrix.fits(&local));
         let mut system = match self.system.take() {
             Some(system) if self.world.sum(&[f64::from(u8::from(is_new))])?[0] == 0.0 => system,

@@ -131,7 +131,7 @@ fn study(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
         .y_axis("relative error in H^{1}", Scale::Logarithmic)
         .grid()
         .size(400.0, 320.0);
-    // p of (41) lies on p of (22) but for the last meshes: the table has it.
+    // p of (41) lies on p of (22) except for the last meshes: the table has it.
     for (quantity, adapted) in [(0, 1), (1, 2), (2, 2)] {
         let (adaptive, uniform) = (&all[adapted].1, &all[0].1);
         let name = QUANTITIES[quantity];

@@ -2,7 +2,7 @@
 //! affine along the direction (a linear form, or a piecewise linear one between its kinks) it is rounding from the start,
 //! which a wrong f′(0) could not bring about.
 //!
-//! A form's tangent is tested by [`tangent`], a derivative of a number that is computed anew for each step (through an
+//! A form's tangent is tested by [`tangent`], a derivative of a number that is computed again for each step (through an
 //! adjoint state, by a parameter or by data) by [`taylor`], one by the shape of the domain by [`shape`]. Where a form has
 //! kinks the expansion holds only as long as no quadrature point crosses one. A test gets the points that are "on"
 //! ([`Assembler::active_set`]), halves its step until they are those of the start, and its report says where they were not.
@@ -219,7 +219,7 @@ impl fmt::Display for TaylorReport {
 }
 
 /// Tests f′(0), given as `derivative`, of a number or vector f(t) that the caller computes: the criterion after a
-/// parameter or a datum has changed by t and the state has been solved for anew, or anything else. Steps begin with
+/// parameter or a datum has changed by t and the state has been solved for again, or anything else. Steps begin with
 /// `first` and are halved until the active set is that of the start, then six times more.
 ///
 /// # Errors

@@ -177,7 +177,7 @@ fn what_cannot_be_redistributed_is_refused() -> Outcome {
     Ok(())
 }
 
-/// Schemes that read no accelerations but for inertia go on; what reads them elsewhere, or solves for them, is refused by name.
+/// Schemes that read no accelerations except for inertia go on; what reads them elsewhere, or solves for them, is refused by name.
 #[test]
 fn schemes_that_read_accelerations_are_refused() -> Outcome {
     let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [4, 7], CellShape::Quadrilateral, 1)?);

@@ -1,5 +1,5 @@
 //! The discrete adjoint (21) where unknowns are related: derivatives of the criterion by the load, on contact problems that
-//! slide on a skew wall, repeat periodically or carry a rigid plate, against what is computed anew.
+//! slide on a skew wall, repeat periodically or carry a rigid plate, against what is computed again.
 
 use forms_contact::forms;
 use forms_contact::{Adjoint, ContactProblem};

@@ -1,5 +1,5 @@
 //! Users' crates of their own, which are no members of the workspace: a form whose only dependency is forms-fem, and a
-//! contact law by the steps of docs/new_contact_law.md. FORMS_SWEEPS=1: they are compiled and run, for which the library is built anew.
+//! contact law by the steps of docs/new_contact_law.md. FORMS_SWEEPS=1: they are compiled and run, for which the library is built again.
 
 use std::path::Path;
 use std::process::Command;

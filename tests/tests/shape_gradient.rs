@@ -1,4 +1,4 @@
-//! The volume form of the shape derivative with (21) against central differences of J_h, the direct problem solved anew
+//! The volume form of the shape derivative with (21) against central differences of J_h, the direct problem solved again
 //! on each moved mesh: on free, loaded, clamped and contact boundary, with u_D depending on x, for both conventions of h_T.
 
 use std::collections::BTreeMap;

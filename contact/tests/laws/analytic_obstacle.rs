@@ -92,7 +92,7 @@ fn a_flat_side_is_the_law_with_a_flat() {
     flat_sides(&solid_block(), &[0.0]);
 }
 
-/// The top moved by (U, −δ), or the obstacle by (−U, δ): u is the same but for that translation.
+/// The top moved by (U, −δ), or the obstacle by (−U, δ): u is the same except for that translation.
 #[test]
 fn an_obstacle_that_moves_is_a_body_that_moves() {
     let block = plane_block(4);

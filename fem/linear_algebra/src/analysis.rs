@@ -46,7 +46,7 @@ impl Analysis {
     /// the pattern that was analysed, which has both, comes with it.
     ///
     /// # Errors
-    /// As [`Analysis::new`], but for a pattern that is not symmetric.
+    /// As [`Analysis::new`], except for a pattern that is not symmetric.
     pub fn of_symmetric(
         matrix: &CsrMatrix,
         ordering: &Ordering,

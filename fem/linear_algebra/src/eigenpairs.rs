@@ -20,7 +20,7 @@ pub struct Eigenpair {
     pub value: f64,
     /// x, of length one in the norm of the pencil's positive matrix.
     pub vector: Vec<f64>,
-    /// |λ − λ*| is at most this for an exact eigenvalue λ* \[λ\], but for the rounding of solutions with A − σ B.
+    /// |λ − λ*| is at most this for an exact eigenvalue λ* \[λ\], except for the rounding of solutions with A − σ B.
     pub error_bound: f64,
     /// ‖A x − λ B x‖ relative to the norm of its terms, |A| |x| + |λ| |B| |x|.
     pub residual: f64,

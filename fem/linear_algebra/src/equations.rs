@@ -137,7 +137,7 @@ impl<'a> Side<'a> {
         Side::of(matrix, Transpose::No)
     }
 
-    /// The side of a matrix that is symmetric, at most but for rounding, so that its rows are its columns: products by rows are faster.
+    /// The side of a matrix that is symmetric except for rounding, so that its rows are its columns: products by rows are faster.
     pub fn of_symmetric(matrix: &'a CsrMatrix) -> Self {
         Side::plain(matrix)
     }

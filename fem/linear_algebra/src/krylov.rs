@@ -172,7 +172,7 @@ pub(super) fn by_equations<O: LinearOperator>(
     let found = run(b, x, options);
     let Some(entries) = operator.entries() else { return found };
     let report = match found {
-        // Rounding in the recurrences stopped it shortly before: it begins anew from the residual.
+        // Rounding in the recurrences stopped it shortly before: it begins again from the residual.
         Err(KrylovError::Stagnated(report))
             if report.relative_residual <= BESIDE_TERMS * options.tolerance =>
         {

@@ -1,6 +1,6 @@
 //! Functions that are generic over the dimension alone, compiled in a library and not in every program.
 //!
-//! A generic function is compiled where it is called: in each program anew, and after each edit. One that is marked
+//! A generic function is compiled where it is called: in each program again, and after each edit. One that is marked
 //! `#[inline(never)]` is not, where a library that the program links holds the instance that is called, at every level of
 //! optimisation. `compiled_here!` follows such functions and enters them, under a name of their file, in
 //! [`Compiled`], whose list makes the instances. Those in the plane are in the crate that declares the functions, those in space

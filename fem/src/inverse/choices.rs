@@ -81,7 +81,7 @@ macro_rules! choices_of {
                 self
             }
 
-            /// Stored states are files in a directory, but for the last one, and memory holds a few states however many steps there
+            /// Stored states are files in a directory, except for the last one, and memory holds a few states however many steps there
             /// are. The files are gone when a gradient has been computed.
             pub fn states_on_disk(mut self, directory: impl Into<std::path::PathBuf>) -> Self {
                 self.storage.directory = Some(directory.into());

@@ -1,4 +1,4 @@
-//! Storage of the states to which a sweep comes back: in memory, or on disk but for the last one.
+//! Storage of the states to which a sweep comes back: in memory, or on disk except for the last one.
 
 use std::convert::Infallible;
 use std::io::{self, Read as _, Write as _};
@@ -43,7 +43,7 @@ impl Shelf for InMemory {
     }
 }
 
-/// A file per state, but for the last state, which is in memory; the files are gone when the sweep ends.
+/// A file per state, except for the last state, which is in memory; the files are gone when the sweep ends.
 pub(super) struct OnDisk {
     directory: PathBuf,
     /// A number of its own in this process.

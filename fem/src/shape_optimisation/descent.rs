@@ -30,7 +30,7 @@ pub type Listener<'a, S, const D: usize> = dyn FnMut(&Report<S, D>) -> Result<()
 pub struct Descent<'a, P, const D: usize> {
     /// The problem to optimise.
     pub problem: &'a P,
-    /// The shape at the start; its cells, numbers and regions are those of all shapes until the mesh is made anew.
+    /// The shape at the start; its cells, numbers and regions are those of all shapes until the mesh is made again.
     pub initial: Arc<Mesh<D>>,
     /// The options.
     pub options: DescentOptions,

@@ -84,7 +84,7 @@ pub enum StepFailure {
         mass: f64,
     },
     /// Unknowns without inertia, as those of nodes at which there is no density, with a scheme that reads accelerations of states
-    /// there: the trapezoidal and the mid-point rule and backward differences read none but for inertia.
+    /// there: the trapezoidal and the mid-point rule and backward differences read none except for inertia.
     #[error(
         "{} unknowns, unknown {} the first, have no inertia, and the scheme reads accelerations there: take the trapezoidal or the mid-point rule, or backward differences",
         .unknowns.len(), .unknowns[0]

@@ -125,7 +125,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
     }
 
     /// The promise that an affine form's tangent depends on the step size alone: a step is then one residual and one solve.
-    /// Without it each step's equations are assembled at their solution too, and the matrix anew when they do not hold; with it this
+    /// Without it each step's equations are assembled at their solution too, and the matrix again when they do not hold; with it this
     /// is done at each 32nd step, and is an error.
     pub fn constant_coefficients(mut self) -> Self {
         self.constant_coefficients = true;

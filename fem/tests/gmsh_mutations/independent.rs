@@ -1,5 +1,5 @@
 //! Folds and overlaps of a mesh's cells, from nodes and numbers alone: with basis functions, quadrature and facets
-//! written anew, after the description of the mesh's public order of nodes.
+//! written again, after the description of the mesh's public order of nodes.
 
 use forms_fem::element::CellShape;
 use forms_fem::mesh::Mesh;

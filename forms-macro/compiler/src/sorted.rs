@@ -1,6 +1,6 @@
 //! Maps and sets that keep their keys in order in a list.
 //!
-//! The compiler has thirty types of them, most with a few entries. A search tree of the standard library is compiled anew for each type
+//! The compiler has thirty types of them, most with a few entries. A search tree of the standard library is compiled again for each type
 //! (docs/decisions/build_times.md); here a type costs a binary search and an insertion.
 
 use std::borrow::Borrow;

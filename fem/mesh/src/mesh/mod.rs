@@ -164,7 +164,7 @@ impl<const D: usize> Mesh<D> {
     /// the facets are exterior. [`Mesh::conformity`] lists what touches.
     ///
     /// # Errors
-    /// As [`Mesh::from_blocks`], but for [`MeshError::HangingNode`].
+    /// As [`Mesh::from_blocks`], except for [`MeshError::HangingNode`].
     #[inline(never)]
     pub fn from_nonconforming_blocks(
         degree: usize,

@@ -195,7 +195,7 @@ impl MatrixScatter<'_> {
         self.clear_to(part, row + starts.partition_point(|start| *start <= far));
     }
 
-    /// Sets the rows up to an end to zero, but for those that are known to be.
+    /// Sets the rows up to an end to zero, except for those that are known to be.
     fn clear_to(&self, part: &mut OwnRows, end: usize) {
         if part.zeros.is_empty() {
             let offset = self.entries(0..part.rows.start).end;

@@ -84,7 +84,7 @@ pub trait CondensingSolver: LinearSolver {
     /// If the matrix is unfit.
     fn set_linear_part(&mut self, linear_part: &Arc<CsrMatrix>) -> Result<(), SolverError>;
 
-    /// The same of a part that is symmetric, but for rounding, as is known from elsewhere.
+    /// The same of a part that is symmetric, except for rounding, as is known from elsewhere.
     ///
     /// # Errors
     /// As [`CondensingSolver::set_linear_part`].

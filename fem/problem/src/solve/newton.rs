@@ -51,7 +51,7 @@ pub trait NonlinearProblem {
         Ok(None)
     }
 
-    /// Whether the linear part is proved to be symmetric, but for rounding.
+    /// Whether the linear part is proved to be symmetric, except for rounding.
     fn has_symmetric_linear_part(&self) -> bool {
         false
     }

@@ -86,7 +86,7 @@ pub fn emit(
     }
 }
 
-/// The traits that every declaration derives, but for those that its own attributes do.
+/// The traits that every declaration derives, except for those that its own attributes do.
 fn derived(attributes: &[syn::Attribute]) -> TokenStream {
     let mut own = Vec::new();
     for attribute in attributes.iter().filter(|attribute| attribute.path().is_ident("derive")) {

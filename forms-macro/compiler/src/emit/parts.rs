@@ -88,7 +88,7 @@ impl Cut {
     }
 }
 
-/// Values that each part reads or computes anew: inputs cost nothing, and truth values are not stored.
+/// Values that each part reads or computes again: inputs cost nothing, and truth values are not stored.
 fn is_repeated(code: &Code, value: Value) -> bool {
     let instruction = code.instruction(value);
     matches!(instruction, Instruction::Terminal(_)) || instruction.is_truth()

@@ -307,7 +307,7 @@ fn accumulated(graph: &mut Graph, matrix: &Matrix, [rows, columns]: [usize; 2]) 
     Some(plan)
 }
 
-/// May the terminal differ between the points of a cell, but for weight and basis functions?
+/// May the terminal differ between the points of a cell, except for weight and basis functions?
 pub fn varies_over_cell(node: &Node) -> bool {
     match node {
         Node::Field { .. } => true,

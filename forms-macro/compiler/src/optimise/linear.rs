@@ -199,7 +199,7 @@ pub fn split(graph: &mut Graph, scalar: Scalar, node: Scalar) -> (Scalar, Scalar
     (partner, rest)
 }
 
-/// The expression with its marked nodes made anew; `other` replaces terminals and what is not linear.
+/// The expression with its marked nodes made again; `other` replaces terminals and what is not linear.
 fn with(
     graph: &mut Graph,
     scalar: Scalar,

@@ -41,7 +41,7 @@ fn crooked(degree: usize) -> Result<Mesh<2>, MeshError> {
     Ok(mesh)
 }
 
-/// Refines at random until there is the given number of cells, and from the first mesh anew, as often as there are markings.
+/// Refines at random until there is the given number of cells, and from the first mesh again, as often as there are markings.
 fn refine_at_random<const D: usize>(
     first: &Mesh<D>,
     [cells, markings]: [usize; 2],

@@ -1,4 +1,4 @@
-//! Reasons why a mesh could not be made anew.
+//! Reasons why a mesh could not be made again.
 
 use thiserror::Error;
 

@@ -24,7 +24,7 @@ use crate::element::CellShape;
 
 /// A mesher for a body that has a mesh already: triangles inside the same outline, of other sizes.
 ///
-/// Nodes of the boundary are placed anew on its curves, parabolas where the geometry has degree 2; corners (turns beyond 30°, 10° between straight facets)
+/// Nodes of the boundary are placed again on its curves, parabolas where the geometry has degree 2; corners (turns beyond 30°, 10° between straight facets)
 /// and ends of regions stay. Facet regions are carried by the segments of the outline, regions of cells by components: one
 /// that covers only a part of a component is an error, unless it is given as the cells of some facets.
 ///

@@ -149,7 +149,7 @@ pub(super) fn along_potential<P: NonlinearProblem>(
         return Ok(Taken::whole());
     }
     for evaluation in 0..EVALUATIONS {
-        // Regula falsi and bisection by turns; what is not finite is too far.
+        // Regula falsi and bisection alternately; what is not finite is too far.
         let secant = low + (high - low) * low_slope / (low_slope - high_slope);
         let inside = secant > low && secant < high;
         let part = if evaluation % 2 == 0 && inside { secant } else { 0.5 * (low + high) };
