@@ -25,7 +25,7 @@ mod poisson {
     #[cells]
     pub struct Omega;
 
-    /// ∫ ∇u·∇v − ∫ f v. A form is always the whole residual: the load stands in it with its sign.
+    /// ∫ ∇u·∇v − ∫ f v. A form is always the whole residual: it contains the load with its sign.
     pub fn residual(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
         integral(Omega, dot(grad(u), grad(v)) - load * v)
     }

@@ -7,7 +7,7 @@
 //! 2. Contact: u_n ≤ g, p ≥ 0, one of the two an equation. For any c > 0 this is one equation with a kink,
 //!    p − max(0, p + c (u_n − g)) = 0. Times q/c: ∫_ΓC (p − max(0, p + c (u_n − g))) q/c = 0.
 //!
-//! The sum of both stands in the form below. Newton's method differentiates through the kink.
+//! The form below has the sum of both. Newton's method differentiates through the kink.
 //!
 //! Two things are known. Nitsche's method (tutorial 4) solves the same problem on the same mesh without a
 //! multiplier. And for a contact that is small against the block Hertz gives the largest pressure from the

@@ -33,7 +33,7 @@ mod bar {
         derivative(rigidity(u) + twist(u, p), u, q)
     }
 
-    /// The derivative of the rigidity along a movement Θ of all points, u solved for anew: the outline and everything
+    /// The derivative of the rigidity along a movement Θ of all points, u solved for again: the outline and everything
     /// inside move, u and p keep their values at the nodes.
     pub fn along(u: State<Scalar>, p: State<Scalar>, Theta: State<Vector>) -> Functional {
         derivative(rigidity(u) + twist(u, p), shape, Theta)

@@ -1,4 +1,4 @@
-//! A bar that flies onto a rigid obstacle and bounces (Doyen, Ern & Piperno 2011), by one scheme after the other, beside d'Alembert's
+//! A bar that flies onto a rigid obstacle and bounces (Doyen, Ern & Piperno 2011), by one scheme after the other, compared with d'Alembert's
 //! waves: it prints the table of docs/time.md, draws energies and forces over time, and writes them to `out/bar_impact.csv`, and the
 //! conserving scheme's film to `out/bar_impact.pvd`.
 //!
@@ -25,7 +25,7 @@ const LENGTH: f64 = 10.0;
 const VELOCITY: f64 = 10.0;
 const GAP: f64 = 5.0;
 const END: f64 = 1.5;
-/// Between these times forces are told by themselves: after the first blow, and before waves come back from the free end.
+/// Between these times forces are reported separately: after the first blow, and before waves come back from the free end.
 const SETTLED: f64 = 0.52;
 const MIDDLE: f64 = 0.8;
 /// Pictures of the film per unit of time.

@@ -1,4 +1,4 @@
-//! Element kernels and whole assembly beside other programs: starts the comparison, which is an example of `bench`.
+//! Element kernels and whole assembly compared with other programs: starts the comparison, which is an example of `bench`.
 //!
 //! `cargo run --release --bin compare_with_peers -- --help` tells the options. The kernels of `bench` take minutes to
 //! compile; who runs another program of this package does not wait for them.

@@ -43,7 +43,7 @@ pub fn unbalanced(die: &[f64], slab: &[f64]) -> Result<f64, String> {
     Ok(part)
 }
 
-/// The ways of the load steps \[mm\]: so many down to a depth, then so many along.
+/// The ways of the load steps \[mm\]: a number of them down to a depth, then a number along.
 pub fn ways((depth, pressing): (f64, usize), (length, sliding): (f64, usize)) -> impl Iterator<Item = f64> {
     let down = (1..=pressing).map(move |step| depth * step as f64 / pressing as f64);
     down.chain((1..=sliding).map(move |step| depth + length * step as f64 / sliding as f64))

@@ -21,7 +21,7 @@ mod rubbed {
 
     #[extends(forms_contact::laws::frictional_nitsche::frictional_nitsche::Data)]
     pub struct Data {
-        /// λ and μ of the true Young's modulus, of which the control is a multiple.
+        /// λ and μ of the true Young's modulus; the control is a multiple of it.
         pub true_lambda: Param,
         pub true_mu: Param,
     }

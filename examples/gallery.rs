@@ -1,4 +1,4 @@
-//! Every picture of the README and of the documentation, made anew by the programs that make them.
+//! Regenerates the pictures of README and of the documentation with the programs that draw them.
 //!
 //! `cargo run --release --bin gallery` runs them one after the other and puts their pictures into `docs/pictures`;
 //! `-- --list` says which program makes which, `-- NAME ...` makes some alone.
@@ -13,7 +13,7 @@ use clap::Parser;
 use forms_examples::command_line::program_with_options;
 use forms_fem::output::{StandardOutput, tell, write_whole};
 
-/// Makes the pictures of the README and of the documentation anew.
+/// Regenerates the pictures of README and of the documentation
 #[derive(Parser)]
 #[command(version, name = "gallery")]
 struct Options {

@@ -1,4 +1,4 @@
-//! Contact of two elastic bodies beside closed forms: cylinders and a ball (Hertz 1882), and a cylinder that is pressed and then
+//! Contact of two elastic bodies compared with closed forms: cylinders and a ball (Hertz 1882), and a cylinder that is pressed and then
 //! drawn along (Cattaneo 1938). It prints the table of docs/contact_between_bodies.md and draws its pictures.
 //!
 //! Run it with `cargo run --release --bin half_spaces -- [CELLS OVER THE CONTACT'S HALF WIDTH] [THE SAME IN SPACE]`.

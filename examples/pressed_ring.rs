@@ -36,7 +36,7 @@ const REACH: f64 = 0.2;
 /// Degree of quadrature.
 const DEGREE: usize = 4;
 
-/// The form: `sliding_bodies` with tools, of which the whole integral is the ring's, and walls that share theirs.
+/// The form: `sliding_bodies` with tools whose whole integral is the ring's, and walls that share theirs.
 #[forms]
 mod ring {
     pub use forms_contact::laws::sliding_bodies::sliding_bodies::{Data, Omega, Touch, opposite_traction};
@@ -96,7 +96,7 @@ struct Pressed {
     wall: f64,
     /// Energy of the whole ring per depth \[N\].
     energy: f64,
-    /// The difference of the tools' forces beside one of them.
+    /// The difference of the tools' forces relative to one of them.
     unbalanced: f64,
     iterations: usize,
 }
@@ -151,7 +151,7 @@ impl Setting {
         let solved = problem.each_step(count).solve()?;
 
         let [above, below] = [solved.reaction("above")?, solved.reaction("below")?];
-        // What the tools leave over stands on the node that is held.
+        // What the tools leave over is the reaction at the node that is held.
         let unbalanced = ((above[1] + below[1]) / above[1]).abs();
         let u = solved.field();
         let pressed = Pressed {

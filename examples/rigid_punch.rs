@@ -78,7 +78,7 @@ struct Pressed<const D: usize> {
     forces: Vec<f64>,
 }
 
-/// Presses the punch into a block, of which the planes of symmetry are named with the direction across them.
+/// Presses the punch into a block whose planes of symmetry are named with the direction across them.
 fn press<const D: usize>(
     out: &mut StandardOutput,
     block: &Mesh<D>,

@@ -1,4 +1,4 @@
-//! Shallow ironing, the problem of tutorial 12 on the benchmark's mesh, beside GetFEM on the same mesh with the same energy, and beside
+//! Shallow ironing, the problem of tutorial 12 on the benchmark's mesh, compared with GetFEM on the same mesh with the same energy, and with
 //! what was published: forces over the way of the block.
 //!
 //! Run it with `cargo run --release --bin shallow_ironing -- [FINENESS] [STEPS OF PRESSING] [STEPS OF SLIDING]`; a step of sliding is a fifth of

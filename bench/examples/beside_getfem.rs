@@ -1,4 +1,4 @@
-//! The paper's cylinder, the direct problem (14), beside GetFEM with MUMPS: one run, the same mesh, elements and
+//! The paper's cylinder, the direct problem (14), compared with GetFEM with MUMPS: one run, the same mesh, elements and
 //! quadrature; time, Newton steps and the criterion J of both.
 //!
 //! `cargo run --release -p forms-bench --example beside_getfem [-- RADIAL [THETA]]` (default 64: 528,384 unknowns,

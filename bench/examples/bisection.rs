@@ -11,7 +11,7 @@ use forms_fem::mesh::{BisectedMesh, MeshError, Nesting, cuboid, rectangle};
 use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 
-/// One cell in so many is marked where some are.
+/// One cell in this number is marked where some are.
 const ONE_IN: usize = 200;
 
 fn main() -> ExitCode {

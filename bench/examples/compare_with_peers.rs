@@ -1,4 +1,4 @@
-//! Element kernels, whole assembly and contact of two bodies beside FFCx, DOLFINx, GetFEM, FreeFEM and scikit-fem, in one run.
+//! Element kernels, whole assembly and contact of two bodies compared with FFCx, DOLFINx, GetFEM, FreeFEM and scikit-fem, in one run.
 //!
 //! `cargo run --release --bin compare_with_peers -- [--quick] [--only kernels|assembly|contact] [--out DIRECTORY]` writes
 //! `comparison.md`, `kernels.png`, `assembly.png` and `comparison.json`. Peers that are not installed are named

@@ -1,5 +1,5 @@
 //! A block of n³ × 6 quadratic tetrahedra, pressed onto a rigid ball by Nitsche's method: Newton's method with multigrid on meshes
-//! that become finer, then the last tangent beside PETSc's CG with GAMG.
+//! that become finer, then the last tangent compared with PETSc's CG with GAMG.
 //!
 //! `cargo run --release -p forms-bench --example contact_in_space -- [DIVISIONS]... [--theta THETA] [--alone]` (default 9, 18, 35:
 //! 1,073,733 unknowns on the last mesh; θ = 1, whose tangents are symmetric). With another θ GMRES takes the place of conjugate
@@ -16,7 +16,7 @@ use forms_fem::output::{StandardOutput, program, tell};
 use forms_fem::prelude::*;
 use forms_fem::solve::{Elimination, NonlinearProblem};
 
-/// Contact in space by multigrid, on meshes that become finer, beside PETSc.
+/// Contact in space by multigrid, on meshes that become finer, compared with PETSc.
 #[derive(Parser)]
 struct Arguments {
     /// Cubes of six tetrahedra along each edge, mesh after mesh.

@@ -3,7 +3,7 @@
 //! `cargo run --release -p forms-bench --example contact_update [-- THREADS]`
 //!
 //! Only the contact integrals depend on the iterate, so the update costs a time per contact facet, whatever the
-//! number of cells. Beside it stands the assembly of everything from scratch.
+//! number of cells. It also prints the assembly of everything from scratch.
 
 use std::error::Error;
 use std::process::ExitCode;

@@ -1,4 +1,4 @@
-//! Instructions that element kernels, assembly and the update of a contact tangent take, counted by valgrind, beside the counts
+//! Instructions that element kernels, assembly and the update of a contact tangent take, counted by valgrind and compared with the counts
 //! that are committed: a change that makes them slower is seen on any machine, however busy.
 //!
 //! `FORMS_INSTRUCTION_SET=avx2 cargo run --release -p forms-bench --example count_instructions [-- --write]` ends with an error where

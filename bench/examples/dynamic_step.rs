@@ -1,5 +1,5 @@
 //! The cost of a linear step in time: plane strain on a square, half a million unknowns, by the trapezoidal rule, from a form that names
-//! no scheme; beside it scikit-fem with matrices M and K written by hand and SuperLU, in turns of some steps each.
+//! no scheme; compared with scikit-fem with matrices M and K written by hand and SuperLU, in turns of some steps each.
 //!
 //! `cargo run --release -p forms-bench --example dynamic_step -- [CELLS [STEPS [PYTHON [TURNS]]]]` (default 499: 500,000 unknowns; 10;
 //! python3, with scikit-fem==12.0.1; 3). Without Python, or one that has no scikit-fem, ours runs alone.
@@ -51,7 +51,7 @@ fn model(base: forms_fem::time::operators::vector::Data<2>) -> square::Model<2> 
     square::Model::new(square::Data { base, lambda: LAMBDA, mu: MU, rho: DENSITY })
 }
 
-/// scikit-fem's program, which takes as many steps as it is told to.
+/// scikit-fem's program, which takes the given number of steps.
 struct Peer {
     process: Child,
     orders: ChildStdin,

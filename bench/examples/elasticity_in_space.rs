@@ -1,4 +1,4 @@
-//! P2 elasticity on a cube of n³ × 6 tetrahedra, clamped on one face: our multigrid beside PETSc's CG with GAMG on the
+//! P2 elasticity on a cube of n³ × 6 tetrahedra, clamped on one face: our multigrid and PETSc's CG with GAMG on the
 //! same matrix.
 //!
 //! `cargo run --release -p forms-bench --example elasticity_in_space -- [DIVISIONS] [--alone]` (default 32: 811,200

@@ -9,7 +9,7 @@ use std::time::Instant;
 use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 
-/// Runs of which the fastest is shown.
+/// Runs; the fastest is shown.
 const RUNS: usize = 5;
 
 /// The shortest time of some runs, in seconds.

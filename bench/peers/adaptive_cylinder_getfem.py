@@ -1,4 +1,4 @@
-"""J of the paper's cylinder to a tolerance by GetFEM's refinement (Bank's), beside examples/adaptive_cylinder: the same cycle.
+"""J of the paper's cylinder to a tolerance by GetFEM's refinement (Bank's), to compare with examples/adaptive_cylinder: the same cycle.
 
 usage: adaptive_cylinder_getfem.py [TOLERANCE] [THETA] [MOST_UNKNOWNS]      (Debian: python3-getfem, python3-numpy; GetFEM 5.4)
 

@@ -3,7 +3,7 @@
 usage: cylinder_getfem.py RADIAL [THETA] [GAMMA0_OVER_E]      (Debian: python3-getfem; GetFEM 5.4)
 
 Prints a line of JSON. Mesh and spaces are not in the time. The matrix of the linear terms is assembled once, as GetFEM
-does where it is told that terms are linear; each step assembles the contact term and factors the whole tangent.
+does where it knows that terms are linear; each step assembles the contact term and factors the whole tangent.
 """
 
 import json

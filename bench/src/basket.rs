@@ -1,4 +1,4 @@
-//! The basket: one line per kernel. The forms stand in `forms`, their UFL counterparts in `peers/basket.py`.
+//! The basket: one line per kernel. The forms are in `forms`, their UFL counterparts in `peers/basket.py`.
 
 use crate::forms::given::*;
 

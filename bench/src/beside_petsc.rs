@@ -20,7 +20,7 @@ pub const HEADER: [&str; 2] = [
     "--- | --- | --- | --- | --- | --- | ---",
 ];
 
-/// Who solves the system beside us.
+/// Who else solves the system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Beside {
     /// PETSc, by `peers/solve_petsc.py`, in one process and in two.
@@ -39,11 +39,11 @@ pub fn options(threads: Threads) -> MultigridSolverOptions {
     }
 }
 
-/// Solves a symmetric system over free nodes of three components, at these positions: by us on one thread and on two, and by who is
-/// beside us, with the system's Python.
+/// Solves a symmetric system over free nodes of three components, at these positions: by us on one thread and on two, and by the
+/// other program, with the system's Python.
 ///
 /// # Errors
-/// Errors of our solver, or of writing the system for PETSc. What PETSc fails with stands in its line.
+/// Errors of our solver, or of writing the system for PETSc. PETSc's errors are in its line.
 pub fn compare(
     out: &mut StandardOutput,
     constraints: &Constraints<3>,

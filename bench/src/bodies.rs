@@ -143,7 +143,7 @@ impl Law {
     }
 }
 
-/// Ends of a block on a slab with so many cells along \[0, 1\], further from the points of the slab's rule than the block slips. A
+/// Ends of a block on a slab with the given number of cells along \[0, 1\], further from the points of the slab's rule than the block slips. A
 /// point that leaves the block loses its pressure all at once: where it is drawn along with the end, there are several solutions.
 fn ends_between_points(divisions: usize) -> [f64; 2] {
     let low = ((0.3 * divisions as f64).floor() + 0.4) / divisions as f64;

@@ -74,7 +74,7 @@ impl Setting {
     /// FFCx's layout of coordinates, coefficients and matrices.
     fn layout<const D: usize>(&self, form: &impl Form<D>) -> ElementLayout {
         let Setting { shape, degree, geometry, order, .. } = *self;
-        // Entry `ours` is where `theirs` stands.
+        // Entry `ours` is at the position of `theirs`.
         let places = |degree: usize, start: usize, stride: usize| {
             let mut places = vec![0; node_count(shape, degree)];
             for (theirs, ours) in our_node_numbers(shape, degree, order).into_iter().enumerate() {

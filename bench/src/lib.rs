@@ -1,4 +1,4 @@
-//! Element kernels and assembly beside other programs: a basket of forms, and what compares them.
+//! Element kernels and assembly compared with other programs: a basket of forms, and what compares them.
 
 pub mod assembly;
 pub mod basix;

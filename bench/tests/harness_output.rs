@@ -18,3 +18,24 @@ fn the_fastest_variant_is_the_opponent() -> Result<(), ComparisonError> {
     assert!(read_timings("{\"mass\": {\"flops\": 10}}").is_err());
     Ok(())
 }
+
+#[test]
+fn a_form_with_sum_factorisation_counts_once() -> Result<(), ComparisonError> {
+    let timing = |ns: f64| format!("{{\"ns\": {ns}, \"ns_med\": {ns}, \"gflops\": 1.0, \"relerr\": 0.0}}");
+    let form = |name: &str, peer: f64, ours: f64| {
+        format!("\"{name}\": {{\"flops\": 10, \"a\": {}, \"ours\": {}}}", timing(peer), timing(ours))
+    };
+    let text = format!(
+        "{{{}, {}, {}}}",
+        form("slower", 8.0, 2.0),
+        form("slower_sumfact", 9.0, 1.0),
+        form("alone_sumfact", 3.0, 1.0)
+    );
+    let rows = read_timings(&text)?;
+    assert_eq!(rows.iter().map(|row| row.form.as_str()).collect::<Vec<_>>(), ["alone_sumfact", "slower"]);
+    assert_eq!((rows[1].best.0.as_str(), rows[1].ratio()), ("a", Some(4.0)));
+    assert!(rows[1].variants.contains_key("sumfact_a"));
+    let text = format!("{{{}, {}}}", form("faster", 8.0, 2.0), form("faster_sumfact", 6.0, 2.0));
+    assert_eq!(read_timings(&text)?[0].ratio(), Some(3.0));
+    Ok(())
+}

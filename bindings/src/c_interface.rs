@@ -41,18 +41,18 @@ fn missing(what: &str) -> Failure {
 }
 
 /// # Safety
-/// A pointer that is not null is one to so many values, which nothing writes during the call.
+/// A pointer that is not null points to the given number of values, which nothing writes during the call.
 unsafe fn array<'a, T>(what: &str, from: *const T, length: usize) -> Result<&'a [T], Failure> {
     match (from.is_null(), length) {
         (_, 0) => Ok(&[]),
         (true, _) => Err(missing(what)),
-        // SAFETY: the caller says that there are so many values.
+        // SAFETY: the caller says that there are as many values.
         (false, length) => Ok(unsafe { std::slice::from_raw_parts(from, length) }),
     }
 }
 
 /// # Safety
-/// A pointer that is not null is one to room for so many values.
+/// A pointer that is not null points to room for the given number of values.
 unsafe fn give(what: &str, values: &[f64], to: *mut f64, length: usize) -> Result<(), Failure> {
     if values.len() != length {
         let expected = values.len();
@@ -63,7 +63,7 @@ unsafe fn give(what: &str, values: &[f64], to: *mut f64, length: usize) -> Resul
     if to.is_null() && length > 0 {
         return Err(missing(&format!("the {what}")));
     }
-    // SAFETY: the caller says that there is room for so many values; ours are our own, so that they do not overlap.
+    // SAFETY: the caller says that there is room for the values; ours are our own, so that they do not overlap.
     unsafe { std::ptr::copy_nonoverlapping(values.as_ptr(), to, length) };
     Ok(())
 }
@@ -212,7 +212,7 @@ pub unsafe fn start(problem: *const Handle, m: *mut f64, length: usize) -> c_int
 /// F(m).
 ///
 /// # Safety
-/// The problem is one that [`open`] gave; pointers are to so many values, the last to room for them.
+/// The problem is one that [`open`] gave; pointers are to the given numbers of values, the last to room for them.
 pub unsafe fn value(
     problem: *const Handle,
     (m, m_length): (*const f64, usize),

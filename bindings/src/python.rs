@@ -31,13 +31,13 @@ pub struct Problem {
 
 #[pymethods]
 impl Problem {
-    /// The controls by name, each with its number of values, in the order in which they stand in m.
+    /// The controls by name, each with its number of values, in their order in m.
     #[getter]
     fn inputs(&self) -> Vec<(String, usize)> {
         named(self.problem.inputs())
     }
 
-    /// The outputs by name, each with its number of values, in the order in which they stand in F(m).
+    /// The outputs by name, each with its number of values, in their order in F(m).
     #[getter]
     fn outputs(&self) -> Vec<(String, usize)> {
         named(self.problem.outputs())

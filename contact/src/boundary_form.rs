@@ -14,7 +14,7 @@ pub mod boundary_form {
     use crate::operators::linear_elastic::stress;
     use crate::operators::obstacle::{gamma, normal_displacement, penetration};
 
-    /// u_D, beside the data of [`crate::forms`].
+    /// u_D, in addition to the data of [`crate::forms`].
     #[extends(crate::nitsche::nitsche::Data)]
     pub struct Data {
         /// u_D, as a function of position near the clamped boundary.
@@ -78,7 +78,7 @@ pub mod boundary_form {
     }
 
     /// On the contact boundary: (11) with −σ_n(u) ∂_n(p_n) − (σ_n(p) + N′_n) ∂_n(u_n − g) where the body touches. For the two
-    /// stresses stand what Nitsche's method makes of them, −\[·\]₋ and σ_n(p) + N′_n − γ p_n.
+    /// stresses Nitsche's method has −\[·\]₋ and σ_n(p) + N′_n − γ p_n.
     pub fn on_contact(u: State<Vector>, p: State<Vector>, Theta: State<Vector>) -> Functional {
         let pulled =
             normal_stress(p) + dot(boundary_slope(u), obstacle_normal) - gamma() * normal_displacement(p);

@@ -1,7 +1,7 @@
 //! Two elastic bodies of one material that touch near the origin as half-spaces do: cylinders and balls that are pressed (Hertz
 //! 1882) and then drawn along with friction (Cattaneo 1938, Mindlin 1949).
 //!
-//! E = 200 MPa, ν = 0.3. The bodies are cut out of half-spaces, y < 0 and y > 0: on the cut stands the displacement of a
+//! E = 200 MPa, ν = 0.3. The bodies are cut out of half-spaces, y < 0 and y > 0: the cut has the displacement of a
 //! half-space under the force of contact, so that blocks a few times as wide as the contact have the answer of bodies without an
 //! end. Their surfaces are paraboloids, exactly, where they may touch; further out they return to the plane, so that little of the half-spaces is
 //! missing. The force that comes out is compared with the one that the cut was made for.
@@ -274,7 +274,7 @@ where
             gamma0: Given::constant(GAMMA0 * YOUNG),
         };
         let data = law::Data { share, ..required.into() };
-        // No load stands anywhere.
+        // There is no load.
         let regions = law::Regions::default().touch(self.pairing.clone()).gamma_n(SURFACES[0]);
         let assembler = Assembler::new(self.space.mesh()).with_quadrature(Quadrature::Degree(DEGREES[D - 2]));
         Ok(ContactProblem::new(assembler, &self.space, law::Model { data, regions }, constraints)?)

@@ -153,7 +153,7 @@ pub fn cylinder_on_flat(divisions: usize) -> Result<ContactProblem<2>, HertzErro
 
 /// Half a cylinder's section on a flat, on a given mesh of it, as [`cylinder_mesh`] or its refinements; `free` is the region
 /// of its boundary that is neither held nor able to touch, and `way` \[mm\] that of its top, [`CYLINDER_PRESSED`] or less: then the
-/// body is larger beside its contact.
+/// body is larger relative to its contact.
 ///
 /// # Errors
 /// A region that the mesh lacks.

@@ -1,4 +1,4 @@
-//! Criteria beside the paper's (3): the work of the loads, and functionals of the contact pressure, which (22) as stated does
+//! Criteria other than the paper's (3): the work of the loads, and functionals of the contact pressure, which (22) as stated does
 //! not cover. Their adjoint is that of the discrete problem, (21), and takes any functional.
 
 use forms_fem::forms;
@@ -9,7 +9,7 @@ pub mod load_and_pressure {
     pub use crate::nitsche::nitsche::{GammaC, GammaN, Omega};
     use crate::nitsche::nitsche::{contact_pressure, direct};
 
-    /// The weights of J, beside the data of the direct problem of [`crate::forms`].
+    /// The weights of J, in addition to the data of the direct problem of [`crate::forms`].
     #[extends(crate::nitsche::nitsche::Data)]
     pub struct Data {
         /// Weight of ℓ(u).

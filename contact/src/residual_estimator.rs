@@ -42,7 +42,7 @@ pub mod frictionless {
     }
 }
 
-/// With friction on a flat: T = −\[P_n\]₋ n_y + Π_s(P_t). Where the body sticks the slip stands in T, too.
+/// With friction on a flat: T = −\[P_n\]₋ n_y + Π_s(P_t). Where the body sticks T contains the slip, too.
 #[forms]
 pub mod frictional {
     use super::frictionless::equilibrium;

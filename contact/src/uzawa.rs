@@ -12,7 +12,7 @@ use crate::laws::uzawa::uzawa;
 /// The ends of the iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UzawaOptions {
-    /// The largest change of the multiplier at a point, beside the largest multiplier, at which it has converged.
+    /// The largest change of the multiplier at a point, relative to the largest multiplier, at which it has converged.
     pub tolerance: f64,
     /// Iterations at most.
     pub max_iterations: usize,
@@ -27,7 +27,7 @@ impl Default for UzawaOptions {
 /// Numbers of one iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UzawaStep {
-    /// The largest change |T − λ| of the multiplier at a point, beside the largest |T| \[1\]; zero where nothing touches.
+    /// The largest change |T − λ| of the multiplier at a point, relative to the largest |T| \[1\]; zero where nothing touches.
     pub change: f64,
     /// Steps of Newton's method for the displacements.
     pub newton_steps: usize,
@@ -159,7 +159,7 @@ where
     }
 }
 
-/// The largest difference of vectors beside the largest vector of both; zero where all are.
+/// The largest difference of vectors relative to the largest vector of both; zero where all are.
 fn relative_change(before: &[Vec<f64>], after: &[Vec<f64>]) -> f64 {
     let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|value| value * value).sum::<f64>().sqrt();
     let (mut change, mut size) = (0.0_f64, 0.0_f64);

@@ -1,4 +1,4 @@
-//! Gradients of histories with friction: 200 steps to and fro beside differences, with all states stored and with few.
+//! Gradients of histories with friction: 200 steps to and fro compared with differences, with all states stored and with few.
 
 use std::f64::consts::TAU;
 use std::time::Instant;
@@ -110,7 +110,7 @@ impl Block {
 
 /// 200 steps: order two away from kinks, differences to 10⁻⁷; at most 12 stored states give the same gradient for 496 steps solved
 /// in place of 200. FORMS_SWEEPS=1: on a finer mesh. Prints the time forward and
-/// back beside that forward.
+/// back compared with that forward.
 #[test]
 fn two_hundred_steps_of_friction() {
     let sweep = std::env::var_os("FORMS_SWEEPS").is_some();

@@ -1,4 +1,4 @@
-//! Gradients of motions with impact: the hybrid and the conserving scheme read the displacements at both ends of a step beside the
+//! Gradients of motions with impact: the hybrid and the conserving scheme read the displacements at both ends of a step next to the
 //! mid-point rule's operators. By material, and by the velocity at the start, of a bar that hits and leaves.
 
 use forms_contact::impact::impact;
@@ -148,7 +148,7 @@ fn a_derivative_by_the_value_before_is_asked_for() {
     let m = history.start();
     let error: HistoryError = history.gradient(&m).map(|_| ()).unwrap_err();
     assert!(error.to_string().contains("no test function `by_before`"), "{error}");
-    // The trapezoidal rule reads accelerations, of which the first is an unknown, too.
+    // The trapezoidal rule reads accelerations; the first is an unknown, too.
     let scheme = GeneralisedAlpha::trapezoidal();
     let mut history = MotionHistory::new(&bar.space, (STEPS, SIZE), scheme, bar.controls.clone())
         .motion(|during| Ok(model(during)?.hybrid(during.before())))

@@ -131,7 +131,7 @@ fn loads_that_are_not_balanced() -> Outcome {
     Ok(())
 }
 
-/// u = (0, c|x − 1|) stands above the table: a kink along x = 1, and shear stresses ±μc on the free top and bottom.
+/// u = (0, c|x − 1|) is above the table: a kink along x = 1, and shear stresses ±μc on the free top and bottom.
 #[test]
 fn a_kink_between_cells() -> Outcome {
     let space = Space::vector(&block(), 1)?;

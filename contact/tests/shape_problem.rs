@@ -1,5 +1,5 @@
 //! Contact problems as a descent sees them: the derivatives of each criterion against central differences of what is computed
-//! anew on moved meshes, and which criteria go with which adjoint state.
+//! again on moved meshes, and which criteria go with which adjoint state.
 
 use forms_contact::hollow_cylinder::{CONTACT, Settings, hollow_cylinder_on};
 use forms_contact::shape_problem::{ContactShape, ContactState, Criterion, GradientForm, VolumeRule};

@@ -1,4 +1,4 @@
-//! Gradients of histories in which bodies slide on each other: pairs of the state of a step, and of the state before it, beside
+//! Gradients of histories in which bodies slide on each other: pairs of the state of a step, and of the state before it, compared with
 //! differences, with friction, materials and loads as controls; motions refuse such pairs.
 
 use std::f64::consts::TAU;

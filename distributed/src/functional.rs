@@ -1,4 +1,4 @@
-//! Functionals of which each process integrates its part. Problems are solved on several processes by
+//! Functionals; each process integrates its part. Problems are solved on several processes by
 //! [`Problem::on`](forms_fem::solve::Problem::on) the world.
 
 use forms_fem::prelude::*;

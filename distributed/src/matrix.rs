@@ -71,7 +71,7 @@ impl<'w> DistributedMatrix<'w> {
         self.values.clear();
         self.values.extend_from_slice(local.values());
         self.values.resize(local.values().len() + self.held, 1.0);
-        // SAFETY: as many values as positions were told: the local matrix fits.
+        // SAFETY: as many values as positions were declared: the local matrix fits.
         unsafe { call!(MatSetValuesCOO(self.matrix, self.values.as_ptr(), petsc::INSERT)) }
     }
 

@@ -75,7 +75,7 @@ pub struct UnknownMethod {
 pub struct PetscReport {
     /// Rows of the matrix on all processes.
     pub rows: usize,
-    /// Matrices whose positions were told anew.
+    /// Matrices whose positions were declared again.
     pub patterns: usize,
     /// Iterations of each solve; 0 for direct solutions.
     pub iterations: Vec<usize>,
@@ -205,7 +205,7 @@ impl LinearSolver for PetscSolver<'_> {
         let start = Instant::now();
         let fit = self.check_size("the set of rows", local.rows());
         self.world.agree(fit.and_then(|()| local.check_finite()))?;
-        // All processes tell their positions anew if one has to.
+        // All processes tell their positions again if one has to.
         let is_new = !self.system.as_ref().is_some_and(|system| system.matrix.fits(&local));
         let mut system = match self.system.take() {
             Some(system) if self.world.sum(&[f64::from(u8::from(is_new))])?[0] == 0.0 => system,
@@ -223,7 +223,7 @@ impl LinearSolver for PetscSolver<'_> {
         Ok(())
     }
 
-    /// Each equation of a solution that is handed out holds beside the sizes of its own terms, whatever the norm says.
+    /// Each equation of a solution that is handed out holds relative to the sizes of its own terms, whatever the norm says.
     fn judges_equations(&self) -> bool {
         true
     }

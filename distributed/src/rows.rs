@@ -18,7 +18,7 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// `nodes` with so many components each.
+    /// `nodes` with the given number of components each.
     pub fn of_nodes(world: &World, nodes: usize, block: usize) -> Result<Self, PetscError> {
         let (own, count) = (world.part(nodes), nodes * block);
         if Index::try_from(count).is_err() {

@@ -7,7 +7,7 @@ use crate::petsc::{self, ADD, FORWARD, INSERT, Index, Object, call};
 use crate::rows::Rows;
 use crate::world::World;
 
-/// A vector of which each process keeps its rows, and the way from there to a copy of all rows on every process.
+/// A vector; each process keeps its rows, and the way from there to a copy of all rows on every process.
 #[derive(Debug)]
 pub(crate) struct DistributedVector<'w> {
     _world: &'w World,

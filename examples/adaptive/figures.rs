@@ -7,7 +7,7 @@ use forms_fem::output::picture::{LinePlot, MeshDrawing, Picture, Scale};
 use crate::Outcome;
 use crate::study::{Study, curve, fitted};
 
-/// Errors over unknowns of some studies, each adaptive beside uniform.
+/// Errors over unknowns of some studies, each adaptive and uniform.
 pub fn errors(title: &str, quantity: &str, studies: &[(&str, &Study)], path: &Path) -> Outcome<PathBuf> {
     let mut plot = LinePlot::new()
         .title(title)

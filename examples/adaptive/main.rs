@@ -1,4 +1,4 @@
-//! Adaptive meshes beside uniform ones, for a goal with a dual-weighted estimate and for norms with a residual estimator:
+//! Adaptive meshes compared with uniform ones, for a goal with a dual-weighted estimate and for norms with a residual estimator:
 //! the tables and pictures of docs/adaptivity.md.
 //!
 //! `cargo run --release --bin adaptive`

@@ -72,7 +72,7 @@ pub mod signorini {
     fn reaction(w: Scalar) -> Scalar {
         pos_part(slope(w) - gamma() * w)
     }
-    /// The value that stands for the reaction in (22).
+    /// The value of the reaction in (22).
     fn linear_reaction(w: Scalar) -> Scalar {
         contact * (slope(w) - gamma() * w)
     }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Parser;
 
-/// Adaptive meshes beside uniform ones: an L-shaped membrane whose mean is the goal, and a membrane on an obstacle, its
+/// Adaptive meshes compared with uniform ones: an L-shaped membrane whose mean is the goal, and a membrane on an obstacle, its
 /// displacement, its adjoint state and a goal. Prints tables and draws pictures.
 #[derive(Clone, Debug, Parser)]
 #[command(version, name = "adaptive")]

@@ -35,7 +35,7 @@ pub struct Study {
     pub mesh: Arc<Mesh<2>>,
 }
 
-/// Cells that can be told apart in a picture.
+/// Cells that can be distinguished in a picture.
 const MOST_SHOWN: usize = 1_500;
 
 impl Study {

@@ -1,4 +1,4 @@
-//! J on meshes that follow its error: to a tolerance, beside uniform meshes, and how well its error is known.
+//! J on meshes that follow its error: to a tolerance, compared with uniform meshes, and how well its error is known.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -13,7 +13,7 @@ use forms_fem::prelude::*;
 use crate::states::{Direct, FIRST, Marking, Variant, mesh};
 use crate::{Options, Outcome};
 
-/// Unknowns of the last mesh on which η is beside the error of J, over those of the option.
+/// Unknowns of the last mesh on which η is compared with the error of J, over those of the option.
 const SHOWN: usize = 2;
 /// Unknowns of the mesh by which that error is known, over those of the option.
 const FINER: usize = 5;
@@ -64,8 +64,8 @@ pub fn to_tolerance(options: &Options, out: &mut StandardOutput) -> Outcome<()> 
     Ok(())
 }
 
-/// Prints η beside the error of J on meshes of one body: its outline stays that of the first mesh, which η does not see. Meshes are
-/// marked for J and for p. J is that of a finer mesh of the series, with its η; beside η stands what J of degree 3 on the same mesh
+/// Prints η and the error of J on meshes of one body: its outline stays that of the first mesh, which η does not see. Meshes are
+/// marked for J and for p. J is that of a finer mesh of the series, with its η; in addition what J of degree 3 on the same mesh
 /// would know of the error.
 pub fn effectivity(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
     out.line("\n| θ | unknowns | J − J_h | η / (J − J_h) | (J₃ − J_h) / (J − J_h) |\n| --- | --- | --- | --- | --- |");

@@ -22,7 +22,7 @@ use study::{Meshes, Reference, Row, series};
 /// Errors of writing files have no common type.
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
-/// The paper's cylinder on adaptive meshes beside uniform ones: errors of u and of the three adjoint states against a reference on a
+/// The paper's cylinder on adaptive meshes compared with uniform ones: errors of u and of the three adjoint states against a reference on a
 /// finer adaptive mesh, and J to a tolerance.
 #[derive(Clone, Debug, Parser)]
 #[command(version, name = "adaptive_cylinder")]
@@ -39,7 +39,7 @@ struct Options {
     /// |η| within this part of J ends the adaptive meshes for J
     #[arg(long, default_value_t = 1e-6)]
     tolerance: f64,
-    /// γ₀ of the meshes on which η is beside the error of J, in units of Young's modulus; all else has 10
+    /// γ₀ of the meshes on which η is compared with the error of J, in units of Young's modulus; all else has 10
     #[arg(long, value_name = "N", default_value_t = 40.0)]
     gamma0: f64,
     /// The integration over contact facets
@@ -131,7 +131,7 @@ fn study(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
         .y_axis("relative error in H^{1}", Scale::Logarithmic)
         .grid()
         .size(400.0, 320.0);
-    // p of (41) lies on p of (22) but for the last meshes: the table has it.
+    // p of (41) lies on p of (22) except for the last meshes: the table has it.
     for (quantity, adapted) in [(0, 1), (1, 2), (2, 2)] {
         let (adaptive, uniform) = (&all[adapted].1, &all[0].1);
         let name = QUANTITIES[quantity];

@@ -21,7 +21,7 @@ const FREE: &str = "free";
 /// off the circles.
 pub const FIRST: usize = 4;
 
-/// A mesh of the ring with so many cells across.
+/// A mesh of the ring with the given number of cells across.
 pub fn mesh(radial: usize) -> Outcome<Mesh<2>> {
     let mut mesh = annulus(INNER_RADIUS, OUTER_RADIUS, radial, 16 * radial, CellShape::Triangle, 2)?;
     mesh.name_facets(CONTACT, "outer", |centre| centre[1] < 0.0)?;

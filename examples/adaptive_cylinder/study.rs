@@ -1,4 +1,4 @@
-//! Errors of the states on adaptive and on uniform meshes, beside a reference on a finer mesh of the same first one.
+//! Errors of the states on adaptive and on uniform meshes, compared with a reference on a finer mesh of the same first one.
 
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ pub enum Meshes {
     ForBoth,
 }
 
-/// Relative errors in H¹ on a mesh: of u, and of p of (22), (21) and (41) beside p of (22).
+/// Relative errors in H¹ on a mesh: of u, and of p of (22), (21) and (41) relative to p of (22).
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     /// Unknowns.

@@ -1,4 +1,4 @@
-//! Measurements on one mesh, beside Hertz's answer.
+//! Measurements on one mesh, compared with Hertz's answer.
 
 use std::fmt;
 use std::time::Instant;

@@ -11,7 +11,7 @@ use crate::Outcome;
 
 /// The coarsest mesh that the program takes: coarser ones do not resolve the contact zone.
 const COARSEST: usize = 2;
-/// Errors are measured on meshes at least so many times coarser than the reference.
+/// Errors are measured on meshes coarser at least by this factor than the reference.
 pub const RATIO: usize = 4;
 
 /// Figures 3, 4 and 5 of Bretin, Chapelat, Douanla-Lontsi, Homolle and Renard (2023): errors on the hollow cylinder

@@ -12,7 +12,7 @@ pub struct Reporter {
 }
 
 impl Reporter {
-    /// So many steps are to be done.
+    /// Number of steps to be done.
     pub fn new(steps: usize) -> Reporter {
         let bar = std::io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::new(steps as u64);

@@ -1,4 +1,4 @@
-//! The numbers: a summary as Markdown, and a CSV file beside each figure.
+//! The numbers: a summary as Markdown, and a CSV file with each figure.
 
 use std::fmt::Write as _;
 use std::io::Write as _;

@@ -1,6 +1,6 @@
 //! Forms as a user writes them, one file each, none longer than 40 lines of code. Each is compared with scikit-fem entry by
 //! entry (`tests/tests/against_scikit_fem_*.rs`), and the cost of compiling it is measured (`tests/compile_cost`).
-//! Contact by Nitsche's method stands in the package `forms-contact`. Beside them what the programs share.
+//! Contact by Nitsche's method is in the package `forms-contact`. The rest is what the programs share.
 
 #[path = "../die_forces.rs"]
 pub mod die_forces;

@@ -38,7 +38,7 @@ pub struct Options {
     /// C in xi = C sqrt(h) of the extended-Neumann adjoint (41) [MPa/sqrt(cm)]
     #[arg(long, value_name = "C", default_value = "1", value_parser = number)]
     xi: f64,
-    /// Tresca's friction on the contact boundary, bounded by S in MPa, beside the contact
+    /// Tresca's friction on the contact boundary, bounded by S in MPa, in addition to the contact
     #[arg(long, value_name = "S", conflicts_with = "coulomb", value_parser = number)]
     tresca: Option<f64>,
     /// Coulomb's friction on the contact boundary, with the coefficient K

@@ -95,7 +95,7 @@ pub fn costs(cells: &[usize], method: Method, out: &mut StandardOutput) -> Resul
         let half = Field::interpolate(&slab.densities, |_| 0.5)?;
         let mut multigrid = MultigridSolver::new(&slab.held, MultigridSolverOptions::default())?;
         let mut direct = TangentSolver::new(TangentSolverOptions {
-            // As beside: the factor's solution is checked, and not refined to the last bit.
+            // As for the structure: the factor's solution is checked, and not refined to the last bit.
             refinement_steps: 0,
             ..TangentSolverOptions::default()
         });

@@ -1,4 +1,4 @@
-//! Time and memory of a value and of a gradient, and the gradient's error beside differences.
+//! Time and memory of a value and of a gradient, and the gradient's error compared with differences.
 
 use std::error::Error;
 use std::time::Instant;
@@ -75,7 +75,7 @@ fn repeated<T, E>(mut compute: impl FnMut() -> Result<T, E>) -> Result<(T, f64, 
 /// Processor time of the process, all threads, in hundredths of a second as Linux counts it.
 fn processor_seconds() -> Option<f64> {
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // User and system time stand twelfth and thirteenth after the name, which is in parentheses.
+    // User and system time are twelfth and thirteenth after the name, which is in parentheses.
     let mut fields = stat.rsplit_once(')')?.1.split_whitespace().skip(11);
     let mut ticks = || fields.next()?.parse::<f64>().ok();
     Some((ticks()? + ticks()?) / 100.0)

@@ -58,7 +58,7 @@ mod swinging {
     }
 }
 
-/// Times of which the shortest counts.
+/// Times; the shortest counts.
 const REPETITIONS: usize = 7;
 
 fn model(during: &During<2>) -> Result<swinging::Model<2>, ControlError> {

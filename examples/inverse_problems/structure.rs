@@ -130,7 +130,7 @@ pub fn costs(
             let cantilever = Cantilever::new(divisions, load)?;
             let mut multigrid = MultigridSolver::new(&cantilever.held, MultigridSolverOptions::default())?;
             let mut direct = TangentSolver::new(TangentSolverOptions {
-                // As beside: the factor's solution is checked, and not refined to the last bit.
+                // As for the heat: the factor's solution is checked, and not refined to the last bit.
                 refinement_steps: 0,
                 ..TangentSolverOptions::default()
             });

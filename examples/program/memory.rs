@@ -1,8 +1,8 @@
 //! Memory: what this process has taken, what the system has, and what a computation will need.
 
 /// Bytes per unknown of the direct contact problem in the plane with adjoint states, on Q2 elements: `AT_FIRST` + `PER_DOUBLING`
-/// log₂(unknowns), of which the second part is the Cholesky factor's. Fitted by hand to the five meshes of
-/// docs/scaling.md (33,792 to 3,287,040 unknowns), each of which it gives within 5 %.
+/// log₂(unknowns), where the second part is the Cholesky factor's. Fitted by hand to the five meshes of
+/// docs/scaling.md (33,792 to 3,287,040 unknowns), each within 5 %.
 const AT_FIRST: f64 = 1950.0;
 const PER_DOUBLING: f64 = 24.0;
 

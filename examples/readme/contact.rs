@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let data = nitsche::Data { lambda: 1.0, mu: 1.0, obstacle_normal, gap, gamma0: 20.0, theta: 1.0 };
     let model = nitsche::Model { data, regions: nitsche::Regions::default().gamma_c("bottom") };
 
-    // A kink is no polynomial: a higher degree than what would do for the polynomials beside it.
+    // A kink is no polynomial: a higher degree than the polynomials next to it need.
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
     let direct = model.direct();
     let solved = Problem::new(&direct, &space).assembler(&assembler).constrained(&constraints).solve()?;

@@ -1,8 +1,8 @@
 //! A ring of rubber that is thrown along a flat: it falls, touches, and is spun by friction. Large displacements and strains, contact by
 //! Nitsche's method in mid-point schemes that know the energy ([`forms_contact::finite_impact`]).
 //!
-//! Checks, of which each ends the program if it fails: energy and work of friction stay together what they were (`conserving`) or never grow
-//! (`hybrid`), and momentum changes by the impulses of weight and flat. Beside it stands the closed form of a rigid ring: friction on the
+//! Checks; each ends the program if it fails: energy and work of friction stay together what they were (`conserving`) or never grow
+//! (`hybrid`), and momentum changes by the impulses of weight and flat. The program also prints the closed form of a rigid ring: friction on the
 //! flat has no moment about it, so that from the speed v it comes to roll with v/(1 + (a² + b²)/2b²), radii a and b.
 //!
 //! Run it with `cargo run --release --bin rolling_ring -- [CELLS AROUND] [STEPS PER UNIT OF TIME] [UNITS OF TIME] [hybrid] [whole]`; with
@@ -86,7 +86,7 @@ fn tell_iterates(error: &StepError) {
     }
 }
 
-/// Balances of a step: energy beside the kinetic energy of the throw, momentum beside its own.
+/// Balances of a step: energy relative to the kinetic energy of the throw, momentum relative to its own.
 fn check(before: &Record, after: &Record, pressure: Pressure, mass: f64) -> Result<(), Box<dyn Error>> {
     let scale = mass * SPEED * SPEED / 2.0;
     let gain = (after.energy + after.lost - before.energy - before.lost) / scale;

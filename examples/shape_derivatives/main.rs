@@ -27,7 +27,7 @@ struct Options {
     /// θ of Nitsche's method.
     #[arg(long, default_value_t = -1.0, allow_hyphen_values = true)]
     theta: f64,
-    /// Central differences are taken up to so many cells across the thickness.
+    /// Central differences are taken up to this number of cells across the thickness.
     #[arg(long, default_value_t = 8)]
     differences: usize,
     /// Goes on where the memory will not do, by an estimate.

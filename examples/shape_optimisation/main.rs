@@ -1,4 +1,4 @@
-//! Shapes that optimise under contact: the paper's Figure 6, a ring that spreads its pressure, a cantilever on a support.
+//! Shape optimisation under contact: the paper's Figure 6, a ring that spreads its pressure, a cantilever on a support.
 
 mod cantilever;
 mod meshes;

@@ -20,7 +20,7 @@ const LEAST_ANGLE: f64 = FRAC_PI_6;
 /// The change of criterion (relative) and volume from mesh to mesh, at most.
 pub const TOLERANCE: f64 = 2e-3;
 
-/// A new mesh of triangles, with cells of so many times the sizes.
+/// A new mesh of triangles, with cells of the given multiple of the sizes.
 pub fn remeshed(options: &Options, mesh: &Mesh<2>, factor: f64) -> Result<Mesh<2>, Failure> {
     let per_side = options.cells_per_side() as f64;
     if options.case == Case::Cantilever {

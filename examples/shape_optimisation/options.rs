@@ -6,7 +6,7 @@ use clap::{Parser, ValueEnum};
 use forms_fem::shape_optimisation::{DescentOptions, InnerProduct};
 use serde_json::{Value, json};
 
-/// Shapes that optimise under contact: free boundaries move until a criterion is least at the same volume.
+/// Shape optimisation under contact: free boundaries move until a criterion is smallest at constant volume.
 ///
 /// Lengths are in cm, stresses in MPa. A run that was stopped goes on from its last step.
 #[derive(Clone, Debug, Parser)]
@@ -42,7 +42,7 @@ pub struct Options {
     /// (cm) [default: 0.2, 4 for cantilever]
     #[arg(long, value_name = "W")]
     wall: Option<f64>,
-    /// The least scaled Jacobian below which the mesh is made anew; 0: never [default: 0.4, 0.25 for cantilever]
+    /// The least scaled Jacobian below which the mesh is made again; 0: never [default: 0.4, 0.25 for cantilever]
     #[arg(long, value_name = "Q")]
     remesh_below: Option<f64>,
     /// Steps, at most
@@ -54,10 +54,10 @@ pub struct Options {
     /// The derivative, relative to the first, at which a shape is called optimal
     #[arg(long, value_name = "T", default_value_t = 1e-3)]
     pub gradient_tolerance: f64,
-    /// Every so many steps the shape is written
+    /// Number of steps between written shapes
     #[arg(long, value_name = "N", default_value_t = 10)]
     pub every: usize,
-    /// Begins anew where a run was stopped, or had ended
+    /// Begins again where a run was stopped, or had ended
     #[arg(long)]
     pub anew: bool,
     /// Goes on where the memory will not do, by an estimate
@@ -116,7 +116,7 @@ impl Options {
         self.wall.unwrap_or(if self.case == Case::Cantilever { 4.0 } else { 0.2 })
     }
 
-    /// The least scaled Jacobian below which the mesh is made anew.
+    /// The least scaled Jacobian below which the mesh is made again.
     pub fn remesh_below(&self) -> f64 {
         self.remesh_below.unwrap_or(if self.case == Case::Cantilever { 0.25 } else { 0.4 })
     }
@@ -130,7 +130,7 @@ impl Options {
         })
     }
 
-    /// Unknowns of the displacement on biquadratic cells, but for those on the boundary; before any mesh is made.
+    /// Unknowns of the displacement on biquadratic cells, except for those on the boundary; before any mesh is made.
     pub fn unknowns(&self) -> f64 {
         let [side, layers] = [self.cells_per_side(), self.layers].map(|count| count as f64);
         let cells = match self.case {

@@ -91,7 +91,7 @@ pub use forms_problem::{
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// After the closure stand data (`k: Param = 2.0`; without a value the variable of that name), regions
+/// After the closure come data (`k: Param = 2.0`; without a value the variable of that name), regions
 /// (`Wall: Facets = "wall"`; or in place, `cells("all")`, `facets("wall")`), and the options of [`macro@forms`]. A closure with
 /// known fields gives a Rust closure that takes them. `use path::operator;` before the closure imports.
 pub use forms_core::form;

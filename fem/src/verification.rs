@@ -2,9 +2,9 @@
 //! affine along the direction (a linear form, or a piecewise linear one between its kinks) it is rounding from the start,
 //! which a wrong f′(0) could not bring about.
 //!
-//! A form's tangent is tested by [`tangent`], a derivative of a number that is computed anew for each step (through an
+//! A form's tangent is tested by [`tangent`], a derivative of a number that is computed again for each step (through an
 //! adjoint state, by a parameter or by data) by [`taylor`], one by the shape of the domain by [`shape`]. Where a form has
-//! kinks the expansion holds only as long as no quadrature point crosses one. A test is told which points are "on"
+//! kinks the expansion holds only as long as no quadrature point crosses one. A test gets the points that are "on"
 //! ([`Assembler::active_set`]), halves its step until they are those of the start, and its report says where they were not.
 //!
 //! ```
@@ -57,7 +57,7 @@ const ROUNDING: f64 = 1e-12;
 const SEEN: f64 = 1e-6;
 /// An order that is lower than the one expected by more than this does not pass.
 const SLACK: f64 = 0.1;
-/// So many of the smallest steps are judged: at large ones terms of higher order matter, too.
+/// Number of the smallest steps that are judged: at large ones terms of higher order matter, too.
 const JUDGED: usize = 3;
 
 /// A sample at a step: a number or a vector, and which switches are on there.
@@ -186,7 +186,7 @@ impl TaylorReport {
         }
     }
 
-    /// Whether the remainders are rounding at all steps that keep the active set, of which one at least is so large that a
+    /// Whether the remainders are rounding at all steps that keep the active set, where one at least is so large that a
     /// derivative wrong by a millionth would have shown: the function is affine along the direction between its kinks, and
     /// the derivative is right.
     pub fn is_affine(&self) -> bool {
@@ -219,7 +219,7 @@ impl fmt::Display for TaylorReport {
 }
 
 /// Tests f′(0), given as `derivative`, of a number or vector f(t) that the caller computes: the criterion after a
-/// parameter or a datum has changed by t and the state has been solved for anew, or anything else. Steps begin with
+/// parameter or a datum has changed by t and the state has been solved for again, or anything else. Steps begin with
 /// `first` and are halved until the active set is that of the start, then six times more.
 ///
 /// # Errors
@@ -305,7 +305,7 @@ pub fn tangent<F: Form<D>, const D: usize>(
 }
 
 /// Tests a derivative by the shape of the domain along a movement: `value` computes the number on a mesh that has moved,
-/// of which spaces number their nodes as before ([`Field::carried_to`]). `derivative` is the derivative along `movement`.
+/// where spaces number their nodes as before ([`Field::carried_to`]). `derivative` is the derivative along `movement`.
 ///
 /// # Errors
 /// Those of `value`; a movement that turns a cell inside out at the first step, by the cell's number.

@@ -200,7 +200,7 @@ fn projections_reproduce_what_the_space_holds_and_converge_elsewhere() {
     assert!(along.iter().all(|sample| sample.position[0] == 0.0 && sample.value[0].abs() < 1e-14));
 }
 
-/// Facets with several local numbers in one region: values stand in the region's order, each with its own
+/// Facets with several local numbers in one region: values are in the region's order, each with its own
 /// normal. On the boundary of the unit square the normal component of 2x − (1, 1) is 1.
 #[test]
 fn derived_fields_on_facets_keep_the_order_of_the_region() {

@@ -96,7 +96,7 @@ struct Case {
     lambda: f64,
     load: fn(&[f64; 3]) -> [f64; 3],
     region: &'static str,
-    /// Fragments, one of which stands in every error.
+    /// Fragments; every error contains one.
     says: &'static [&'static str],
 }
 

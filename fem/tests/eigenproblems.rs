@@ -1,4 +1,4 @@
-//! Eigenproblems beside closed forms: membranes, strings, buckling of columns, bodies that nothing holds.
+//! Eigenproblems compared with closed forms: membranes, strings, buckling of columns, bodies that nothing holds.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! Fields in files: read back to the last bit, and what does not belong together is told with its line.
+//! Fields in files: read back to the last bit, and what does not belong together is reported with its line.
 
 use std::path::Path;
 

@@ -60,7 +60,7 @@ fn results<F: Form<D>, S: Sizes, const D: usize>(
     })
 }
 
-/// The same by a rule of some degree, with the row of each component of a node among those of so many nodes.
+/// The same by a rule of some degree, with the row of each component of a node among those of the given number of nodes.
 #[allow(clippy::too_many_arguments)]
 fn ordered_results<F: Form<D>, S: Sizes, const D: usize>(
     form: F,
@@ -160,7 +160,7 @@ compare!(quadratic_tetrahedra, Tetrahedron, 3, geometry 1, degree 2, 10, 4, 3, 4
 compare!(curved_quadrilaterals, Quadrilateral, 2, geometry 2, degree 2, 9, 4, 2, 9,
     cells [diffusion 1], facets [contact]);
 
-/// The row of a node's component, of so many nodes.
+/// The row of a node's component among the given number of nodes.
 type Row = fn(node: usize, component: usize, nodes: usize) -> usize;
 
 /// Matrices of two components are written block by block, those of linear simplices at one point as a whole, those of

@@ -98,7 +98,7 @@ struct Case {
     active: Active,
 }
 
-/// Whether Newton's method is told the active set.
+/// Whether Newton's method gets the active set.
 #[derive(Clone, Copy, Debug)]
 enum Active {
     Told,

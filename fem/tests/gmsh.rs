@@ -1,4 +1,4 @@
-//! Gmsh's files: what Gmsh wrote, beside what meshio reads in it; the orders of nodes; mistakes by their messages.
+//! Gmsh's files: what Gmsh wrote, compared with what meshio reads in it; the orders of nodes; mistakes by their messages.
 
 use std::path::PathBuf;
 
@@ -97,7 +97,7 @@ fn largest_bend<const D: usize>(mesh: &Mesh<D>) -> f64 {
     largest
 }
 
-// On cells with straight edges every node stands where the geometry map has it.
+// On cells with straight edges every node is where the geometry map has it.
 #[test]
 fn nodes_stand_in_our_order() {
     for (name, cells) in [("hexahedra_2.2.msh", 2), ("tetrahedra_4.1.msh", 12)] {
@@ -190,7 +190,7 @@ fn the_plate_is_the_same_in_every_format() {
         let point = Note::GroupLeftOut { name: "corner".into(), dimension: 0 };
         assert_eq!(other.notes, [point], "{name}");
     }
-    // The curve between the two parts runs upward: what is inside stands to its left.
+    // The curve between the two parts runs upward: what is inside is to its left.
     let [[inside, outside]] = first.mesh.interior_facet_region("seam").unwrap() else { panic!("one facet") };
     assert!(first.mesh.cell_region("left part").unwrap().contains(&inside.cell));
     assert!(first.mesh.cell_region("right part").unwrap().contains(&outside.cell));

@@ -157,7 +157,7 @@ fn what_cannot_be_joined_is_named() {
     let discontinuous = Space::discontinuous_scalar(&one_and_two(), 1).unwrap();
     let error = Constraints::new(&discontinuous).join_hanging_nodes().unwrap_err();
     assert!(matches!(error, ConstraintsError::NotContinuous { .. }), "{error}");
-    // Two squares beside three.
+    // Two squares next to three.
     let mut nodes = Vec::new();
     let mut cells = Vec::new();
     for (left, count) in [(0.0, 2_u32), (1.0, 3)] {

@@ -249,7 +249,7 @@ macro_rules! patch_of_elasticity {
         for (a, b) in found.values().iter().zip(exact.values()) {
             assert!((a - b).abs() < 1e-12, "{:?} {}: {a} against {b}", mesh.cell_shape(0), $degree);
         }
-        // The matrix, whose blocks are placed by a map, beside the residual, which needs none.
+        // The matrix, whose blocks are placed by a map, compared with the residual, which needs none.
         let values = (0..space.unknowns()).map(|index| ((index * 37 + 5) % 23) as f64 / 23.0).collect();
         let rough = Field::from_values(&space, values).unwrap();
         let matrix = assembler.tangent(&form, &[&rough], &[&space]).unwrap();

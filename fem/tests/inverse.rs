@@ -96,7 +96,7 @@ fn same(label: &str, few: &[f64], all: &[f64]) {
 }
 
 /// Density, stiffness of each cell, a load per step, displacement and velocity at the start; J over all steps, and a point after one: of a
-/// form that reads the unknown itself beside the operators, with schemes in which it is the value at the end of the step throughout.
+/// form that reads the unknown itself next to the operators, with schemes in which it is the value at the end of the step throughout.
 #[test]
 fn adjoints_of_motions_that_read_the_unknown_itself() {
     let body = Body::new([4, 2]);

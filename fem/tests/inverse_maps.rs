@@ -1,5 +1,5 @@
-//! Maps over plain arrays: readings of histories of loads and of motions, their products with vectors beside differences, beside
-//! observations of the same, and with few stored states; what does not fit is named.
+//! Maps over plain arrays: readings of histories of loads and of motions, their products with vectors compared with differences, with
+//! observations of the same, and with checkpointing; what does not fit is named.
 
 use forms_fem::inverse::{
     ControlError, ControlledEvolution, Controls, CriterionMap, DifferentiableMap, During, LoadHistory,
@@ -133,7 +133,7 @@ fn near(label: &str, found: &[f64], expected: &[f64], accuracy: f64) {
     }
 }
 
-/// Products beside central differences, beside one another, with few states, and after other controls were asked for.
+/// Products compared with central differences, with one another, with few states, and after other controls were asked for.
 fn check<H: ControlledEvolution<2>>(
     label: &str,
     plate: &Plate,

@@ -1,5 +1,5 @@
-//! Adjoints of motions by schemes that read several states, and by explicit ones: beside adjoints of one degree of freedom that are written
-//! out by hand, beside the loop over the same steps, beside differences.
+//! Adjoints of motions by schemes that read several states, and by explicit ones: compared with adjoints of one degree of freedom that are written
+//! out by hand, with the loop over the same steps, with differences.
 
 use forms_fem::inverse::{ControlError, Controls, During, MotionHistory, Observations, ReducedProblem};
 use forms_fem::prelude::*;
@@ -43,7 +43,7 @@ mod oscillator {
     }
 }
 
-/// Sizes of steps of which none follows from another.
+/// Sizes of steps that do not follow from each other.
 const SIZES: [f64; 9] = [0.11, 0.07, 0.13, 0.13, 0.05, 0.09, 0.12, 0.08, 0.1];
 /// m, c, k, u₀, u̇₀.
 const PARAMETERS: [f64; 5] = [1.3, 0.4, 5.0, 0.7, -0.3];

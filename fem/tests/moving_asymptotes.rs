@@ -1,4 +1,4 @@
-//! The method of moving asymptotes beside the examples of its author and closed forms.
+//! The method of moving asymptotes compared with the examples of its author and closed forms.
 
 use std::convert::Infallible;
 

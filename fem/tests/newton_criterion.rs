@@ -15,7 +15,7 @@ mod fields {
     #[facets]
     pub struct Top;
 
-    /// A loaded body beside a substance that diffuses and reacts; expansion makes the substance drive the body.
+    /// A loaded body and a substance that diffuses and reacts; expansion makes the substance drive the body.
     pub fn beside(u: Unknown<Vector>, c: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
         integral(Omega, stiffness * (inner(eps(u), eps(v)) - expansion * c * div(v)))
             + integral(Omega, conductivity * (dot(grad(c), grad(q)) + (pow(c, 3) + c - 1) * q))
@@ -73,7 +73,7 @@ fn solve_beside(
     (c.values().to_vec(), largest, solved.history)
 }
 
-/// A soft field beside a stiff one takes as many steps as alone, and has the same values.
+/// A soft field next to a stiff one takes as many steps as by itself, and has the same values.
 #[test]
 fn a_field_is_not_hidden_by_a_stiffer_one() {
     for expansion in [0.0, 1.0] {
@@ -144,7 +144,7 @@ fn a_body_under_stresses_of_its_own_stays_at_rest() {
         let largest = solved.field().values().iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
         assert!(largest < 1e-13 * prestress, "prestress {prestress:e}: moved by {largest:e}");
         assert!(solved.iterations() <= 4, "prestress {prestress:e}: {} steps", solved.iterations());
-        // A load that is small beside the stresses is none that rounding hides.
+        // A load that is small compared with the stresses is none that rounding hides.
         let form = model.loaded();
         let solved = Problem::new(&form, &space).constrained(&constraints).solve().unwrap();
         let linear = 1e-6 / (2.0 * prestress * prestress);

@@ -79,7 +79,7 @@ fn updates_are_those_of_an_assembly_from_scratch() {
     follows(&resting::both(&data(), &omega), &space);
 }
 
-/// A linear part is told to be symmetric where it is.
+/// A linear part is declared symmetric where it is.
 #[test]
 fn a_symmetric_linear_part_is_known_by_proof() {
     let mesh = mesh(6);

@@ -39,7 +39,7 @@ fn mesh() -> Arc<Mesh<2>> {
     Arc::new(rectangle([0.0; 2], [2.0, 1.0], [6, 3], CellShape::Quadrilateral, 1).unwrap())
 }
 
-/// One of quadrilaterals, and one of quadrilaterals and triangles, of which each share has some.
+/// One of quadrilaterals, and one of quadrilaterals and triangles; each share has some of both.
 fn meshes() -> [Arc<Mesh<2>>; 2] {
     let mixed = patchwork(4, 1);
     for cells in [&mixed.cell_order().cells()[..5], &mixed.cell_order().cells()[5..]] {
@@ -50,7 +50,7 @@ fn meshes() -> [Arc<Mesh<2>>; 2] {
     [mesh(), Arc::new(mixed)]
 }
 
-/// Three assemblers on parts of unequal size, one of which owns no cell.
+/// Three assemblers on parts of unequal size; one owns no cell.
 fn shares(mesh: &Arc<Mesh<2>>) -> Vec<Assembler<2>> {
     let (first, last) = mesh.cell_order().cells().split_at(5);
     let share = |cells: &&[u32]| Assembler::new(mesh).on_owned_cells(cells).unwrap();

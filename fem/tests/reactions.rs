@@ -45,7 +45,7 @@ fn solve(
 ) -> Result<forms_fem::solve::Solved<2>, Box<dyn std::error::Error>> {
     let form = held::elasticity(data, &held::Omega::on("all"), &held::Loaded::on(loaded));
     let assembler = Assembler::new(space.mesh());
-    // The form is affine: Newton's method is run on its equations beside that.
+    // The form is affine: Newton's method is also run on its equations.
     let solved = Problem::new(&form, space).assembler(&assembler).constrained(constraints).solve()?;
     let elimination = Elimination::of(&[constraints])?;
     let (start, mut solver) = (Start::at(vec![0.0; space.unknowns()]), TangentSolver::default());

@@ -48,7 +48,7 @@ fn density<const D: usize>(mesh: &Arc<Mesh<D>>, of: impl Fn(&[f64; D]) -> f64) -
     Ok(Field::interpolate(&Space::discontinuous_scalar(mesh, 0)?, of)?)
 }
 
-/// Mass, centre and second moments by the mass matrix of degree one, beside those of the density as it was: the largest difference over
+/// Mass, centre and second moments by the mass matrix of degree one, compared with those of the density as it was: the largest difference over
 /// its own size. Rows of nodes on the boundary are zero, and the matrix is positive.
 fn check<const D: usize>(label: &str, mesh: Mesh<D>, boundary: &str, rule: Option<usize>) -> Outcome
 where
@@ -177,7 +177,7 @@ fn what_cannot_be_redistributed_is_refused() -> Outcome {
     Ok(())
 }
 
-/// Schemes that read no accelerations but for inertia go on; what reads them elsewhere, or solves for them, is refused by name.
+/// Schemes that read no accelerations except for inertia go on; what reads them elsewhere, or solves for them, is refused by name.
 #[test]
 fn schemes_that_read_accelerations_are_refused() -> Outcome {
     let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [4, 7], CellShape::Quadrilateral, 1)?);

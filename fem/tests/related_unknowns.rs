@@ -199,7 +199,7 @@ fn mistakes_name_the_node_and_both_conditions() {
     assert!(zero.starts_with("region \"top\": the normal at ["), "{zero}");
 }
 
-/// The block [0, 2] × [0, 1] stands on rollers at its left side; its right side is a rigid plate.
+/// The block [0, 2] × [0, 1] has rollers at its left side; its right side is a rigid plate.
 fn plate(space: &Arc<Space<2>>) -> Constraints<2> {
     let mut plate = Constraints::new(space);
     plate.fix_component("left", 0, |_| 0.0).unwrap();

@@ -98,7 +98,7 @@ where
     let steps: usize = condensed.iter().map(|solved| solved.iterations()).sum();
     assert_eq!(report.path, Some(SolverPath::Condensed));
     assert!(report.iterations.iter().all(|krylov| *krylov == 0));
-    // The factor is made anew where the zone has moved on, not at each step.
+    // The factor is made again where the zone has moved on, not at each step.
     assert!(2 * report.factorisations <= steps, "{} of {steps}", report.factorisations);
     // Contact is there all the time, and points have left the lower surface's end.
     let reports = condensed.iter().map(|solved| &solved.pairs[0].report);

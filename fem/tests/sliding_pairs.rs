@@ -57,7 +57,7 @@ pub(crate) mod rubber {
     }
 }
 
-/// Two boxes [0, 1]^D, the second one on top of the first and shifted by `offset`, with so many cells along each axis; the sides
+/// Two boxes [0, 1]^D, the second one on top of the first and shifted by `offset`, with the given number of cells along each axis; the sides
 /// that meet are "below" and "above", both together "touch", the lowest side "bottom", the highest "top".
 pub(crate) fn boxes<const D: usize>(cells: [usize; 2], offset: [f64; D]) -> Arc<Mesh<D>> {
     let (mut nodes, mut corners) = (Vec::new(), Vec::new());

@@ -190,7 +190,7 @@ impl Body {
             .options(NewtonOptions { relative_tolerance: 1e-13, ..NewtonOptions::default() })
     }
 
-    /// A direction of all controls, but for what is held at the start.
+    /// A direction of all controls, except for what is held at the start.
     pub fn direction(&self, phase: f64) -> Vec<f64> {
         let count = self.controls.values().len();
         let mut direction: Vec<f64> = (0..count).map(|k| 0.2 * (phase + 1.7 * k as f64).sin()).collect();

@@ -1,4 +1,4 @@
-//! Events: numbers of a state that pass zero in a step, beside a fall and an oscillation with closed forms; the work of linear steps.
+//! Events: numbers of a state that pass zero in a step, compared with a fall and an oscillation with closed forms; the work of linear steps.
 
 use forms_fem::output::TimeSeries;
 use forms_fem::prelude::*;
@@ -81,7 +81,7 @@ impl Scheme for Boxed {
     }
 }
 
-/// Zeros of cos(ωt) by schemes of order two, one of which reads two states and so steps of two sizes; nonlinear forms and adaptive
+/// Zeros of cos(ωt) by schemes of order two; one reads two states and so steps of two sizes; nonlinear forms and adaptive
 /// steps come to events, too.
 #[test]
 fn zeros_of_an_oscillation_have_the_scheme_s_order() -> Outcome {

@@ -91,7 +91,7 @@ fn coefficients_that_change_do_not_go_unnoticed() -> Outcome {
     Ok(())
 }
 
-/// One beside another that is 10¹³ times as heavy and as stiff.
+/// One next to another that is 10¹³ times as heavy and as stiff.
 #[test]
 fn a_soft_spring_that_changes_is_not_hidden_by_a_stiff_one() -> Outcome {
     let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [2, 1], CellShape::Quadrilateral, 1)?);

@@ -53,7 +53,7 @@ impl Oscillator {
         }
     }
 
-    /// The solution that begins at 1 with the rate ½: free vibration beside the driven one.
+    /// The solution that begins at 1 with the rate ½: free vibration and the driven one.
     fn exact(&self, t: f64) -> f64 {
         let Oscillator { mass, damping, stiffness, force } = *self;
         let (a, b) = (stiffness - mass * DRIVEN * DRIVEN, damping * DRIVEN);
@@ -82,7 +82,7 @@ pub(super) fn same(space: &Arc<Space<2>>, value: f64) -> Field<2> {
 
 pub(super) const OSCILLATOR: Oscillator = Oscillator { mass: 2.0, damping: 0.6, stiffness: 7.0, force: 1.5 };
 
-/// The error at t = 2 after so many steps of an oscillator, in value and rate.
+/// The error at t = 2 after the given number of steps of an oscillator, in value and rate.
 fn error(scheme: impl Scheme, steps: usize, mass: Mass) -> Result<f64, Box<dyn std::error::Error>> {
     let (space, size) = (cell()?, 2.0 / steps as f64);
     let state = |t: f64| {

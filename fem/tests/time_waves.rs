@@ -1,4 +1,4 @@
-//! A wave in a bar with a support that moves, beside d'Alembert's solution: order in time, reactions, and a film on disk.
+//! A wave in a bar with a support that moves, compared with d'Alembert's solution: order in time, reactions, and a film on disk.
 
 use forms_fem::output::{VtuFile, VtuSeries};
 use forms_fem::prelude::*;

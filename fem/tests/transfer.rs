@@ -146,7 +146,7 @@ fn jumps_stay_on_their_side() -> Outcome {
 fn bits_do_not_depend_on_threads() -> Outcome {
     let mesh = |n, shape| rectangle([0.0; 2], [1.0; 2], [n, n], shape, 1).map(Arc::new);
     same_bits(&mesh(9, CellShape::Triangle)?, &mesh(11, CellShape::Quadrilateral)?)?;
-    // So many unknowns that each loop is cut among threads.
+    // Enough unknowns that each loop is cut among threads.
     same_bits(&mesh(40, CellShape::Quadrilateral)?, &mesh(100, CellShape::Triangle)?)
 }
 

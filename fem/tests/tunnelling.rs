@@ -73,7 +73,7 @@ fn deeper_than_half_of_what_contact_sees() {
     }
 }
 
-/// The end is above the lower square again, or beside it, and all that is wrong lies on the way.
+/// The end is above the lower square again, or next to it, and all that is wrong lies on the way.
 #[test]
 fn the_way_counts_and_not_the_end() {
     let squares = Squares::new();

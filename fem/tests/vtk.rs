@@ -1,4 +1,4 @@
-//! VTK's files: what meshio and VTK wrote, beside the meshes of Gmsh that they wrote them from; what we wrote ourselves;
+//! VTK's files: what meshio and VTK wrote, compared with the meshes of Gmsh that they wrote them from; what we wrote ourselves;
 //! a problem on a mesh that was read.
 
 use std::path::Path;
@@ -61,7 +61,7 @@ fn plates_of_meshio_are_those_of_gmsh() {
         assert_eq!(plate.mesh.interior_facet_region("facets 3").unwrap().len(), 1);
         let physical = plate.cell_data.iter().find(|array| array.name == "gmsh:physical").unwrap();
         assert_eq!((physical.components, physical.values.len()), (1, plate.mesh.cell_count()));
-        // Of a cell that stands twice the first one counts.
+        // If a cell occurs twice, the first one counts.
         assert!(physical.values.iter().all(|&number| number == 10.0 || number == 11.0));
     }
 }

@@ -73,7 +73,7 @@ fn the_files_are_good() {
         assert_eq!(message(file), good);
         assert_eq!(message(&file.replace('\n', "\r\n")), good);
     }
-    // Other data and words of VTK's stand in between.
+    // Other data and words of VTK's are in between.
     let more = LEGACY.replace("POINTS", "FIELD FieldData 1\ntime 1 1 double\n0.5\nPOINTS").replace(
         "CELL_DATA",
         "METADATA\nINFORMATION 0\n\nPOINT_DATA 4\nVECTORS u float\n0 0 0 1 1 1 2 2 2 3 3 3\nCELL_DATA",

@@ -1,6 +1,6 @@
-//! The contract between compiled forms and backends: everything that emitted code and backends name. What a form gives stands in
+//! The contract between compiled forms and backends: everything that emitted code and backends name. What a form gives is in
 //! `form.rs`, its integrands and the order in which a backend calls them in `kernel.rs`, the values of its fields in `source.rs`. Emitted paths read `<crate>::contract::Name`, so a
-//! crate that re-exports this module can stand in for `forms-core` (`#[forms(crate = that_crate)]`).
+//! crate that re-exports this module can replace `forms-core` (`#[forms(crate = that_crate)]`).
 
 pub use crate::degree::{Degree, DegreeSum};
 pub use crate::dimension::{Constants, Dim, Dimension, Integrals};

@@ -222,7 +222,7 @@ macro_rules! dimension {
     };
 }
 
-/// The walks, with who visits.
+/// The walks and their visitors.
 macro_rules! dimensions {
     ($($number:literal),*) => {$(
         dimension! {

@@ -15,7 +15,7 @@ pub struct Dual<R> {
 
 /// A number that can be started as the variable of a derivative.
 pub trait Seeded: Real {
-    /// The `input`-th variable with this value, differentiated in turn by the variables `directions`, of which
+    /// The `input`-th variable with this value, differentiated in turn by the variables `directions`;
     /// there are [`Real::ORDER`].
     fn seed(value: f64, input: usize, directions: &[usize]) -> Self;
     /// The derivative of highest order: by all the directions.

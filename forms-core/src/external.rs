@@ -30,7 +30,7 @@ pub trait External {
 const WIDEST: usize = 16;
 
 /// Derivatives of order N of a function at each lane: for each of the K lists of directions (numbers of variables, which are
-/// inputs but for [`External::variable`]) the derivative of all outputs by these, one after the other. `T` carries N derivatives: `f64`,
+/// inputs except for [`External::variable`]) the derivative of all outputs by these, one after the other. `T` carries N derivatives: `f64`,
 /// `Dual<f64>`, `Dual<Dual<f64>>`, …
 pub fn external<
     F: External,

@@ -105,7 +105,7 @@ pub struct Integral {
     pub displacement: Option<&'static [usize]>,
     /// Index of the test function (0 in functionals).
     pub test: usize,
-    /// Index of the unknown that the trial function stands for (tangents only, else 0).
+    /// Index of the unknown of the trial function (tangents only, else 0).
     pub trial: usize,
     /// The cell on which the test function lives: on an interior facet each side has kernels of its own.
     pub test_side: Side,
@@ -195,7 +195,7 @@ pub trait ExpressionVisitor<const D: usize> {
     fn visit<K: ExpressionKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Self::Error>;
 }
 
-/// A function of a forms module as mathematics, with its derivatives and what the names in them stand for.
+/// A function of a forms module as mathematics, with its derivatives and the meaning of the names in them.
 ///
 /// It is made from the checked form, so that a wrong sign can be seen; rustdoc shows the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

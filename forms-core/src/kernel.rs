@@ -27,7 +27,7 @@ pub struct Basis<L, const D: usize> {
     pub gradient: [L; D],
 }
 
-/// Second derivatives ∂²φ/∂x_i∂x_j of a basis function \[1/length²\]. They travel beside [`Basis`] because
+/// Second derivatives ∂²φ/∂x_i∂x_j of a basis function \[1/length²\]. They are separate from [`Basis`] because
 /// few kernels read them; zeros where [`Requirements::hessian`] does not ask.
 pub type Hessian<L, const D: usize> = [[L; D]; D];
 

@@ -2,8 +2,8 @@
 //!
 //! `#[forms]` (from `forms-macro`, re-exported here) turns weak forms into kernels: small straight-line
 //! functions that know physics and no mesh. A backend owns meshes, elements, quadrature, loops and
-//! scatter, and knows no physics. What the two share stands in [`contract`] and nowhere else; the
-//! toy backend beside this package shows that nothing more is needed.
+//! scatter, and knows no physics. What the two share is only in [`contract`]; the
+//! toy backend next to this package shows that nothing more is needed.
 //!
 //! Reading order: [`lane`] (the number type), [`kernel`] (what is called at a point), [`mod@form`] (how a
 //! form hands its kernels over), [`degree`] (of an integrand), [`dimension`] (one bound for all forms), [`source`] (where data come from). Functions written in Rust compute with

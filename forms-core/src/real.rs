@@ -17,7 +17,7 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 /// assert_eq!(flux([3.0, 4.0], 3.0), [15.0, 20.0]);
 /// ```
 ///
-/// An `f64` may stand on the right of an operator (`x * 2.0`); on the left it is `R::from(2.0) * x`, because
+/// An `f64` may be on the right of an operator (`x * 2.0`); on the left it is `R::from(2.0) * x`, because
 /// `f64` cannot know all number types. Comparisons compare values, so an `if` takes the branch that it takes
 /// for `f64`, and the derivative is that of the branch.
 pub trait Real:

@@ -50,7 +50,7 @@ fn there_are_many_kinds_of_errors() {
     assert!(list.len() >= 30, "{} kinds:\n{}", list.len(), list.join("\n"));
 }
 
-/// The string literals of a Rust text that stand where a message is given.
+/// The string literals of a Rust text that are given as messages.
 fn messages(text: &str) -> Vec<String> {
     let calls = [
         "diagnostics.error(",

@@ -149,7 +149,7 @@ pub mod forms_to_judge {
     }
 }
 
-/// Everything a backend is told of a form, integral by integral.
+/// Everything a backend learns of a form, integral by integral.
 #[derive(Default)]
 struct Told {
     integrals: Vec<Integral>,

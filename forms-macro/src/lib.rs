@@ -9,7 +9,7 @@ pub fn forms(attribute: TokenStream, item: TokenStream) -> TokenStream {
     forms_compiler::forms(attribute.into(), item.into()).into()
 }
 
-/// Compiles one weak form that stands alone: `form!(|u: Unknown<Scalar>, v: Test<Scalar>| ..)`. See the language.
+/// Compiles one weak form without a module: `form!(|u: Unknown<Scalar>, v: Test<Scalar>| ..)`. See the language.
 #[proc_macro]
 pub fn form(input: TokenStream) -> TokenStream {
     forms_compiler::form(input.into()).into()

@@ -1,4 +1,4 @@
-"""A book that mdBook wrote: every page of its source stands in it, every file and anchor that a page names is there, and
+"""A book that mdBook wrote: every page of its source is in it, every file and anchor that a page names is there, and
 tutorials with forms show their formulas.
 
     mdbook build docs && python3 tests/book/check_links.py docs target/book

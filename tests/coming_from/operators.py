@@ -6,7 +6,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "operators.md"
 
 
 def snippets(column):
-    """What stands in backticks in one column of the tables."""
+    """The text in backticks in one column of the tables."""
     for line in PAGE.read_text().splitlines():
         parts = line.split("|")
         if len(parts) == 6 and not set(parts[1]) <= set(" -"):

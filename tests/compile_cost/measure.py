@@ -4,8 +4,8 @@
     python3 tests/compile_cost/measure.py                 # every form, a Markdown table
     python3 tests/compile_cost/measure.py stokes direct   # some
 
-Python 3.11 and the project's Rust are enough. A crate of its own is made in a temporary directory for each form: the form's module as
-it stands in the repository, and a function that assembles residual and tangent, so that the kernels become machine code.
+Python 3.11 and the project's Rust are enough. A crate of its own is made in a temporary directory for each form: the form's module from
+the repository, unchanged, and a function that assembles residual and tangent, so that the kernels become machine code.
 rustc itself is timed, by a wrapper that cargo calls: user and system seconds of the CPU, which other work on the
 machine disturbs little. README.md says what the columns are.
 """

@@ -21,7 +21,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
-# Where the program stands, the file of its form, and a number there.
+# Where the program is, the file of its form, and a number there.
 PROGRAMS = {
     "starter": ("starter", "src/main.rs", "1 + growth * t"),
     "contact_law": ("tests/contact_law", "src/tresca.rs", "integral(Omega, inner("),

@@ -159,7 +159,7 @@ def main():
     sys.exit("\n".join(failures) if failures else 0)
 
 
-# Names in the form, what stands where they are declared, and what is told of them.
+# Names in the form, the text where they are declared, and their documentation.
 CASES = [
     {"around": "conductivity(t) * dot(", "word": "dot", "definition": "operators.rs", "hover": "Product over the last axis"},
     {"around": "dot(grad(t), grad(v))", "word": "grad", "definition": "operators.rs", "hover": "Gradient"},

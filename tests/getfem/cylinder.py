@@ -3,7 +3,7 @@
 This script is an outside judge of the Rust code: it shares no line with it. It
 solves the direct problem (Nitsche's method for contact without friction), the
 discrete, consistent and extended adjoint problems on structured polar meshes,
-and writes the numbers to ``cylinder.json`` beside this file.
+and writes the numbers to ``cylinder.json`` next to this file.
 
     python3 tests/getfem/cylinder.py            # n_r = 2, 4, 8, 16, 32
     python3 tests/getfem/cylinder.py --radial 2 4 --output FILE

@@ -1,10 +1,10 @@
 """A block on a flat with Tresca's and Coulomb's friction, solved with GetFEM 5.4.2.
 
 Forms, Newton's method and adjoint problems are those of ``frictional_cylinder.py``;
-here stands another body, of which parts stick and parts slip: 2 x 1 cm, straight
+here is another body, whose parts stick or slip: 2 x 1 cm, straight
 quadrilaterals of degree 2, its lower side on the flat y = -30. Three load steps:
 the upper side is pushed down, aside, and drawn back. The numbers go to
-``frictional_block.json`` beside this file.
+``frictional_block.json`` next to this file.
 
     python3 tests/getfem/frictional_block.py            # 8 x 4 and 16 x 8 cells
 """

@@ -1,9 +1,9 @@
 """The hollow cylinder with Tresca's and Coulomb's friction, solved with GetFEM 5.4.2.
 
 Mesh, spaces, quadrature and material are those of ``cylinder.py``; only what
-friction adds stands here. Two load steps: the inner circle is pushed down, then
+friction adds is here. Two load steps: the inner circle is pushed down, then
 aside, and the slip of the second step is counted from the first one's solution.
-The numbers go to ``frictional_cylinder.json`` beside this file.
+The numbers go to ``frictional_cylinder.json`` next to this file.
 
     python3 tests/getfem/frictional_cylinder.py            # n_r = 2, 4, 8
     python3 tests/getfem/frictional_cylinder.py --radial 2 --output FILE

@@ -6,7 +6,7 @@ usage: shallow_ironing.py [FINENESS] [STEPS OF PRESSING] [STEPS OF SLIDING]     
 Plane strain, the energy W = mu/2 (tr C - 2 - 2 ln J) + lambda/2 (ln J)^2 per reference volume, written as P in the weak form; bilinear
 quadrilaterals. Contact is the augmented Lagrangian of Poulios and Renard with rays along the deformed normal of the foundation's top,
 which has continuous piecewise linear multipliers. A fineness of 4 is the benchmark's mesh, a step of sliding is a fifth of a millimetre.
-Writes shallow_ironing.json beside this file: the forces after each step.
+Writes shallow_ironing.json next to this file: the forces after each step.
 """
 
 import json

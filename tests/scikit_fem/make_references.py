@@ -34,7 +34,7 @@ BODY_FORCE = np.array([0.3, -0.7])
 CRITERION_FORCE = np.array([0.4, -1.0])          # F of M(u) = F . u
 CRITERION_BOUNDARY = 3.0                         # c of N(u) = c |u|^2 / 2
 MADE_BY = "tests/scikit_fem/make_references.py with scikit-fem 12.0.1"
-# Forms whose cases stand beside them: a file each, with a function `cases` that gives (case, record).
+# Forms whose cases are next to them: a file each, with a function `cases` that gives (case, record).
 FORMS = [anisotropic_elasticity, ghost_penalty, interior_penalty, mooney_rivlin, p_laplacian, stokes]
 
 

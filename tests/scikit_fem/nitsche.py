@@ -2,7 +2,7 @@
 
 Equation numbers are those of Bretin, Chapelat, Douanla-Lontsi, Homolle and
 Renard (2023), hal-03936245; (15) is taken with the minus sign before the
-negative part, of which (21) and (22) are the linearisations:
+negative part; (21) and (22) are its linearisations:
 
     R(u; v) = a(u, v) - int theta/gamma s(u) s(v)
               - int 1/gamma [s(u) - gamma (u_n - g)]_- (theta s(v) - gamma v_n) - l(v)

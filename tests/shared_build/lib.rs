@@ -1,1 +1,1 @@
-//! Nothing: the package stands for the features of its dependencies.
+//! Nothing: the package only asks for features of its dependencies.

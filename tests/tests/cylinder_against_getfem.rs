@@ -1,5 +1,5 @@
 //! The paper's cylinder against GetFEM 5.4.2 on the same meshes and quadrature rule
-//! (`tests/getfem/cylinder.json`, made by the script beside it).
+//! (`tests/getfem/cylinder.json`, made by the script next to it).
 
 use forms_contact::hollow_cylinder::{Settings, solve};
 use forms_fem::norms::norms;

@@ -132,7 +132,7 @@ fn plane_strain_on_a_skewed_mesh() {
     }
 }
 
-/// The columns of a skewed grid by turns of quadrilaterals and of pairs of triangles, on the boundaries too.
+/// The columns of a skewed grid alternately of quadrilaterals and of pairs of triangles, on the boundaries too.
 fn of_two_shapes(columns: usize, rows: usize) -> Mesh<2> {
     let mut nodes = Vec::new();
     for j in 0..=rows {

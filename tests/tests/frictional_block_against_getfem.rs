@@ -1,5 +1,5 @@
-//! A block of which parts stick and parts slip, against GetFEM 5.4.2 on the same meshes and quadrature rule, in three load steps
-//! (`tests/getfem/frictional_block.json`, made by the script beside it).
+//! A block whose parts stick or slip, against GetFEM 5.4.2 on the same meshes and quadrature rule, in three load steps
+//! (`tests/getfem/frictional_block.json`, made by the script next to it).
 
 use forms_contact::ContactProblem;
 use forms_contact::forms;

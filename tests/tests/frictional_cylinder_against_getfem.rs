@@ -1,5 +1,5 @@
 //! The cylinder with friction against GetFEM 5.4.2 on the same meshes and quadrature rule, in two load steps
-//! (`tests/getfem/frictional_cylinder.json`, made by the script beside it).
+//! (`tests/getfem/frictional_cylinder.json`, made by the script next to it).
 
 use forms_contact::hollow_cylinder::{Friction, Settings, solve};
 use forms_fem::norms::norms;

@@ -115,7 +115,7 @@ fn the_penalty_energy_is_that_of_the_penetration() {
 #[test]
 fn nitsche_terms_are_consistent_where_the_body_presses_with_its_own_stress() {
     // b < 0 presses: P₂₂ < 0 on the whole body. Where u_n = g, the pressure is −P₂₂, and the terms with the stress's
-    // derivative cancel, so that the residual is that of the body with P₂₂ as a traction: zero but for the other sides.
+    // derivative cancel, so that the residual is that of the body with P₂₂ as a traction: zero except on the other sides.
     let (a, b) = (0.0, -0.2);
     let (mesh, u) = body(a, b);
     let form = materials::contact(&data(0.0), &materials::Omega::on("all"), &materials::GammaC::on("bottom"));

@@ -13,7 +13,7 @@ fn built_in_names() -> Vec<&'static str> {
 /// Is the name a word of some code on the page?
 fn names(page: &str, name: &str) -> bool {
     let word = |c: char| c.is_alphanumeric() || c == '_';
-    // Every second piece stands between backticks.
+    // Every second piece is between backticks.
     page.split('`').skip(1).step_by(2).any(|code| code.split(|c| !word(c)).any(|found| found == name))
 }
 
@@ -28,7 +28,7 @@ fn every_built_in_name_is_on_the_page() {
     assert!(missing.is_empty(), "not in docs/operators.md: {missing:?}");
 }
 
-/// The examples of the language reference, whose doctests run: what stands between the fences of its pages.
+/// The examples of the language reference, whose doctests run: the code between the fences of its pages.
 fn examples() -> String {
     let pages = [
         include_str!("../../fem/problem/src/language/calculus.rs"),

@@ -1,5 +1,5 @@
 //! The discrete adjoint (21) where unknowns are related: derivatives of the criterion by the load, on contact problems that
-//! slide on a skew wall, repeat periodically or carry a rigid plate, against what is computed anew.
+//! slide on a skew wall, repeat periodically or carry a rigid plate, against what is computed again.
 
 use forms_contact::forms;
 use forms_contact::{Adjoint, ContactProblem};
@@ -18,7 +18,7 @@ fn loaded(problem: &ContactProblem<2>, load: f64) -> ContactProblem<2> {
     changed
 }
 
-/// A block that sags onto a wavy obstacle, of which it touches a part.
+/// A block that sags onto a part of a wavy obstacle.
 fn problem(relate: fn(&mut Constraints<2>)) -> ContactProblem<2> {
     // The sides lean, so that normals have two components.
     let lean = |[s, t]: [f64; 2]| [2.0 * s + 0.2 * t, t];

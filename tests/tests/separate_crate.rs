@@ -1,5 +1,5 @@
 //! Users' crates of their own, which are no members of the workspace: a form whose only dependency is forms-fem, and a
-//! contact law by the steps of docs/new_contact_law.md. FORMS_SWEEPS=1: they are compiled and run, for which the library is built anew.
+//! contact law by the steps of docs/new_contact_law.md. FORMS_SWEEPS=1: they are compiled and run, for which the library is built again.
 
 use std::path::Path;
 use std::process::Command;
@@ -34,7 +34,7 @@ fn a_contact_law_that_is_not_in_the_library_runs() {
     }
 }
 
-/// Builds and runs a crate beside the tests, where sweeps are asked for. It is given the workspace's lock file, profile and target directory,
+/// Builds and runs a crate next to the tests, where sweeps are asked for. It is given the workspace's lock file, profile and target directory,
 /// so that faer and the other dependencies from the registry are not built a second time.
 fn run(name: &str) -> Option<String> {
     std::env::var_os("FORMS_SWEEPS")?;

@@ -1,4 +1,4 @@
-//! The volume form of the shape derivative with (21) against central differences of J_h, the direct problem solved anew
+//! The volume form of the shape derivative with (21) against central differences of J_h, the direct problem solved again
 //! on each moved mesh: on free, loaded, clamped and contact boundary, with u_D depending on x, for both conventions of h_T.
 
 use std::collections::BTreeMap;
@@ -35,7 +35,7 @@ mod frozen {
 
 /// Far above the threshold of θ = 1, near which everything bends sharply.
 const GAMMA0: f64 = 8000.0;
-/// Steps that are small beside cells of size 0.5, and move no point across the edge of the contact zone.
+/// Steps that are small compared with cells of size 0.5, and move no point across the edge of the contact zone.
 const STEP: f64 = 4e-4;
 
 fn imposed(x: &[f64; 2]) -> [f64; 2] {

@@ -71,7 +71,7 @@ fn the_residual_is_differentiable_where_facets_are_partly_in_contact() {
             .unwrap()
         };
         let order = test(&split).second_order().unwrap_or_else(|failure| panic!("θ = {theta}: {failure}"));
-        // Points jump in and out of contact if the facets are whole, which nobody was told here.
+        // Points jump in and out of contact if the facets are whole, which nobody declares here.
         let jumps = test(&whole).second_order();
         println!("θ = {theta}: order {order:.3} with split facets");
         assert!(jumps.is_err(), "θ = {theta}: no facet is partly in contact");
@@ -119,7 +119,7 @@ fn newtons_method_and_the_adjoint_follow_the_split() {
             let assembler = lifted.assembler_at(&u).unwrap();
             assembler.residual(&lifted.law.direct(), &[&u], &[&lifted.space]).unwrap()
         };
-        // Small beside the depths, of about 1e-3, by which facets sink in.
+        // Small compared with the depths, of about 1e-3, by which facets sink in.
         let step = 1e-7;
         let slope: Vec<f64> =
             residual(step).iter().zip(residual(-step)).map(|(a, b)| (a - b) / (2.0 * step)).collect();

@@ -88,7 +88,7 @@ fn one_tetrahedron() {
     }
 }
 
-/// With friction the whole traction counts. On a simplex of degree 1 the largest of |σ(v)n|² beside σ:ε is the largest
+/// With friction the whole traction counts. On a simplex of degree 1 the largest of |σ(v)n|² relative to σ:ε is the largest
 /// eigenvalue of the acoustic tensor μ I + (λ+μ) n⊗n, which is λ+2μ: the threshold is the one without friction.
 #[test]
 fn with_friction() {

@@ -1,13 +1,13 @@
 //! Units: each field measured in units of 10⁻¹², 1 and 10¹², with the data that carry its unit. Answers are the same to nine
 //! digits, by every solver that fits. Conjugate gradients, MINRES and multigrid take symmetric matrices of one space; units and
-//! contrasts of theirs are tested beside the solvers (`fem/problem/src/solve/contrasts.rs`).
+//! contrasts of theirs are tested next to the solvers (`fem/problem/src/solve/contrasts.rs`).
 
 use forms_contact::ContactProblem;
 use forms_contact::hollow_cylinder::{IMPOSED_DISPLACEMENT, OBSTACLE_DEPTH, Settings, hollow_cylinder};
 use forms_fem::prelude::*;
 use forms_fem::solve::LuSolver;
 
-/// Largest difference of two fields beside the largest value.
+/// Largest difference of two fields relative to the largest value.
 const SAME: f64 = 1e-9;
 
 const UNITS: [f64; 3] = [1e-12, 1.0, 1e12];
@@ -27,7 +27,7 @@ fn pairs() -> impl Iterator<Item = (f64, f64)> {
     UNITS.into_iter().flat_map(|one| UNITS.map(|other| (one, other)))
 }
 
-/// Solutions in several units and by several solvers beside the first one, field by field; all that differ are told.
+/// Solutions in several units and by several solvers compared with the first one, field by field; all that differ are reported.
 #[derive(Default)]
 struct Table {
     expected: Option<Vec<Vec<f64>>>,

@@ -30,7 +30,7 @@ pub struct AssemblyRow {
 /// The update of a contact tangent on one mesh.
 pub type ContactRow = ContactUpdate;
 
-/// A program beside ours.
+/// Another program.
 struct Peer {
     name: &'static str,
     /// The commands that install it.

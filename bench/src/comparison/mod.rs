@@ -1,4 +1,4 @@
-//! One run that compares everything: element kernels beside FFCx, whole assembly beside other programs, contact beside GetFEM.
+//! One run that compares everything: element kernels with FFCx, whole assembly with other programs, contact with GetFEM.
 
 mod assembly;
 mod bodies;

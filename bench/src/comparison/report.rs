@@ -97,7 +97,8 @@ impl Report {
     fn write_kernels(&self, text: &mut String) {
         text.push_str(
             "## Element kernels\n\nNanoseconds per element matrix, least of the samples, one thread. Variants of FFCx: \
-             `old` is 0.5.0, `n` the instructions named above, `fm` -ffast-math. The error is the largest difference from FFCx \
+             `old` is 0.5.0, `n` the instructions named above, `fm` -ffast-math, `sumfact` elements with sum factorisation. \
+             Each form has one row, against FFCx's fastest variant. The error is the largest difference from FFCx \
              (gcc -O2) over the largest entry.\n\n\
              | form | ours | FFCx at its best | variant | ratio | FFCx -O2 | ratio | error |\n\
              |---|--:|--:|---|--:|--:|--:|--:|\n",

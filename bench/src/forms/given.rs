@@ -6,7 +6,7 @@ use super::*;
 const CELLS: &str = "all";
 /// The region to which facet integrals are bound.
 const FACETS: &str = "boundary";
-/// Stands for a field that the kernel reads from a list.
+/// Replaces a field that the kernel reads from a list.
 const UNREAD: f64 = 0.0;
 
 /// [`fn@diffusion::stiffness`].

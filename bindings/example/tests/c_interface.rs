@@ -1,4 +1,4 @@
-//! The C interface beside the same problems in Rust: same bits, and messages in place of numbers where something does not fit.
+//! The C interface and the same problems in Rust: same bits, and messages in place of numbers where something does not fit.
 #![cfg(unix)]
 
 use std::path::{Path, PathBuf};

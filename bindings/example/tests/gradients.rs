@@ -1,4 +1,4 @@
-//! Products with the Jacobian beside central differences, and beside one another.
+//! Products with the Jacobian compared with central differences, and with one another.
 
 use beam_on_ground::{deflection, level};
 use forms_bindings::Parameters;

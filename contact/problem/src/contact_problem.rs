@@ -9,8 +9,8 @@ use forms_fem::solve::NewtonFailure;
 use crate::forms;
 use crate::law::{ContactLaw, WithAdjoint, WithFriction, WithIndicator};
 
-/// A contact law on a space, ready to be solved. The law is any forms module of which [`contact_law!`](crate::contact_law)
-/// says what is what; the paper's, unless another is given.
+/// A contact law on a space, ready to be solved. The law is any forms module that [`contact_law!`](crate::contact_law)
+/// describes; the paper's, unless another is given.
 #[derive(Clone)]
 pub struct ContactProblem<const D: usize, L = forms::Model<D>> {
     /// Runs the kernels.
@@ -111,7 +111,7 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
         }
     }
 
-    /// The direct problem, from u = 0 with u_D imposed and by the law's line search unless its builder is told otherwise.
+    /// The direct problem, from u = 0 with u_D imposed and by the law's line search unless its builder says otherwise.
     ///
     /// # Errors
     /// A parameter out of its range.

@@ -69,7 +69,7 @@ pub mod frictional_nitsche {
         integral(GammaC, dot(stress(u) * n, stress(v) * n))
     }
 
-    /// ½ a(u,u) − ℓ(u) − ∫ |σn|²/2γ + ∫ \[P_n\]₋²/2γ + ∫ η_s₀(P_t)/γ, of which `direct` is the variation for Tresca's law with
+    /// ½ a(u,u) − ℓ(u) − ∫ |σn|²/2γ + ∫ \[P_n\]₋²/2γ + ∫ η_s₀(P_t)/γ, whose variation is `direct` for Tresca's law with
     /// θ = 1. Coulomb's law has no energy: κ is not read.
     pub fn tresca_energy(u: Unknown<Vector>) -> Energy {
         integral(Omega, inner(stress(u), eps(u)) / 2 - dot(body_force, u))

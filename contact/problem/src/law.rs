@@ -158,7 +158,7 @@ pub trait WithShapeGradient<const D: usize>: WithAdjoint<D> {
 ///
 /// Further entries, in this order, each with a function of the module: `indicator: β(u)`; `criterion: J(u), adjoint: form(u)`;
 /// `shape_gradient: form(u, p), diameter_gradient: form(u, p)`; `theta: parameter`, for
-/// Nitsche's method ([`WithTheta`](crate::law::WithTheta)), and `threshold: product(elasticity, gamma0)` beside it
+/// Nitsche's method ([`WithTheta`](crate::law::WithTheta)), and `threshold: product(elasticity, gamma0)` with it
 /// ([`WithThreshold`](crate::law::WithThreshold)); `positive: parameter`, a member of the data (`base.parameter`
 /// of extended data) that has to be positive, `non_negative: parameter` and `rotation: parameter` ([`ParameterRanges`]); `coefficient: parameter`, that of
 /// friction (`base.parameter` too); `line_search: OnResidual`, a [`LineSearch`]. A function that the module does not have is an error at its name here.

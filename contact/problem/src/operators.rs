@@ -22,7 +22,7 @@
 //! ```
 //!
 //! An operator reads the importing module's data by name: each module's `Data` says which, and `#[includes(..)]` takes them in.
-//! A material that varies declares `lambda: Given<Scalar>` itself; that stands.
+//! A material that varies declares `lambda: Given<Scalar>` itself; that wins.
 
 mod interfaces;
 mod materials;

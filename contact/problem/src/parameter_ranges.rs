@@ -46,7 +46,7 @@ impl Range {
     }
 }
 
-/// A member of a law's data of which the least value is known.
+/// A member of a law's data whose least value is known.
 pub trait Bounded {
     /// The least of its values, of its components if it is a vector; none where it varies in space.
     fn least(&self) -> Option<f64>;

@@ -115,7 +115,7 @@ fn largest_eigenvalues(
     stresses.iter().map(|(cell, stress)| (*cell, largest(cell, stress))).collect()
 }
 
-/// The largest λ of S v = λ A v over the complement of A's kernel; infinite where it cannot be told.
+/// The largest λ of S v = λ A v over the complement of A's kernel; infinite where it cannot be determined.
 fn largest_eigenvalue(s: &[f64], a: &ElementMatrix) -> f64 {
     let size = a.rows;
     let Some(energy) = SymmetricEigen::of(size, &a.values) else { return f64::INFINITY };

@@ -132,7 +132,7 @@ impl Measured {
         })
     }
 
-    /// The relative errors of reach, peak and middle beside Hertz's answer for this force.
+    /// The relative errors of reach, peak and middle relative to Hertz's answer for this force.
     pub fn errors(&self, hertz: &Hertz) -> [f64; 3] {
         [self.reach / hertz.reach, self.peak / hertz.peak, self.middle / hertz.peak].map(|ratio| ratio - 1.0)
     }

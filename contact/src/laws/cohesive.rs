@@ -45,7 +45,7 @@ pub mod cohesive {
         /// G_c, the energy that separation takes per area.
         #[doc(alias = "G_c")]
         pub fracture_energy: Param,
-        /// β, the weight of sliding beside opening.
+        /// β, the weight of sliding relative to opening.
         #[doc(alias = "β")]
         #[default(1)]
         pub shear_weight: Param,

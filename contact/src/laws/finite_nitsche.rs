@@ -4,7 +4,7 @@ use forms_fem::forms;
 
 use crate::contact_law;
 
-/// ∫ P(u):∇v − ∫ T(u)·v = ℓ(v), where tractions are forces per reference area: P(u)n stands for σn in T. γ, h_T and areas
+/// ∫ P(u):∇v − ∫ T(u)·v = ℓ(v), where tractions are forces per reference area: P(u)n replaces σn in T. γ, h_T and areas
 /// are those of the reference configuration, and so are the loads. θ is not read: other variants than θ = 0 would need second
 /// derivatives of the stress.
 #[forms]

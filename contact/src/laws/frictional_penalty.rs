@@ -4,7 +4,7 @@ use forms_fem::forms;
 
 use crate::contact_law;
 
-/// T = −\[P_n\]₋ n_y + Π_s(P_t) with P = −γ ((u_n − g) n_y + (u − u₀)_t): springs of stiffness γ = γ₀/h_T, of which the
+/// T = −\[P_n\]₋ n_y + Π_s(P_t) with P = −γ ((u_n − g) n_y + (u − u₀)_t): springs of stiffness γ = γ₀/h_T; the
 /// tangential ones slide. The error is of the order 1/γ. θ is not read.
 #[forms]
 pub mod frictional_penalty {

@@ -1,4 +1,4 @@
-//! Costs of a shape beside its criterion: volume and perimeter.
+//! Costs of a shape besides its criterion: volume and perimeter.
 
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::{Failure, Volume, measured_volume, perimeter, perimeter_derivative};

@@ -1,4 +1,4 @@
-//! Elastic bars that hit an obstacle, beside d'Alembert's waves: a free bar (Doyen, Ern & Piperno 2011) and one that is held at its
+//! Elastic bars that hit an obstacle, compared with d'Alembert's waves: a free bar (Doyen, Ern & Piperno 2011) and one that is held at its
 //! end, in which contact comes back with a known period; what their schemes do to the energy.
 
 mod rubber;

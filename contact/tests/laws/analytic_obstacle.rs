@@ -1,4 +1,4 @@
-//! Obstacles by their signed distance at small strains: a flat side beside the law with a flat, a ball beside the law with
+//! Obstacles by their signed distance at small strains: a flat side against the law with a flat, a ball against the law with
 //! finite strains, an obstacle that moves, a φ of a user's own, tangents and adjoints.
 
 use forms_contact::contact_law;
@@ -57,7 +57,7 @@ where
     problem.solve_from_stick(&zero, &mut TangentSolver::default(), |_| ()).unwrap().into_field()
 }
 
-/// The largest difference beside the largest value.
+/// The largest difference relative to the largest value.
 fn apart(a: &[f64], b: &[f64]) -> f64 {
     let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |most, v| most.max(v.abs()));
     most(&mut a.iter().zip(b).map(|(a, b)| a - b)) / most(&mut b.iter().copied())
@@ -92,7 +92,7 @@ fn a_flat_side_is_the_law_with_a_flat() {
     flat_sides(&solid_block(), &[0.0]);
 }
 
-/// The top moved by (U, −δ), or the obstacle by (−U, δ): u is the same but for that translation.
+/// The top moved by (U, −δ), or the obstacle by (−U, δ): u is the same except for that translation.
 #[test]
 fn an_obstacle_that_moves_is_a_body_that_moves() {
     let block = plane_block(4);

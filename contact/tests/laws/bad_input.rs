@@ -118,7 +118,7 @@ fn sliding_surfaces_that_face_each_other_nowhere() {
     assert!(one.len() == 1 && one[0].starts_with(expected), "{one:?}");
     let touching = solved(Pairing::between("lower top", "upper bottom"));
     assert!(touching.notes().is_empty() && touching.pairs[0].report.open == 0);
-    // A rule that nobody chose is told where its degree is high.
+    // A rule that nobody chose is reported where its degree is high.
     assert_eq!(touching.pairs[0].estimated_degree, None);
     let mut estimated = solved_by(Quadrature::Estimated, Pairing::onto("lower top", "upper bottom")).pairs;
     assert!(estimated[0].estimated_degree.is_some() && estimated[0].note_on_quadrature().is_none());
@@ -189,7 +189,7 @@ fn a_modulus_that_jumps_where_bodies_touch() {
     }
 }
 
-/// F = diag(1, J): p = μ (1/J − J) − λ ln J/J. With all else at rest the cells beside the top would be turned inside out from
+/// F = diag(1, J): p = μ (1/J − J) − λ ln J/J. With all else at rest the cells next to the top would be turned inside out from
 /// J = ½ on; those behind go along by the tangent.
 #[test]
 fn a_face_that_is_driven_far_in_one_step() {

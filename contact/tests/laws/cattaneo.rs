@@ -10,7 +10,7 @@ const FRICTION: f64 = 0.3;
 const SHEAR: f64 = 1.5;
 
 /// q against the closed form at the forces that come out, further than a cell from the ends of stick and of contact: the
-/// largest error beside q(c), and the largest beside q itself.
+/// largest error relative to q(c), and the largest relative to q itself.
 fn draw(cells: usize) -> [f64; 2] {
     let bodies = cylinders([f64::INFINITY, RADIUS], FORCE, cells).unwrap();
     let law = StickSlip::of_line(bodies.hertz, FORCE, FRICTION, SHEAR);

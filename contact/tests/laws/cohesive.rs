@@ -1,4 +1,4 @@
-//! Cohesion: a glued layer that is torn, released, pressed and torn again beside its closed form, the energy that it takes,
+//! Cohesion: a glued layer that is torn, released, pressed and torn again, compared with its closed form, the energy that it takes,
 //! sliding, tangents, adjoints and data out of range.
 
 use forms_contact::ContactProblem;
@@ -95,8 +95,8 @@ pub fn torn(length: f64, largest: &mut f64) -> f64 {
     LAYERS * (length - opening)
 }
 
-/// Drawn apart, let go, pressed, drawn again until nothing holds, pressed again: each step beside the closed form, and the
-/// work that was done beside G_c.
+/// Drawn apart, let go, pressed, drawn again until nothing holds, pressed again: each step compared with the closed form, and the
+/// work that was done with G_c.
 fn tears<const D: usize>(shape: CellShape, cells: [usize; 2], pairings: &[(Pairing, f64)])
 where
     Dim: Dimension<D>,
@@ -187,7 +187,7 @@ fn sliding_takes_the_same_energy() {
     close("work of sliding", work, ENERGY, 1e-10);
 }
 
-/// A smooth field in each body, the upper one of which lies above the height ½.
+/// A smooth field in each body; the upper one is above the height ½.
 fn parted<const D: usize>(space: &Arc<Space<D>>, phase: f64) -> Field<D> {
     let value = |x: &[f64; D]| -> [f64; D] {
         let phase = if x[D - 1] > 0.501 { phase } else { 2.3 * phase + 1.0 };
@@ -229,7 +229,7 @@ fn tangents_pass_their_taylor_test() {
     check::<3>(CellShape::Hexahedron, [2, 3]);
 }
 
-/// dJ/dσ_c of a step from a damaged state, beside differences with the history held.
+/// dJ/dσ_c of a step from a damaged state, compared with differences with the history held.
 #[test]
 fn the_adjoint_of_a_step() {
     let mesh = layers::<2>(CellShape::Quadrilateral, [3, 4], 0.0);

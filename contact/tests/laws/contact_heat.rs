@@ -1,4 +1,4 @@
-//! Heat across the contact of a layer in two bodies: steady temperatures and flows beside the closed form for given pressure,
+//! Heat across the contact of a layer in two bodies: steady temperatures and flows compared with the closed form for given pressure,
 //! heat of friction and its parts, balances, surfaces that are apart.
 
 use forms_contact::ContactProblem;

@@ -24,7 +24,7 @@ where
     for friction in [Friction::Coulomb(0.3), Friction::Tresca(bound)] {
         let label = format!("{D}D, {friction:?}");
         let data = data(friction, 0.0, 20.0 * YOUNG);
-        // Cells beside the top would be inverted, were the others at rest.
+        // Cells next to the top would be inverted, were the others at rest.
         let start = Field::interpolate(&layer.space, |x| along::<D>(D - 1, -0.2 * x[D - 1])).unwrap();
         let sticks = Answer { pressure, shear: 0.2 * MU, slip: 0.0 };
         check_from(&label, layer, model(data.clone()), [0.2, 0.2], &start, sticks, 1e-10);

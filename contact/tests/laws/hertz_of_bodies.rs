@@ -1,4 +1,4 @@
-//! Two elastic bodies pressed together, beside Hertz's closed forms: cylinders, and a ball on a half-space.
+//! Two elastic bodies pressed together, compared with Hertz's closed forms: cylinders, and a ball on a half-space.
 
 use forms_contact::ContactProblem;
 use forms_contact::half_spaces::{HalfSpaces, Tractions, balls, cylinders};

@@ -94,7 +94,7 @@ where
     }
 }
 
-/// Solves and compares the top's traction with (τ, .., −p) and the slip at the flat, each beside `scale`.
+/// Solves and compares the top's traction with (τ, .., −p) and the slip at the flat, each relative to `scale`.
 pub fn check<L: ContactLaw<D>, const D: usize>(
     label: &str,
     layer: &Layer<D>,
@@ -143,7 +143,7 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// Tractions beside the pressure, slips beside 0.01, the size of the displacements.
+    /// Tractions relative to the pressure, slips to 0.01, the size of the displacements.
     pub fn check(&self, label: &str, traction: &[f64], slips: (f64, f64), tolerance: f64) {
         let last = traction.len() - 1;
         let errors = [

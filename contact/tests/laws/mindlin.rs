@@ -27,7 +27,7 @@ fn known_numbers() {
 }
 
 /// Draws the ball, and compares q with the closed form at the forces that come out: the largest error of its mean over circles further than
-/// a cell from the ends of stick and of contact beside q(c), and its error in the L² norm.
+/// a cell from the ends of stick and of contact relative to q(c), and its error in the L² norm.
 fn draw(cells: usize) -> [f64; 2] {
     let bodies = halved_balls([f64::INFINITY, RADIUS], FORCE, cells).unwrap();
     let law = StickSlip::of_point(bodies.hertz, FORCE, FRICTION, SHEAR);

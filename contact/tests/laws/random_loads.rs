@@ -110,7 +110,7 @@ where
     T: Expression<2>,
     N: Expression<2>,
 {
-    // The start is noise: its residual is a hundred times the forces of the solution, beside which the result is judged.
+    // The start is noise: its residual is a hundred times the forces of the solution, and the result is judged relative to these.
     let options = NewtonOptions {
         relative_tolerance: 1e-12,
         line_search: LineSearch::OnResidual,
@@ -127,7 +127,7 @@ where
         }
     };
     assert!(u.values().iter().all(|value| value.is_finite()), "{label:?}");
-    // The residual anew, beside the forces on the support.
+    // The residual again, relative to the forces on the support.
     let residual = problem.assembler.residual(&problem.law.direct(), &[&u], &[&problem.space]).unwrap();
     let largest = residual.iter().fold(0.0_f64, |most, r| most.max(r.abs()));
     for free in problem.constraints.free() {

@@ -1,4 +1,4 @@
-//! Rigid tools beside what is known: meshed bodies of which all nodes are prescribed, resultants, an exact disk, tools that a given force
+//! Rigid tools compared with what is known: meshed bodies whose nodes are all prescribed, resultants, an exact disk, tools that a given force
 //! presses.
 
 use forms_contact::ContactProblem;
@@ -318,7 +318,7 @@ fn a_force_presses_a_tool_until_contact_holds_it() {
     pressed_by_a_force::<3>(&[0.05, -0.1, 0.02]);
 }
 
-/// The depth to which the disk goes, in so many steps.
+/// The depth to which the disk goes, in the given number of steps.
 const DEPTH: f64 = 0.05;
 const DEPTHS: usize = 5;
 

@@ -85,7 +85,7 @@ pub fn check_tangent<F: Form<D>, const D: usize>(
     assert!(order >= 1.95, "{label}: {report}");
 }
 
-/// dJ/dt by fourth-order differences with the step; `value` solves anew and gives J with the active set, which must not change.
+/// dJ/dt by fourth-order differences with the step; `value` solves again and gives J with the active set, which must not change.
 pub fn difference(
     step: f64,
     mut value: impl FnMut(f64) -> Result<(f64, Option<Vec<u32>>), AssemblyError>,

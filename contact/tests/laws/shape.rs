@@ -1,5 +1,5 @@
 //! Shape optimisation with a law of friction: the criterion's derivative by the shape against differences of what is computed
-//! anew on moved meshes.
+//! again on moved meshes.
 
 use forms_contact::ContactProblem;
 use forms_contact::laws::frictional_nitsche::frictional_nitsche as law;

@@ -19,7 +19,7 @@ fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The stress of a displacement gradient, of a body so many times stiffer.
+/// The stress of a displacement gradient, of a body that is stiffer by the given factor.
 fn stress<const D: usize>(gradient: &Matrix<D>, stiffness: f64) -> Matrix<D> {
     let trace: f64 = (0..D).map(|k| gradient[k][k]).sum();
     let volume = |i: usize, j: usize| if i == j { LAMBDA * trace } else { 0.0 };

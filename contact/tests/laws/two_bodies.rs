@@ -14,7 +14,7 @@ use crate::setting::{LAMBDA, MU, POISSON, THETAS, YOUNG, along};
 /// Width \[length\].
 pub const WIDTH: f64 = 1.5;
 
-/// Two layers of height ½ with so many cells sideways, the upper one `apart` above the lower one.
+/// Two layers of height ½ with the given number of cells sideways, the upper one `apart` above the lower one.
 pub fn layers<const D: usize>(shape: CellShape, cells: [usize; 2], apart: f64) -> Arc<Mesh<D>> {
     let body = |count: usize, bottom: f64| {
         let mut divisions = [count; D];

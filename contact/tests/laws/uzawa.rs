@@ -1,4 +1,4 @@
-//! Uzawa's iteration: layers with known answers and a known rate, a block beside the augmented Lagrangian that has the same
+//! Uzawa's iteration: layers with known answers and a known rate, a block against the augmented Lagrangian that has the same
 //! discrete solution, and why it ends.
 
 use forms_contact::ContactProblem;
@@ -50,7 +50,7 @@ where
             assert!((value[0] + shear).abs() < 1e-11 * pressure, "{value:?}");
         }
         if friction == 0.0 {
-            // The change is measured beside λ, which grows at first; with λ known the rate is that of the layer.
+            // The change is measured relative to λ, which grows at first; with λ known the rate is that of the layer.
             close("rate", rates[6], stiffness / (stiffness + gamma), 1e-3);
         }
     }

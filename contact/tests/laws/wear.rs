@@ -1,4 +1,4 @@
-//! Wear of a layer under a given displacement beside its own recursion and beside the exponential to which that comes with
+//! Wear of a layer under a given displacement, compared with its own recursion and with the exponential that it tends to with
 //! shorter steps; tangents.
 
 use forms_contact::laws::frictional_nitsche::frictional_nitsche as flat;

@@ -26,7 +26,7 @@ pub struct DrawnBlock {
 }
 
 impl DrawnBlock {
-    /// With so many cells along the block's side, of degree 2.
+    /// With the given number of cells along the block's side, of degree 2.
     ///
     /// # Errors
     /// Too many cells, or none.

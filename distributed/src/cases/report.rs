@@ -20,7 +20,7 @@ pub fn tell_steps(world: &World, history: &[NewtonStep]) {
     tell(world, "active", &active.collect::<Vec<_>>());
 }
 
-/// The numbers that were told, by their names. Lines of another kind are left out.
+/// The numbers that were reported, by their names. Lines of another kind are left out.
 pub fn read(told: &str) -> BTreeMap<&str, Vec<f64>> {
     fn parts(line: &str) -> Option<(&str, Vec<f64>)> {
         let (name, numbers) = line.split_once(' ')?;

@@ -149,7 +149,7 @@ fn a_gamma0_below_the_threshold_is_warned_of() {
     assert_eq!(warning("1", "-1"), None);
 }
 
-/// Far below the threshold Newton's method does not converge: the history is told, no result is written.
+/// Far below the threshold Newton's method does not converge: the history is printed, no result is written.
 #[test]
 fn a_failure_is_explained() {
     let directory = tempfile::tempdir().expect("a directory");

@@ -1,4 +1,4 @@
-//! The programs of `examples` as a user runs them: one test program, so that the long ones run beside the others.
+//! The programs of `examples` as a user runs them: one test program, so that the long ones run in parallel with the others.
 
 mod adaptive;
 mod convergence;

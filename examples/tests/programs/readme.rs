@@ -1,13 +1,14 @@
-//! README's programs: what stands there is what is compiled and run here, and its numbers are right.
+//! The programs of README and of the page on contact: what they show is what is compiled and run here, and its numbers are right.
 
 use std::process::Command;
 
 const README: &str = include_str!("../../../README.md");
+const CONTACT: &str = include_str!("../../../docs/contact_with_adjoint.md");
 
-/// Runs a program that stands in README.
-fn run(program: &str, text: &str) -> String {
+/// Runs a program that a page shows.
+fn run(page: &str, program: &str, text: &str) -> String {
     let block = format!("```rust\n{text}```\n");
-    assert!(README.contains(&block), "README.md does not show this program:\n{text}");
+    assert!(page.contains(&block), "the page does not show this program:\n{text}");
     let output = Command::new(program).output().expect("the program starts");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8_lossy(&output.stdout).into_owned()
@@ -20,7 +21,7 @@ fn numbers(printed: &str) -> Vec<f64> {
 
 #[test]
 fn contact_with_its_adjoint() {
-    let printed = run(env!("CARGO_BIN_EXE_readme_contact"), include_str!("../../readme/contact.rs"));
+    let printed = run(CONTACT, env!("CARGO_BIN_EXE_readme_contact"), include_str!("../../readme/contact.rs"));
     let numbers = numbers(&printed);
     let [energy, steps, across, up] = numbers[..] else { panic!("{printed}") };
     // Energy is stored, Newton's method ends in a few steps, and p is as symmetric as the block and its obstacle.
@@ -32,7 +33,7 @@ fn contact_with_its_adjoint() {
 fn a_stretched_bar_of_rubber() {
     let text = include_str!("../../readme/rubber.rs");
     assert!(text.lines().count() <= 35);
-    let stress = numbers(&run(env!("CARGO_BIN_EXE_readme_rubber"), text));
+    let stress = numbers(&run(README, env!("CARGO_BIN_EXE_readme_rubber"), text));
     // Between a bar that is free across (0.5 to 0.6) and one that is held all along: F = diag(1.25, 1, 1).
     let held = 1.25 - 1.0 / 1.25 + 3.0 * 1.25_f64.ln() / 1.25;
     assert!(stress.len() == 9 && stress[0] > 0.4 && stress[0] < held, "{stress:?}, held {held}");

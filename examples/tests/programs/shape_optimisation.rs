@@ -42,7 +42,7 @@ fn numbers_in(directory: &Path) -> BTreeMap<String, Vec<u8>> {
         for entry in std::fs::read_dir(directory.join(run)).expect("a directory") {
             let entry = entry.expect("an entry");
             let name = entry.file_name().into_string().expect("text");
-            // What a killed process was writing is left beside.
+            // What a killed process was writing is left next to it.
             if !name.starts_with('.') && !name.ends_with(".png") {
                 let bytes = std::fs::read(entry.path()).expect("a file");
                 files.insert(format!("{run}/{name}"), bytes);
@@ -114,7 +114,7 @@ fn a_descent_that_is_killed_ends_as_one_that_is_not() {
     assert!(printed.contains("Between the two optimal shapes: at most "), "{printed}");
 }
 
-/// Without a step there is still a shape to show; and shapes that were written every so many steps are found again when the
+/// Without a step there is still a shape to show; and shapes that were written every n steps are found again when the
 /// run goes on with another number.
 #[test]
 fn a_run_goes_on_with_another_number_of_steps_between_shapes() {

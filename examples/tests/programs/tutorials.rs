@@ -188,9 +188,9 @@ fn rows(printed: &str) -> Vec<Vec<f64>> {
 }
 
 /// The forces of ironing at the end of pressing and half of the way along: all four within what was published, as the program's table
-/// has it, and beside GetFEM's, whose contact is another formulation on one of the surfaces. Half the benchmark's fineness is taken: the
+/// has it, and compared with GetFEM's, whose contact is another formulation on one of the surfaces. Half the benchmark's fineness is taken: the
 /// published forces differ by a quarter, from a quarter of the fineness to all of it ours move by 0.4 % (down) and 7 % (along), and on
-/// the coarsest mesh the force along swings by a quarter from step to step, as the block stands on nodes or between them.
+/// the coarsest mesh the force along swings by a quarter from step to step, as the block is on nodes or between them.
 #[test]
 fn ironing_is_within_the_published_band_and_near_getfem() {
     let printed =
@@ -260,7 +260,7 @@ fn an_elastic_die_slides_along_a_slab() {
     assert!(pressing.iter().all(|row| row[5] <= 15.0), "{printed}");
 }
 
-/// The numbers that stand after a word, one per line that has it.
+/// The numbers after a word, one per line that has it.
 fn printed_numbers(printed: &str, word: &str) -> Vec<f64> {
     let after = printed.lines().filter_map(|line| line.split(word).nth(1));
     after.filter_map(|rest| rest.split_whitespace().next()?.parse().ok()).collect()

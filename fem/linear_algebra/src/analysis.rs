@@ -46,7 +46,7 @@ impl Analysis {
     /// the pattern that was analysed, which has both, comes with it.
     ///
     /// # Errors
-    /// As [`Analysis::new`], but for a pattern that is not symmetric.
+    /// As [`Analysis::new`], except for a pattern that is not symmetric.
     pub fn of_symmetric(
         matrix: &CsrMatrix,
         ordering: &Ordering,
@@ -179,7 +179,7 @@ impl Analysis {
 }
 
 impl LowerTriangle {
-    /// That of the matrix whose row `place[i]` is row i of the pattern, of which the upper triangle is read.
+    /// That of the matrix whose row `place[i]` is row i of the pattern; the upper triangle is read.
     fn new(pattern: &SparsityPattern, place: &[u32]) -> Self {
         let size = pattern.rows();
         let mut pointers = vec![0_u32; size + 1];

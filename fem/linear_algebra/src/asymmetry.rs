@@ -1,4 +1,4 @@
-//! Differences between the entries of a square matrix and their partners, each beside its own size.
+//! Differences between the entries of a square matrix and their partners, each relative to its own size.
 
 /// The largest difference between an entry and its partner.
 pub(super) struct Asymmetry<'a> {
@@ -19,7 +19,7 @@ impl Asymmetry<'_> {
     }
 }
 
-/// √|a_ii|, or what stands for it where the diagonal is zero. `visit_row` calls its second argument with the columns
+/// √|a_ii|, or its substitute where the diagonal is zero. `visit_row` calls its second argument with the columns
 /// and values of a row.
 pub(super) fn sizes_of_unknowns(
     diagonal: Vec<f64>,

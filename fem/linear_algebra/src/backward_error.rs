@@ -1,4 +1,4 @@
-//! Residuals judged equation by equation, each beside the sizes of its own terms (Oettli and Prager 1964; Arioli,
+//! Residuals judged equation by equation, each relative to the sizes of its own terms (Oettli and Prager 1964; Arioli,
 //! Demmel and Duff 1989): a stiff part of a system then does not hide a soft one, nor one field another.
 
 use super::equations::{Equations, WorstRow};
@@ -52,7 +52,7 @@ impl Residual {
     }
 
     /// Fails unless each equation holds up to a part of its terms. An equation all of whose terms are rounding of other
-    /// ones, as that of a flow that rests under a pressure, is judged beside what its neighbours' terms amount to in it.
+    /// ones, as that of a flow that rests under a pressure, is scaled by the terms of neighbouring rows.
     pub fn check(
         &self,
         equations: &impl Equations,

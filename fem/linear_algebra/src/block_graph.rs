@@ -43,7 +43,7 @@ impl BlockGraph {
         Ok(BlockGraph { begins, pointers, neighbours })
     }
 
-    /// The graph of some blocks, ascending, which are numbered anew.
+    /// The graph of some blocks, ascending, with numbers of their own.
     pub(super) fn restricted(&self, kept: &[u32]) -> Self {
         let mut new = vec![u32::MAX; self.blocks()];
         for (number, &block) in kept.iter().enumerate() {

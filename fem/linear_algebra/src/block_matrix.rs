@@ -171,7 +171,7 @@ impl BlockMatrix {
         Ok(y)
     }
 
-    /// Largest |a_ij − a_ji| beside the size of the entry, as in [`CsrMatrix::asymmetry`].
+    /// Largest |a_ij − a_ji| relative to the size of the entry, as in [`CsrMatrix::asymmetry`].
     ///
     /// # Errors
     /// If the matrix is not square.

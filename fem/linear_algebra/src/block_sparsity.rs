@@ -191,7 +191,7 @@ impl BlockSparsity {
     }
 
     /// Calls `visit(first column, place of the first value, number of entries)` for each run of entries of a scalar
-    /// row that stand side by side, in ascending columns.
+    /// row that are adjacent, in ascending columns.
     pub(crate) fn visit_row(&self, row: usize, mut visit: impl FnMut(usize, usize, usize)) {
         let (set, node, component) = Self::locate(&self.rows, row);
         for (number, columns) in self.columns.iter().enumerate() {
@@ -205,7 +205,7 @@ impl BlockSparsity {
         }
     }
 
-    /// Calls `visit(place of the first value, number of values)` for each run of a scalar row's values that stand side by side, in
+    /// Calls `visit(place of the first value, number of values)` for each run of a scalar row's values that are adjacent, in
     /// ascending columns.
     pub(crate) fn visit_pieces(&self, row: usize, mut visit: impl FnMut(usize, usize)) {
         let (set, node, component) = Self::locate(&self.rows, row);

@@ -30,7 +30,7 @@ impl Cells {
         self.ends.push(self.unknowns.len());
     }
 
-    /// None yet, with room for so many cells and unknowns on all of them together.
+    /// No cells yet, with room for the given numbers of cells and of unknowns on all of them.
     #[doc(hidden)]
     pub fn with_room(cells: usize, unknowns: usize) -> Self {
         Cells { centres: room(cells), ends: room(cells), unknowns: room(unknowns) }
@@ -53,7 +53,7 @@ impl Cells {
     }
 
     /// The same cells with other numbers for their unknowns: `visit` is called with an unknown and with a function that takes
-    /// each number that stands in its place, of which there may be several or none.
+    /// each number in its place; there may be several or none.
     pub fn renumbered(&self, numbers: impl Fn(u32, &mut dyn FnMut(u32))) -> Self {
         let mut cells = Cells { centres: self.centres.clone(), ..Cells::default() };
         cells.unknowns.reserve(self.unknowns.len());
@@ -66,7 +66,7 @@ impl Cells {
         cells
     }
 
-    /// An error unless all unknowns are among so many.
+    /// An error unless all unknowns are below the given number.
     pub(super) fn check(&self, size: usize) -> Result<(), LinearAlgebraError> {
         match self.unknowns.iter().max() {
             Some(&index) if index as usize >= size => Err(LinearAlgebraError::IndexOutOfRange {

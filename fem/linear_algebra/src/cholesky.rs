@@ -210,7 +210,7 @@ impl SymmetricFactor {
         }
     }
 
-    /// The analysis that the factor stands on.
+    /// The analysis of the factor.
     pub fn analysis(&self) -> &Arc<Analysis> {
         &self.analysis
     }

@@ -7,7 +7,7 @@ use super::vector::dot;
 /// A lower bound of the condition number, nearly always within a factor of three.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConditionEstimate {
-    /// ‖A‖₁ ‖A⁻¹‖₁. Of a system with this condition number, a solution loses about so many digits as it has.
+    /// ‖A‖₁ ‖A⁻¹‖₁. A solution loses about as many digits as this number has.
     pub condition: f64,
     /// ‖A⁻¹‖₁ \[1 / unit of A\].
     pub inverse_norm: f64,

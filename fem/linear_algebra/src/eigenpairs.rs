@@ -20,9 +20,9 @@ pub struct Eigenpair {
     pub value: f64,
     /// x, of length one in the norm of the pencil's positive matrix.
     pub vector: Vec<f64>,
-    /// |λ − λ*| is at most this for an exact eigenvalue λ* \[λ\], but for the rounding of solutions with A − σ B.
+    /// |λ − λ*| is at most this for an exact eigenvalue λ* \[λ\], except for the rounding of solutions with A − σ B.
     pub error_bound: f64,
-    /// ‖A x − λ B x‖ beside the norm of its terms, |A| |x| + |λ| |B| |x|.
+    /// ‖A x − λ B x‖ relative to the norm of its terms, |A| |x| + |λ| |B| |x|.
     pub residual: f64,
 }
 
@@ -36,7 +36,7 @@ pub enum EigenError {
     NotSymmetric {
         /// "first" or "second".
         which: &'static str,
-        /// The largest difference beside the size of the entries.
+        /// The largest difference relative to the size of the entries.
         asymmetry: f64,
     },
     /// The matrix that measures lengths is not positive.
@@ -74,7 +74,7 @@ pub enum EigenError {
         pair: usize,
         /// Its value.
         value: f64,
-        /// Its residual beside its terms.
+        /// Its residual relative to its terms.
         residual: f64,
     },
     /// The count of eigenvalues and those that were found differ.
@@ -96,13 +96,13 @@ pub enum EigenError {
 
 /// Vectors from which the Krylov space grows side by side: as many equal eigenvalues are seen at once.
 const BLOCK: usize = 3;
-/// Residual of a Ritz pair beside its value at which it counts as found.
+/// Residual of a Ritz pair relative to its value at which it counts as found.
 const FOUND: f64 = 1e-12;
-/// The same of the pair behind those asked for, beside which the count ends.
+/// The same of the pair behind those asked for, next to which the count ends.
 const GUESSED: f64 = 1e-3;
-/// Residual of an eigenpair beside its terms above which it is not one.
+/// Residual of an eigenpair relative to its terms above which it is not one.
 const HOLDS: f64 = 1e-9;
-/// Residual of a solution with A − σ B beside the terms of that matrix, at which the shift is an eigenvalue.
+/// Residual of a solution with A − σ B relative to the terms of that matrix, at which the shift is an eigenvalue.
 const SINGULAR: f64 = 2e-14;
 /// Part of their distance from the shift by which two eigenvalues differ, so that a count may end between them.
 const APART: f64 = 1e-6;
@@ -205,7 +205,7 @@ impl SymmetricPencil {
         Ok(pairs)
     }
 
-    /// ‖A x − λ B x‖ beside ‖|A| |x| + |λ| |B| |x|‖.
+    /// ‖A x − λ B x‖ relative to ‖|A| |x| + |λ| |B| |x|‖.
     fn residual(&self, value: f64, x: &[f64]) -> Result<f64, EigenError> {
         let (first, second) = (self.first.multiply(x)?, self.second.multiply(x)?);
         let rest: Vec<f64> =

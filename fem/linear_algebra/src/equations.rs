@@ -37,7 +37,7 @@ pub trait Equations: fmt::Debug {
     fn diagonal(&self) -> Vec<f64>;
 }
 
-/// The equation that holds worst, and |b − A x|_i beside the sizes of its terms; infinite where a number is not finite.
+/// The equation that holds worst, and |b − A x|_i relative to the sizes of its terms; infinite where a number is not finite.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WorstRow {
     pub row: usize,
@@ -69,7 +69,7 @@ impl WorstRow {
         }
     }
 
-    /// The worst of residuals, each beside its size.
+    /// The worst of residuals, each relative to its size.
     pub fn of(rest: &[f64], sizes: &[f64]) -> Self {
         let mut worst = WorstRow::default();
         for (row, (rest, size)) in rest.iter().zip(sizes).enumerate() {
@@ -137,12 +137,12 @@ impl<'a> Side<'a> {
         Side::of(matrix, Transpose::No)
     }
 
-    /// The side of a matrix that is symmetric, at most but for rounding, so that its rows are its columns: products by rows are faster.
+    /// The side of a matrix that is symmetric except for rounding, so that its rows are its columns: products by rows are faster.
     pub fn of_symmetric(matrix: &'a CsrMatrix) -> Self {
         Side::plain(matrix)
     }
 
-    /// The same with additions to entries of the matrix, of which this is the `transpose`d side.
+    /// The same with additions to entries of the matrix whose `transpose`d side this is.
     pub fn with_additions(mut self, additions: &[Entry], transpose: Transpose) -> Self {
         let turned = |entry: &Entry| match transpose {
             Transpose::No => *entry,

@@ -101,7 +101,7 @@ impl KrylovError {
     }
 }
 
-/// Equations that are off by more than this many times the tolerance, each beside its own terms, are gone on with.
+/// Equations that are off by more than this many times the tolerance, each relative to its own terms, are solved further.
 #[doc(hidden)]
 pub const BESIDE_TERMS: f64 = 100.0;
 /// The same where the absolute tolerance was met, and not the relative one.
@@ -111,7 +111,7 @@ pub const ROUGH: f64 = 1e-3;
 #[doc(hidden)]
 pub const ROUNDS: usize = 6;
 
-/// Improves a solution that meets the tolerances in the norm until each equation holds beside its own terms: the norm
+/// Improves a solution that meets the tolerances in the norm until each equation holds relative to its own terms: the norm
 /// does not see equations of small numbers. `further` solves for a residual, from zero. Returns the report with its runs.
 ///
 /// # Errors
@@ -172,7 +172,7 @@ pub(super) fn by_equations<O: LinearOperator>(
     let found = run(b, x, options);
     let Some(entries) = operator.entries() else { return found };
     let report = match found {
-        // Rounding in the recurrences stopped it shortly before: it begins anew from the residual.
+        // Rounding in the recurrences stopped it shortly before: it begins again from the residual.
         Err(KrylovError::Stagnated(report))
             if report.relative_residual <= BESIDE_TERMS * options.tolerance =>
         {

@@ -14,7 +14,7 @@ const SMALLEST: usize = 1 << 21;
 /// So much of an array is handed over before it is used \[byte\], to see whether large pages come quickly.
 const TRIED: usize = 1 << 24;
 
-/// So many zeros, or what else is the default. Of numbers, memory beyond the first 16 megabytes that nothing is written to is never asked
+/// The given number of zeros, or of other default values. Of numbers, memory beyond the first 16 megabytes that nothing is written to is never asked
 /// for.
 pub fn zeros<T: Clone + Default>(count: usize) -> Vec<T> {
     let values = vec![T::default(); count];
@@ -22,7 +22,7 @@ pub fn zeros<T: Clone + Default>(count: usize) -> Vec<T> {
     values
 }
 
-/// An empty vector with room for so many.
+/// An empty vector with room for the given number.
 pub fn room<T>(count: usize) -> Vec<T> {
     let values = Vec::with_capacity(count);
     ask(&values);
@@ -41,7 +41,7 @@ fn ask<T>(values: &Vec<T>) {
     }
 }
 
-/// The addresses of the whole pages among so many bytes.
+/// The addresses of the whole pages among the given number of bytes.
 fn pages_in(begin: usize, bytes: usize) -> Range<usize> {
     /// A page of the least size \[byte\] on every machine that runs Linux divides this.
     const PAGE: usize = 1 << 16;
@@ -52,9 +52,9 @@ fn pages_in(begin: usize, bytes: usize) -> Range<usize> {
 /// A wish for some pages.
 #[derive(Clone, Copy)]
 enum Advice {
-    /// That they be large ones.
+    /// MADV_HUGEPAGE.
     Large,
-    /// That they be handed over now.
+    /// MADV_POPULATE_WRITE: prefault.
     Now,
 }
 

@@ -5,7 +5,7 @@
 //! of either. [`Analysis`] orders a symmetric pattern once, [`SymmetricFactor`] is a
 //! Cholesky or a Bunch–Kaufman factor on it, [`LuFactor`] is a factor with partial pivoting of any square
 //! matrix, and [`gmres()`] solves what is nearly symmetric. [`cg()`] and [`minres()`] solve with any [`LinearOperator`] and
-//! [`Preconditioner`], of which [`Multigrid`] is the one for large systems in space.
+//! [`Preconditioner`]; [`Multigrid`] is the one for large systems in 3D.
 
 mod ahead;
 pub mod analysis;

@@ -3,7 +3,7 @@
 //!
 //! The matrix is scaled first, rows and columns, until its largest entries are about one. A velocity and a
 //! pressure, or a displacement and a multiplier, then meet on one scale, and a matrix that is singular can
-//! be told from one that is badly scaled.
+//! be distinguished from one that is badly scaled.
 
 use std::time::Instant;
 

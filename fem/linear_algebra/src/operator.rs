@@ -21,7 +21,7 @@ pub trait LinearOperator {
     /// Whatever prevents it, for example a vector of another size.
     fn apply(&self, x: &[f64], y: &mut [f64]) -> Result<(), OperatorError>;
 
-    /// The matrix, where the operator is one. Krylov methods then see to it that each equation holds beside the sizes of
+    /// The matrix, where the operator is one. Krylov methods then see to it that each equation holds relative to the sizes of
     /// its own terms; without entries they see the norm of the residual alone.
     fn entries(&self) -> Option<Entries<'_>> {
         None

@@ -56,10 +56,10 @@ pub struct Chosen {
 /// it leaves the caches; 14 multiplications per ns.
 const DISSECTION_COST: f64 = 36_000.0;
 
-/// Beside a dissection of cells it rarely saves anything, and is tried where it costs a twentieth of the factorisation.
+/// After a dissection of cells it rarely saves anything, and is tried where it costs a twentieth of the factorisation.
 const BESIDE_CELLS: f64 = 10.0;
 
-/// Blocks from which on a dissection of cells is first compared with minimum degree in so many samples of so many blocks each: the
+/// Blocks from which on a dissection of cells is first compared with minimum degree, the number of samples and the blocks of each: the
 /// larger a mesh, the more a dissection gains.
 const SAMPLED: usize = 1 << 15;
 const SAMPLES: usize = 4;
@@ -121,7 +121,7 @@ impl Ordering {
             };
             *mark = true;
         }
-        // Blocks of which only a part is last come between.
+        // Blocks that are last only in part come between.
         let mixed = |block: &usize| is_last[graph.begins[*block]..graph.begins[*block + 1]].contains(&true);
         let kept: Vec<u32> =
             (0..graph.blocks()).filter(|block| !mixed(block)).map(|block| block as u32).collect();

@@ -186,7 +186,7 @@ impl Restriction {
         Ok(CsrMatrix::of_checked(&self.target, filling.into_list()))
     }
 
-    /// The entries of the submatrix whose values stand at some places of the matrix, as ranges of whole blocks.
+    /// The entries of the submatrix whose values are at some places of the matrix, as ranges of whole blocks.
     ///
     /// # Errors
     /// As [`Restriction::apply`].

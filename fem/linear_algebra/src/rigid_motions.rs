@@ -87,10 +87,10 @@ pub fn free_motions<const D: usize>(
     Ok(simplest(null, D).iter().map(|motion| in_words(motion, &centre, size)).collect())
 }
 
-/// Sweeps over all pairs of motions, of which a few are enough.
+/// Sweeps over all pairs of motions; a few are enough.
 const SWEEPS: usize = 30;
 
-/// Combinations of so many motions whose hindrance vanishes, in coefficients: hindrances are turned in pairs until they are orthogonal,
+/// Combinations of the given number of motions whose hindrance vanishes, in coefficients: hindrances are turned in pairs until they are orthogonal,
 /// and their lengths are the singular values (Hestenes 1958). Not the eigenvalues of a Gram matrix, whose rounding would hide a small
 /// resistance; of no dimension, so that it is compiled here and not in every program that solves.
 fn null_combinations(mut hindrances: Vec<Vec<f64>>, nodes: usize) -> Vec<Vec<f64>> {
@@ -265,7 +265,7 @@ mod tests {
         assert!(free_motions(&matrix, 0, &SOLID, &prescribing(|unknown| unknown < 9)).unwrap().is_empty());
     }
 
-    /// Hindrances with the singular values 1, 1e-9 and 1e-13, turned by known rotations: a Gram matrix would have 1e-18 beside 1.
+    /// Hindrances with the singular values 1, 1e-9 and 1e-13, turned by known rotations: a Gram matrix would have 1e-18 next to 1.
     #[test]
     fn a_small_resistance_is_not_taken_for_none() {
         let (c, s) = (0.6, 0.8);

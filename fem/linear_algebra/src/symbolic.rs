@@ -34,7 +34,7 @@ impl Fill {
     }
 }
 
-/// Stands for no run.
+/// Marks that there is no run.
 const NONE: u32 = u32::MAX;
 
 /// Runs of unknowns of one block each that follow each other in an order of elimination, with their elimination tree.
@@ -58,7 +58,7 @@ struct Node {
 }
 
 impl Runs {
-    /// Without runs yet, with room for those of a graph's blocks, each of which is its own neighbour.
+    /// Without runs yet, with room for those of a graph's blocks; each block is its own neighbour.
     fn with_room(graph: &BlockGraph) -> Self {
         let couplings = graph.neighbours.len().saturating_sub(graph.blocks()) / 2;
         let [mut begins, mut pointers, earlier] =
@@ -108,7 +108,7 @@ impl Runs {
         runs
     }
 
-    /// Adds a run of so many unknowns with the earlier ones that it is coupled with: from each of them the tree is climbed up to the
+    /// Adds a run of the given number of unknowns with the earlier ones that it is coupled with: from each of them the tree is climbed up to the
     /// run itself (Liu 1990).
     fn add(&mut self, width: u32, earlier: impl Iterator<Item = u32>) {
         let run = self.tree.len() as u32;

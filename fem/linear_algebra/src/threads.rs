@@ -33,13 +33,13 @@ impl Threads {
         self.0.get()
     }
 
-    /// Into how many parts a loop over so many numbers is worth being cut.
+    /// Number of parts into which a loop over the given number of numbers is worth cutting.
     #[doc(hidden)]
     pub fn for_work(self, numbers: usize) -> usize {
         if numbers < WORTHWHILE { 1 } else { self.count() }
     }
 
-    /// Runs the tasks, of which there should be no more than threads, and gives their results in their order.
+    /// Runs the tasks, no more than there are threads, and gives their results in their order.
     #[doc(hidden)]
     pub fn run<T: Send, R: Send>(self, tasks: Vec<T>, work: impl Fn(T) -> R + Send + Sync) -> Vec<R> {
         if self == Threads::ONE || tasks.len() < 2 {

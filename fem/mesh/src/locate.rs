@@ -21,7 +21,7 @@ use crate::mesh::geometry::inverse;
 /// Points this far outside a cell, in reference coordinates, still belong to it.
 pub const INSIDE: f64 = 1e-10;
 
-/// The first box in which a nearest cell is looked for is so many times smaller than the tolerance, and each further one larger by the
+/// The first box in which a nearest cell is looked for is this factor smaller than the tolerance, and each further one larger by the
 /// factor [`GROWTH`].
 const FIRST_REACH: f64 = 4096.0;
 const GROWTH: f64 = 8.0;

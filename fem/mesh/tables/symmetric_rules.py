@@ -2,7 +2,7 @@
 
     python3 fem/mesh/tables/symmetric_rules.py > fem/mesh/src/quadrature/tables.rs && cargo fmt -p forms-mesh
 
-needs mpmath. How many orbits of which kind a rule has is that of P. Keast, Moderate-degree tetrahedral quadrature formulas, CMAME 55
+needs mpmath. The number of orbits of each kind in a rule is that of P. Keast, Moderate-degree tetrahedral quadrature formulas, CMAME 55
 (1986), D. A. Dunavant, IJNME 21 (1985), and F. D. Witherden, P. E. Vincent, On the identification of symmetric quadrature rules for finite
 element methods, Comput. Math. Appl. 69 (2015). Points and weights are computed here, from nothing but the moment equations: random starts,
 damped least squares in double precision, Newton's method with 50 digits. A rule is exact for all polynomials if it is for those that no
@@ -163,7 +163,7 @@ def step(rows, columns, damping):
 
 
 def polished(rows, columns):
-    """The least change that solves the linearised equations, of which there are no more than unknowns."""
+    """The least change that solves the linearised equations; there are no more than unknowns."""
     count = len(rows)
     gram = [[sum(c[i] * c[j] for c in columns) for j in range(count)] for i in range(count)]
     multipliers = solve(gram, [-r for r in rows])

@@ -153,7 +153,7 @@ fn logarithmic_ticks([low, high]: [f64; 2], count: usize) -> Ticks {
     }
 }
 
-/// `×10^n`, or nothing if the labels stand for themselves.
+/// `×10^n`, or nothing if the labels need none.
 pub fn multiplier(exponent: i32) -> Option<String> {
     (exponent != 0).then(|| format!("×10^{{{}}}", number(f64::from(exponent), 0)))
 }
@@ -180,7 +180,7 @@ impl Frame {
         [&self.x, &self.y]
     }
 
-    /// Whether a power of ten stands above the vertical axis.
+    /// Whether a power of ten is drawn above the vertical axis.
     pub fn has_vertical_exponent(&self) -> bool {
         self.y_ticks().exponent != 0
     }

@@ -33,7 +33,7 @@ pub struct BarChart {
 }
 
 impl BarChart {
-    /// A chart without bars; the label stands under the axis.
+    /// A chart without bars; the label is under the axis.
     pub fn new(label: &str) -> BarChart {
         BarChart { label: label.into(), ..BarChart::default() }
     }

@@ -76,7 +76,7 @@ pub(super) struct SlopeTriangle {
 }
 
 impl Curve {
-    /// A curve; the name stands in the legend unless it is empty.
+    /// A curve; the name is in the legend unless it is empty.
     pub fn new(name: &str, x: &[f64], y: &[f64]) -> Curve {
         Curve {
             name: name.into(),

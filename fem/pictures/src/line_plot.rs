@@ -308,7 +308,7 @@ fn draw_reference(
     let (near, far) = (3.0, 2.0 * GAP);
     let Rectangle { left, top, .. } = frame.area;
     let (right, bottom) = (frame.area.right(), frame.area.bottom());
-    // Upper left points of the label's box: beside a vertical line, above or below a horizontal one.
+    // Upper left points of the label's box: next to a vertical line, above or below a horizontal one.
     let part = |k: u32| f64::from(k) / 10.0;
     let places: Vec<Point> = if k == 0 {
         let room = bottom - top - 2.0 * far - height;

@@ -68,7 +68,7 @@ impl Picture for Panel {
             let (column, row) = (k % columns, k / columns);
             let left = widths[..column].iter().sum::<f64>() + gap * column as f64;
             let top = header + heights[..row].iter().sum::<f64>() + gap * row as f64;
-            // A smaller picture stands in the middle of its column, at the top of its row.
+            // A smaller picture is in the middle of its column, at the top of its row.
             let inset = (widths[column] - drawing.size()[0]) / 2.0;
             page.place(drawing.clone(), [left + inset, top + strip]);
             if self.letters {

@@ -236,7 +236,7 @@ mod tests {
         ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Triangles of all sizes, in and beside a picture whose rows are no multiple of eight: each sample is judged by its
+    /// Triangles of all sizes, in and next to a picture whose rows are no multiple of eight: each sample is judged by its
     /// barycentric coordinates as they are written down, and vectors find what single numbers find.
     #[test]
     fn samples_are_those_inside() {

@@ -45,7 +45,7 @@ impl Shading {
     }
 }
 
-/// Triangles with a value at each point. Copies share what they are made of: a panel shows surfaces that stand alone too.
+/// Triangles with a value at each point. Copies share what they are made of: a panel shows surfaces that are drawn alone, too.
 #[derive(Clone, Debug)]
 pub struct ShadedSurface {
     /// Points, counted from `origin`.
@@ -127,7 +127,7 @@ impl ShadedSurface {
         Some(Pixels { origin: start, size, rgba })
     }
 
-    /// The place of a value in a table of so many colours.
+    /// The place of a value in a table of the given number of colours.
     fn place_in(&self, value: f32, colours: usize) -> f64 {
         let [low, high] = self.shading.range;
         let t = if high > low { (f64::from(value) - low) / (high - low) } else { 0.5 };
@@ -153,7 +153,7 @@ fn packed([red, green, blue]: [u8; 3]) -> u64 {
 fn average(samples: &[u16], uncovered: u16, colours: &[u64], pixels: &mut [u8]) {
     let width = samples.len() / SAMPLES;
     for (column, pixel) in pixels.chunks_exact_mut(4).enumerate() {
-        // Most pixels beside a body have no sample in it.
+        // Most pixels next to a body have no sample in it.
         let row = |row: usize| &samples[row * width + column * SAMPLES..][..SAMPLES];
         if (0..SAMPLES).all(|k| row(k) == [uncovered; SAMPLES]) {
             continue;

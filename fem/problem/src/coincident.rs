@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-/// Points sorted into boxes of the size of the tolerance: one that coincides is in the same box or in one beside it.
+/// Points sorted into boxes of the size of the tolerance: one that coincides is in the same box or in one next to it.
 pub struct Coincident<'a, const D: usize> {
     points: &'a [[f64; D]],
     tolerance: f64,
@@ -13,7 +13,7 @@ pub struct Coincident<'a, const D: usize> {
 const TOLERANCE: f64 = 1e-8;
 
 impl<'a, const D: usize> Coincident<'a, D> {
-    /// Prepares a set of points, of which no two coincide.
+    /// Prepares a set of points that are all different.
     pub fn new(points: &'a [[f64; D]]) -> Self {
         let extent = (0..D).fold(0.0_f64, |extent, k| {
             let (low, high) = points

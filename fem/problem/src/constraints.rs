@@ -1,4 +1,4 @@
-//! Constraints of a space: unknowns that are prescribed, and unknowns that are given by others.
+//! Constraints of a space: prescribed unknowns (Dirichlet conditions), and relations that give unknowns by others.
 
 mod equations;
 mod error;

@@ -246,7 +246,7 @@ impl<const D: usize> Field<D> {
         }
     }
 
-    /// [`Field::add_value_in`] with room for so many basis functions.
+    /// [`Field::add_value_in`] with room for the given number of basis functions.
     fn add_value_with<const N: usize>(&self, cell: usize, reference: &[f64; D], sum: &mut [f64]) {
         let mut value = [0.0; N];
         self.space.cell_element(cell).evaluate_values(reference, &mut value);

@@ -189,7 +189,7 @@ where
     errors_against(assembler, field, exact, gradient)
 }
 
-/// The norms of field − exact, whose gradient is given beside it.
+/// The norms of field − exact, whose gradient is given, too.
 #[inline(never)]
 fn errors_against<const D: usize>(
     assembler: &Assembler<D>,

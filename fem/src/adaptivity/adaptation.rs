@@ -201,7 +201,7 @@ impl<'a, const D: usize> Adaptation<'a, D> {
         Adaptation::towards(Aim::Tolerance { tolerance, most_unknowns: MOST_UNKNOWNS })
     }
 
-    /// A cycle that ends on the first mesh with at least so many unknowns, whatever the estimate: for studies of convergence.
+    /// A cycle that ends on the first mesh with at least the given number of unknowns, whatever the estimate: for studies of convergence.
     pub fn to_unknowns(count: usize) -> Self {
         Adaptation::towards(Aim::Unknowns(count))
     }
@@ -210,7 +210,7 @@ impl<'a, const D: usize> Adaptation<'a, D> {
         Adaptation { aim, fraction: 0.5, surfaces: &[] }
     }
 
-    /// Gives a tolerance up beyond so many unknowns.
+    /// Gives a tolerance up beyond the given number of unknowns.
     pub fn with_at_most(mut self, unknowns: usize) -> Self {
         if let Aim::Tolerance { most_unknowns, .. } = &mut self.aim {
             *most_unknowns = unknowns;

@@ -32,7 +32,7 @@ impl Bounds {
         (&self.lower, &self.upper)
     }
 
-    /// The first control of which a bound is not finite.
+    /// The first control whose bound is not finite.
     pub(super) fn first_infinite(&self) -> Option<usize> {
         let finite = |(lower, upper): (&f64, &f64)| lower.is_finite() && upper.is_finite();
         self.lower.iter().zip(&self.upper).position(|pair| !finite(pair))

@@ -75,13 +75,13 @@ macro_rules! choices_of {
                 self
             }
 
-            /// At most so many states are stored, and the others computed again on the way back; all are, unless this is said.
+            /// Stores at most the given number of states, and the others computed again on the way back; all are, unless this is said.
             pub fn stored_states(mut self, most: usize) -> Self {
                 self.storage.most = most;
                 self
             }
 
-            /// Stored states are files in a directory, but for the last one, and memory holds a few states however many steps there
+            /// Stored states are files in a directory, except for the last one, and memory holds a few states however many steps there
             /// are. The files are gone when a gradient has been computed.
             pub fn states_on_disk(mut self, directory: impl Into<std::path::PathBuf>) -> Self {
                 self.storage.directory = Some(directory.into());

@@ -170,7 +170,7 @@ impl<const D: usize> Controls<D> {
         self.with(name, Kind::Start(Start::Rate, Arc::clone(rate.space())), rate.values())
     }
 
-    /// The names, each with its number of values, in the order in which they stand in m.
+    /// The names, each with its number of values, in their order in m.
     pub fn parts(&self) -> Vec<Part> {
         self.entries.iter().map(|entry| Part::new(entry.name.as_str(), entry.count())).collect()
     }

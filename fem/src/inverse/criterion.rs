@@ -48,7 +48,7 @@ impl<'a, const D: usize> Criterion<'a, D> {
         Ok(())
     }
 
-    /// Whether it is one of states on the space of a history with so many steps.
+    /// Whether it is one of states on the space of a history with the given number of steps.
     pub fn check(&self, space: &Arc<Space<D>>, steps: usize) -> Result<(), HistoryFailure> {
         if let Some(step) = self.observations.keys().find(|step| **step >= steps) {
             return Err(HistoryFailure::ObservedLater { step: *step, steps });
@@ -107,7 +107,7 @@ impl<'a, const D: usize> Criterion<'a, D> {
         Ok(())
     }
 
-    /// J, gradient and Hessian along a direction, from the sweep of second order over the steps, in whose gradient they stand one after
+    /// J, gradient and Hessian along a direction, from the sweep of second order over the steps, whose gradient contains them one after
     /// the other.
     pub fn hessian(
         &self,

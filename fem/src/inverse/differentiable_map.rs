@@ -63,10 +63,10 @@ pub enum MapError {
 /// Products with the Jacobian F′ are those of the discrete problem, by adjoints; there are no difference quotients in them. A map
 /// remembers the last m: asking for its value and then for products with its Jacobian solves the equations once.
 pub trait DifferentiableMap {
-    /// The controls, in the order in which they stand in m.
+    /// The controls, in their order in m.
     fn inputs(&self) -> Vec<Part>;
 
-    /// The outputs, in the order in which they stand in F(m).
+    /// The outputs, in their order in F(m).
     fn outputs(&self) -> Vec<Part>;
 
     /// The controls to begin with.

@@ -22,7 +22,7 @@ impl<const D: usize> During<'_, D> {
         self.step.time
     }
 
-    /// The value before the step, which a form takes as a `State` beside what the operators of [`time`](crate::time) give, as the
+    /// The value before the step, which a form takes as a `State` next to what the operators of [`time`](crate::time) give, as the
     /// schemes of impact do. Its rates then have a test function `by_before`, of the derivative by it.
     pub fn before(&self) -> &Field<D> {
         self.before_is_read.set(true);

@@ -11,7 +11,7 @@ use crate::solve::{SolveError, SolverError};
 use crate::space::SpaceError;
 use crate::time::StepFailure;
 
-/// A history of which value or gradient could not be computed.
+/// A history whose value or gradient could not be computed.
 #[derive(Debug, Error)]
 #[error("step {step} of the history: {why}")]
 pub struct HistoryError {
@@ -91,7 +91,7 @@ pub enum HistoryFailure {
         /// The form.
         form: &'static str,
     },
-    /// A form of motion that reads its unknown beside the operators of [`time`](crate::time), with a scheme that reads second rates.
+    /// A form of motion that reads its unknown next to the operators of [`time`](crate::time), with a scheme that reads second rates.
     #[error(
         "`{form}` reads its unknown `{unknown}` itself: at the start, where this scheme finds the second rate from the form, that is no \
          value but a second rate; read `displacement({unknown})`, `velocity({unknown})`, `acceleration({unknown})` (of scalars `value`, \

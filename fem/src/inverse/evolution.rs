@@ -35,7 +35,7 @@ pub trait Evolution {
     /// Data that do not fit.
     fn cost(&mut self, step: usize, before: &[f64], after: &[f64]) -> Result<f64, Self::Error>;
 
-    /// From the slope of J, but for this step's part, by the state after a step: the slope by the state before it. What the
+    /// From the slope of J, except for this step's part, by the state after a step: the slope by the state before it. What the
     /// step's controls change is added to the gradient.
     ///
     /// # Errors

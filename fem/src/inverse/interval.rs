@@ -1,6 +1,6 @@
 //! A step of a motion between rows of states, forward and back: the formulas of a scheme as linear maps of rows.
 //!
-//! A row is what stands between two steps: value, rate and second rate of as many states as the scheme reads, newest first, zero where
+//! A row is the data between two steps: value, rate and second rate of as many states as the scheme reads, newest first, zero where
 //! there are none yet; after them the lumped masses, where there are such, the same in all rows.
 
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use crate::linear_algebra::vector::add_scaled;
 use crate::space::Space;
 use crate::time::{Combination, Formulas, SolvedFor, State, Step};
 
-/// A step's formulas, and what they are between.
+/// One time step: its formulas and the times at its ends.
 pub(super) struct Interval {
     pub solution: Solution,
     pub formulas: Formulas,
@@ -25,7 +25,7 @@ pub(super) struct Interval {
     pub states: usize,
 }
 
-/// The formulas by which the second rate of the first state is found: it is the unknown, beside known value and rate.
+/// The formulas by which the second rate of the first state is found: it is the unknown, with known value and rate.
 pub(super) fn of_start() -> Formulas {
     let all = || {
         [
@@ -133,7 +133,7 @@ impl Interval {
     }
 
     /// The step's unknown from the rows at its ends: from that of value, rate and second rate which is the unknown, or else from the
-    /// first of which it is a part.
+    /// first that contains it.
     pub fn unknown_of<const D: usize>(
         &self,
         space: &Arc<Space<D>>,

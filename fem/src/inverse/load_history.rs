@@ -30,7 +30,7 @@ use crate::solve::{LinearSolver, NewtonOptions, SolverReport};
 use crate::space::Space;
 use crate::verification::Sample;
 
-/// Steps Rⁿ(uⁿ, uⁿ⁻¹, m; v) = 0 with a criterion J(m) = Σ Jⁿ(uⁿ), of which it gives value and gradient by the controls m. A problem
+/// Steps Rⁿ(uⁿ, uⁿ⁻¹, m; v) = 0 with a criterion J(m) = Σ Jⁿ(uⁿ), with value and gradient by the controls m. A problem
 /// without a past is a history of one step.
 ///
 /// The rates are a form without unknowns, a function of state, adjoint state and state before: the derivative of R(u, before, m; p), and

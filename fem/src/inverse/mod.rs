@@ -4,7 +4,7 @@
 //! Controls        named numbers and fields that the data of a form are made of
 //! LoadHistory     steps Rⁿ(uⁿ, uⁿ⁻¹, m; v) = 0 of one form with a criterion J = Σ Jⁿ(uⁿ): J(m) and its gradient
 //! MotionHistory   steps in time of one form by a scheme, the same
-//! Evolution       what a history has to say of its steps; sweep.rs goes forward and back, with few stored states
+//! Evolution       what a history has to say of its steps; sweep.rs goes forward and back, with checkpointing
 //! ReducedProblem  J(m) with its gradient: Taylor tests, `minimise` with bounds, `moving_asymptotes` under constraints
 //! TwiceDifferentiable  with its Hessian along a direction, and Taylor tests of both orders
 //! DifferentiableMap  controls to outputs over plain arrays, with products of Jacobian and vector: a criterion (`CriterionMap`), or

@@ -38,12 +38,12 @@ use crate::time::central_differences::supports_stand;
 use crate::time::{Mass, Scheme, SolvedFor, Step, StepFailure};
 use crate::verification::Sample;
 
-/// A motion in steps by a scheme, with a criterion J(m) = Σ Jⁿ(uⁿ) of which it gives value and gradient by m.
+/// A motion in steps by a scheme, with a criterion J(m) = Σ Jⁿ(uⁿ), with value and gradient by m.
 ///
 /// The form is written with the operators of [`time`](crate::time), and the form of rates, of the step's unknown and adjoint state, has a
 /// test `by_name` per control. Derivatives by the states before are tangents with other weights; where the rates have tests
 /// `by_value`, `by_rate` and `by_second_rate`, of the derivatives by `known_value`, `known_rate` and `known_second_rate`, they are
-/// taken from these, which takes a fraction of the time. Where the form reads the value before beside the operators
+/// taken from these, which takes a fraction of the time. Where the form reads the value before next to the operators
 /// ([`During::before`]), the rates have a test `by_before`. It may read the unknown itself, which is the value at the end of the step, with
 /// schemes that read no second rates; with others it is refused by name.
 ///
@@ -72,9 +72,9 @@ pub struct MotionHistory<'a, const D: usize> {
 enum Reading {
     /// Nothing is known but of the steps that were looked at.
     Unseen,
-    /// By operators alone: an affine form, of which one step tells all.
+    /// By operators alone: an affine form, where one step is enough.
     ByOperators,
-    /// Itself, beside them.
+    /// Itself, in addition to them.
     Itself,
 }
 

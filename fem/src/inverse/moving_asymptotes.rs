@@ -27,7 +27,7 @@ pub struct MovingAsymptotes {
     pub tolerance: f64,
     /// Most part of the distance between its bounds by which a control changes in an iteration.
     pub move_limit: f64,
-    /// The asymptotes' first distance from a control, beside the distance between its bounds.
+    /// The asymptotes' first distance from a control, relative to the distance between its bounds.
     pub first_distance: f64,
 }
 
@@ -108,7 +108,7 @@ pub enum ConstrainedError<E: std::error::Error + 'static> {
 }
 
 impl MovingAsymptotes {
-    /// Minimises from the problem's start, put between the bounds, which have to be finite. `progress` is told of each iterate.
+    /// Minimises from the problem's start, put between the bounds, which have to be finite. `progress` is called with each iterate.
     ///
     /// # Errors
     /// [`ConstrainedError`].

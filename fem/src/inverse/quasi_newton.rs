@@ -117,7 +117,7 @@ impl Model {
         let mut direction = rest.clone();
         let mut square = dot(&rest, &rest);
         let enough = 1e-20 * square;
-        // B has twice as many eigenvalues beside θ as changes.
+        // B has twice as many eigenvalues other than θ as changes.
         for _ in 0..3 * self.changes.len() + 5 {
             let product = free(&self.product(&direction), held);
             let length = square / dot(&direction, &product);

@@ -55,7 +55,7 @@ impl<H: ControlledEvolution<D>, const D: usize> ReadingsMap<H, D> {
         Ok(self)
     }
 
-    /// Goes forward, unless these were the last controls; all states are kept if the history may keep so many.
+    /// Goes forward, unless these were the last controls; all states are kept if the history may keep them.
     fn forward(&mut self, m: &[f64]) -> Result<&Trajectory, MapError> {
         check("vector of controls", &self.inputs(), m)?;
         let same = |last: &Trajectory| last.m.iter().map(|v| v.to_bits()).eq(m.iter().map(|v| v.to_bits()));

@@ -1,4 +1,4 @@
-//! Storage of the states to which a sweep comes back: in memory, or on disk but for the last one.
+//! Storage of the states to which a sweep comes back: in memory, or on disk except for the last one.
 
 use std::convert::Infallible;
 use std::io::{self, Read as _, Write as _};
@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::output::write_whole;
 
-/// A stack of states, each with the number of the step before which it stands.
+/// A stack of states, each with the number of the step that follows it.
 pub(super) trait Shelf {
     /// Error of keeping or fetching a state.
     type Error;
@@ -43,7 +43,7 @@ impl Shelf for InMemory {
     }
 }
 
-/// A file per state, but for the last state, which is in memory; the files are gone when the sweep ends.
+/// A file per state, except for the last state, which is in memory; the files are gone when the sweep ends.
 pub(super) struct OnDisk {
     directory: PathBuf,
     /// A number of its own in this process.

@@ -1,7 +1,7 @@
 //! The step's unknown in a form of motion: read by the operators of [`time`](crate::time), or directly.
 //!
 //! The state before enters a form of motion by the known parts of what the operators give. With weights zero they give numbers that the
-//! unknown does not change, and a form that still depends on it reads it beside them. Its derivative by it is then the tangent T₀ of
+//! unknown does not change, and a form that still depends on it reads it in addition to them. Its derivative by it is then the tangent T₀ of
 //! the form with weights zero, and that by the known part of an operator the tangent with the weight one there, less T₀.
 
 use super::error::HistoryFailure;

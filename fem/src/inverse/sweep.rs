@@ -30,7 +30,7 @@ pub struct Work {
     pub steps_solved: usize,
     /// Adjoint steps solved.
     pub steps_reversed: usize,
-    /// The most states that were stored at once, that before the first step among them; beside them stand the two ends of the
+    /// The most states that were stored at once, that before the first step among them; in addition to them there are the two ends of the
     /// step at hand.
     pub most_stored: usize,
 }
@@ -64,7 +64,7 @@ pub fn gradient_of<V: Evolution + ?Sized>(evolution: &mut V, stored: usize) -> R
     })
 }
 
-/// The same with the states on disk, but for the last one, and as many as are allowed.
+/// The same with the states on disk, except for the last one, and as many as are allowed.
 ///
 /// # Errors
 /// [`SweepFailure`]: those of the steps, and of the files.
@@ -158,7 +158,7 @@ impl<V: Evolution + ?Sized> Sweep<'_, V> {
         Ok(state)
     }
 
-    /// Reverses all steps, with at most so many states on the shelf of those from which steps are computed again, and gives the
+    /// Reverses all steps, with at most the given number of states on the shelf of those from which steps are computed again, and gives the
     /// first state back.
     fn reverse<S: Shelf>(
         &mut self,
@@ -196,8 +196,8 @@ impl<V: Evolution + ?Sized> Sweep<'_, V> {
     }
 }
 
-/// The number of steps of which no state is stored before the next one that is: of `steps` that are to be reversed with `slots`
-/// states, the first of which is where they begin.
+/// The number of steps without a stored state before the next one with it: of `steps` that are to be reversed with `slots`
+/// states; the first is where they begin.
 fn before_the_next_state(steps: usize, slots: usize) -> usize {
     let repeated = largest_repetition(steps, slots);
     let fewest = if repeated >= 2 { reversible(slots, repeated - 2) } else { 1 };
@@ -205,8 +205,7 @@ fn before_the_next_state(steps: usize, slots: usize) -> usize {
     fewest.max(steps.saturating_sub(most_after)).clamp(1, steps - 1)
 }
 
-/// The smallest number r of times that no step need be solved more often than, for so many steps with so many stored states:
-/// the steps are at most (slots + r)!/(slots! r!).
+/// Smallest r with steps ≤ (slots + r)!/(slots! r!): no step needs to be solved more often than r times.
 pub fn largest_repetition(steps: usize, slots: usize) -> usize {
     (1..).find(|&repeated| reversible(slots.max(1), repeated) >= steps).unwrap_or(steps)
 }

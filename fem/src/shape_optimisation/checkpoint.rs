@@ -11,7 +11,7 @@ use super::history::DescentState;
 use crate::output::write_whole;
 
 /// The state of a descent, and the settings that it belongs to. Numbers are written such that they read back as what they
-/// were, to the last bit. In the file a checksum stands beside them.
+/// were, to the last bit. The file also contains a checksum.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
     /// Version of this package, whose later ones may take other steps.

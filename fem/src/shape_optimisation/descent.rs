@@ -30,7 +30,7 @@ pub type Listener<'a, S, const D: usize> = dyn FnMut(&Report<S, D>) -> Result<()
 pub struct Descent<'a, P, const D: usize> {
     /// The problem to optimise.
     pub problem: &'a P,
-    /// The shape at the start; its cells, numbers and regions are those of all shapes until the mesh is made anew.
+    /// The shape at the start; its cells, numbers and regions are those of all shapes until the mesh is made again.
     pub initial: Arc<Mesh<D>>,
     /// The options.
     pub options: DescentOptions,
@@ -324,7 +324,7 @@ mod tests {
         values.map(row).collect()
     }
 
-    /// While the constraint is restored, J may stand still: with λ = 50 five steps that take c by 0.05 down win 2.5.
+    /// While the constraint is restored, J may not change: with λ = 50 five steps that take c by 0.05 down win 2.5.
     #[test]
     fn the_way_back_to_the_constraint_is_no_end() {
         let restored = rows((0..6).map(|k| (7.0, 0.01 * f64::from(5 - k))));

@@ -70,7 +70,7 @@ where
             *movement = product.extend(movements, movement)?;
         }
         if let Some(pattern) = &base.pattern {
-            // The inner product keeps the pattern, but for rounding, which would add up.
+            // The inner product keeps the pattern, except for rounding, which would add up.
             found.iter_mut().try_for_each(|movement| pattern.average(movement))?;
         }
         let mut found = found.into_iter();

@@ -35,7 +35,7 @@ pub struct Row {
     pub quality: f64,
     /// Whether the mesh was smoothed.
     pub smoothed: bool,
-    /// The values before the mesh was made anew, where it was; those above are the new mesh's.
+    /// The values before the mesh was made again, where it was; those above are the new mesh's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub remeshed: Option<Remeshed>,
     /// The step that led here; none at the start.

@@ -59,7 +59,7 @@ pub mod movement_product {
 /// boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InnerProduct {
-    /// Weight of the values \[1/length²\], beside the others.
+    /// Weight of the values \[1/length²\], compared with the others.
     pub value: f64,
     /// Weight of the gradients.
     pub slope: f64,
@@ -67,7 +67,7 @@ pub struct InnerProduct {
     pub shear: f64,
     /// Weight of the dilations: Lamé's first parameter.
     pub dilation: f64,
-    /// Weight of the gradients along the boundary \[length\], beside the others: waves that are shorter than this move less.
+    /// Weight of the gradients along the boundary \[length\], compared with the others: waves that are shorter than this move less.
     pub tangential: f64,
 }
 

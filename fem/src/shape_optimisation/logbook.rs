@@ -16,7 +16,7 @@ use crate::mesh::Mesh;
 use crate::output::{VtuFile, write_whole};
 
 /// A directory with `checkpoint.json`, `history.csv`, and `shape_0000.vtu` and so on with the coordinates of the nodes, and
-/// the mesh where it was made anew, beside each, `shape_0000.json`. The checkpoint is written last, after the files that it refers to.
+/// next to each the mesh where it was made again, `shape_0000.json`. The checkpoint is written last, after the files that it refers to.
 #[derive(Clone, Debug)]
 pub struct Logbook {
     directory: PathBuf,
@@ -29,7 +29,7 @@ pub struct Logbook {
 
 impl Logbook {
     /// Makes the directory where it does not exist. `settings` are all that the result depends on, by name; `changeable`
-    /// those besides that a run which goes on may change, kept for the reader. Every so many steps the shape is written
+    /// those besides that a run which goes on may change, kept for the reader. Every n steps the shape is written
     /// (0: the first and the last alone).
     ///
     /// # Errors
@@ -65,7 +65,7 @@ impl Logbook {
         Ok(Some(state))
     }
 
-    /// Removes the checkpoint: the next descent begins anew.
+    /// Removes the checkpoint: the next descent begins again.
     ///
     /// # Errors
     /// The system's error.

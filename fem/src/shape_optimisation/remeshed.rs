@@ -32,7 +32,7 @@ pub struct Remesh<'a, const D: usize> {
     pub tolerance: f64,
 }
 
-/// The values before the mesh was made anew.
+/// The values before the mesh was made again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Remeshed {
     /// The criterion on the old mesh.

@@ -216,7 +216,7 @@ fn cells_are_laid_out_anew_inside_the_same_boundary() {
     assert!((measured_volume(&laid).unwrap() / measured_volume(&shaken).unwrap() - 1.0).abs() < 1e-14);
 }
 
-/// Below a wall that it would cross where it stands, the plate goes down until it is as round as without.
+/// Below a wall that it would cross at its place, the plate goes down until it is as round as without.
 #[test]
 fn nodes_slide_along_a_wall() {
     let initial = plate();

@@ -76,7 +76,7 @@ where
                 let x =
                     std::array::from_fn(|k| movements.positions()[node as usize][k] + movement[first + k]);
                 let Clearance { distance, away } = (self.clearance)(&x);
-                // What cannot be told from the wall is at it.
+                // What cannot be distinguished from the wall is at it.
                 if distance >= -1e-12 * x.iter().fold(0.0_f64, |most, x| most.max(x.abs())) {
                     break;
                 }

@@ -51,7 +51,7 @@ fn derivative_weights(steps: &[f64]) -> Vec<f64> {
         before -= step;
         times.push(before);
     }
-    // Beside the newest point l_k'(0) = Π_{m≠0,k} (−t_m) / Π_{m≠k} (t_k − t_m).
+    // In addition to the newest point l_k'(0) = Π_{m≠0,k} (−t_m) / Π_{m≠k} (t_k − t_m).
     let others = |k: usize| (0..times.len()).filter(move |&m| m != k);
     let earlier = |k: usize| {
         let above: f64 = others(k).filter(|&m| m != 0).map(|m| -times[m]).product();

@@ -37,7 +37,7 @@ pub enum CheckpointError {
         path: PathBuf,
         /// Number of the line, from 1.
         line: usize,
-        /// Contents that should stand there.
+        /// The expected contents.
         expected: &'static str,
     },
     /// It was written on another space.

@@ -8,7 +8,7 @@ use crate::field::FieldError;
 use crate::linear_algebra::LinearAlgebraError;
 use crate::solve::{SolveError, SolverError};
 
-/// A step that was not taken. The loop stands where it was before, and may take another one.
+/// A step that was not taken. The loop is where it was before, and may take another one.
 #[derive(Debug, Error)]
 #[error("the step from t = {from} to {to} was not taken: {why}")]
 pub struct StepError {
@@ -27,7 +27,7 @@ pub enum StepFailure {
     /// A step size that is no positive number, or too small to change the time.
     #[error("the step size {0} is no positive number that changes the time")]
     StepSize(f64),
-    /// States that do not stand one before the other in time.
+    /// States that are not in the order of time.
     #[error("the states before the step, newest first, have times that do not fall: {times:?}")]
     NotEarlier {
         /// Their times.
@@ -84,7 +84,7 @@ pub enum StepFailure {
         mass: f64,
     },
     /// Unknowns without inertia, as those of nodes at which there is no density, with a scheme that reads accelerations of states
-    /// there: the trapezoidal and the mid-point rule and backward differences read none but for inertia.
+    /// there: the trapezoidal and the mid-point rule and backward differences read none except for inertia.
     #[error(
         "{} unknowns, unknown {} the first, have no inertia, and the scheme reads accelerations there: take the trapezoidal or the mid-point rule, or backward differences",
         .unknowns.len(), .unknowns[0]

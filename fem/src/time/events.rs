@@ -13,7 +13,7 @@ use crate::output::Passage;
 /// Numbers of a state, as a gap, or a force above a threshold, that are watched while steps are taken. A number passes zero in a step
 /// where it is positive at one end and zero or less at the other; what passes and comes back within a step is not seen.
 ///
-/// Passages are told by the straight line between the two ends, and the step stays whole. With [`Events::located`] the step is taken
+/// Passages are found on the straight line between the two ends, and the step stays whole. With [`Events::located`] the step is taken
 /// again, shorter, until it ends just behind its first passage.
 ///
 /// ```

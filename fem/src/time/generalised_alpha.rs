@@ -1,4 +1,4 @@
-//! The generalised-α method for second order in time, of which Newmark's, HHT's, WBZ's and the mid-point rule are cases.
+//! The generalised-α method for second order in time, with Newmark's, HHT's, WBZ's and the mid-point rule as cases.
 
 use super::scheme::{Combination, Formulas, Scheme, SchemeError, within};
 
@@ -107,7 +107,7 @@ impl Scheme for GeneralisedAlpha {
         }
     }
 
-    // u₁ = u₀ + Δt u̇₀ + Δt²/2 ü₀ + β Δt² (ü₁ − ü₀) beside the ⅙ of Taylor's series (Zienkiewicz & Xie 1991).
+    // u₁ = u₀ + Δt u̇₀ + Δt²/2 ü₀ + β Δt² (ü₁ − ü₀) compared with the ⅙ of Taylor's series (Zienkiewicz & Xie 1991).
     fn error_factor(&self) -> Option<f64> {
         self.reads_second_rates().then_some((self.beta - 1.0 / 6.0).abs())
     }

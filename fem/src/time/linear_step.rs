@@ -51,7 +51,7 @@ const HOLDS: [f64; 2] = [1e-9, 1e-11];
 /// Whether a solution is looked at with a residual of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Check {
-    /// The equations are assembled at the solution, and the matrix anew if they do not hold.
+    /// The equations are assembled at the solution, and the matrix again if they do not hold.
     Equations,
     /// The same, but the matrix has to be the right one.
     Promise,
@@ -147,7 +147,7 @@ impl StepMatrix {
         Ok(StepMatrix { weights, free, matrix, lumped, held })
     }
 
-    /// The residual of the first equation that does not hold, each beside its own terms with the largest value of the unknown: a
+    /// The residual of the first equation that does not hold, each relative to its own terms with the largest value of the unknown: a
     /// stiff part hides no soft one.
     fn wrong_row(
         &self,

@@ -47,7 +47,7 @@ pub struct TimeLoop<'a, const D: usize> {
 type FormOfStep<'a, const D: usize> = Box<dyn Fn(&Step<D>) -> Box<dyn AnyForm<D> + 'a> + 'a>;
 type ConstraintsAt<'a, const D: usize> = Box<dyn Fn(f64) -> Result<Constraints<D>, ConstraintsError> + 'a>;
 
-/// With coefficients that are promised to be constant, each so many steps the equations are assembled at the solution.
+/// With coefficients that are promised to be constant, every n steps the equations are assembled at the solution.
 const CHECKED_STEPS: usize = 32;
 
 /// Step sizes that differ by less than this part are equal.
@@ -125,7 +125,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
     }
 
     /// The promise that an affine form's tangent depends on the step size alone: a step is then one residual and one solve.
-    /// Without it each step's equations are assembled at their solution too, and the matrix anew when they do not hold; with it this
+    /// Without it each step's equations are assembled at their solution too, and the matrix again when they do not hold; with it this
     /// is done at each 32nd step, and is an error.
     pub fn constant_coefficients(mut self) -> Self {
         self.constant_coefficients = true;
@@ -179,7 +179,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         self.take_within(end - self.state().time, end, f64::INFINITY)
     }
 
-    /// Stands again where it stood before.
+    /// Is again where it was before.
     pub(super) fn go_back(&mut self, to: Checkpoint<D>) {
         (self.states, self.number) = (to.states, to.steps);
         self.has_second_rate &= self.number > 0;

@@ -57,7 +57,7 @@ fn elements_of_several_types() {
         "square.msh, line 25, in $Elements: the cells are of two types: element 3 is a tetrahedron of 4 nodes, element 4 \
          a prism of 6 nodes; a mesh has one, or triangles and quadrilaterals of one order"
     );
-    // What is wrong with a cell is told of the file's element, whichever shape comes first.
+    // What is wrong with a cell is reported for the file's element, whichever shape comes first.
     assert_eq!(
         house("3 2 2 3 1 4 3 5", "3 2 2 3 1 4 3 9"),
         "square.msh, line 21, in $Elements: element 3 names node 9, which the file does not have"

@@ -110,7 +110,7 @@ fn the_files_are_good() {
         // Lines may end as on Windows, and white space is free.
         assert_eq!(message::<2>(file.replace('\n', "\r\n").as_bytes()), "2 cells, []");
         assert_eq!(message::<2>(file.replace("1 1 0\n", "1  1\n\t0\n\n").as_bytes()), "2 cells, []");
-        // Comments and sections of other programs may stand anywhere.
+        // Comments and sections of other programs may be anywhere.
         let commented = format!("$Comments\nby hand\n$EndComments\n{file}$Periodic\n0\n$EndPeriodic\n");
         assert_eq!(message::<2>(commented.as_bytes()), "2 cells, []");
     }

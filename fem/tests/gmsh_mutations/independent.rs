@@ -1,5 +1,5 @@
 //! Folds and overlaps of a mesh's cells, from nodes and numbers alone: with basis functions, quadrature and facets
-//! written anew, after the description of the mesh's public order of nodes.
+//! written again, after the description of the mesh's public order of nodes.
 
 use forms_fem::element::CellShape;
 use forms_fem::mesh::Mesh;
@@ -194,7 +194,7 @@ fn flux<const D: usize>(mesh: &Mesh<D>, cell: usize, corners: &[[f64; 3]], origi
     sum
 }
 
-/// Determinants in random points, and the sum of volumes beside the integral of x·n/D over the boundary: both of every
+/// Determinants in random points, and the sum of volumes compared with the integral of x·n/D over the boundary: both of every
 /// facet that belongs to one cell only, found here by its vertices, and exact, so that neighbours on one side of their
 /// facet, or with different nodes on it, leave a difference.
 pub fn check_unfolded<const D: usize>(mesh: &Mesh<D>) {

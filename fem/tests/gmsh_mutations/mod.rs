@@ -144,7 +144,7 @@ fn corpus() -> Vec<Vec<u8>> {
     corpus
 }
 
-// What a mesh promises, checked anew.
+// What a mesh promises, checked again.
 pub fn check_valid<const D: usize>(mesh: &Mesh<D>) {
     let again = Mesh::from_nonconforming_blocks(mesh.degree(), mesh.nodes().to_vec(), blocks(mesh));
     let again = again.unwrap_or_else(|error| panic!("an invalid mesh was accepted: {error}"));

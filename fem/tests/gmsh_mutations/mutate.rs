@@ -75,7 +75,7 @@ const VALUES: [u64; 14] = [
     u64::MAX,
 ];
 
-/// Number of files to mutate: `FORMS_MUTATIONS`; or so many where sweeps are asked for, and a tenth of them as a rule.
+/// Number of files to mutate: `FORMS_MUTATIONS`; or all where sweeps are asked for, and a tenth of them as a rule.
 pub fn count(in_sweeps: u64) -> u64 {
     match std::env::var("FORMS_MUTATIONS") {
         Ok(count) => count.parse().expect("FORMS_MUTATIONS is a number"),

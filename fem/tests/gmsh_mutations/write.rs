@@ -82,7 +82,7 @@ impl Writer {
         }
     }
 
-    // Between numbers that belong together nothing stands in binary files.
+    // Between numbers that belong together there is nothing in binary files.
     fn end_line(&mut self) {
         if self.format.is_text() {
             self.bytes.push(b'\n');

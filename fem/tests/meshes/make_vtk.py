@@ -1,4 +1,4 @@
-"""Makes the .vtu and .vtk files of this directory with meshio and with VTK from the .msh files beside them.
+"""Makes the .vtu and .vtk files of this directory with meshio and with VTK from the .msh files next to them.
 
     python3 -m venv venv && venv/bin/pip install -r requirements_vtk.txt && venv/bin/python make_vtk.py
 

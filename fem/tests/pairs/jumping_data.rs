@@ -80,7 +80,7 @@ fn at_every_door() {
     }
 }
 
-/// A jump on a part of each facet, beside its centre.
+/// A jump on a part of each facet, next to its centre.
 #[test]
 fn beside_the_centres_of_facets() {
     let still = |x| x;

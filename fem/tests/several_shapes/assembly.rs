@@ -206,7 +206,7 @@ fn histories_live_on_both_shapes() {
         let added: f64 =
             again.positions.iter().zip(&again.weights).map(|(x, weight)| weight * (x[0] * x[0] + x[1])).sum();
         assert!((total() - before - added).abs() < 1e-13);
-        // Each value stands at its own point.
+        // Each value is at its own point.
         let stored = assembler.history_values(&data.a).unwrap();
         for (value, x) in stored.iter().zip(&again.positions) {
             assert!((value[0] - 2.0 - x[0] * x[0] - x[1]).abs() < 1e-13);

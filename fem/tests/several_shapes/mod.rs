@@ -16,7 +16,7 @@ fn rough(space: &Arc<Space<2>>) -> Field<2> {
     Field::from_values(space, (0..space.unknowns()).map(value).collect()).unwrap()
 }
 
-/// The unit square as n × n squares, of which every third is two triangles; cells begin at any of their vertices. Of
+/// The unit square as n × n squares, where every third is two triangles; cells begin at any of their vertices. Of
 /// degree 1 its vertices are moved at random, of degree 2 all its nodes by a smooth map, in both cases only inside.
 pub fn patchwork(n: usize, degree: usize) -> Mesh<2> {
     let [squares, triangles] = cells(n, degree);

@@ -92,7 +92,7 @@ fn pictures_show_both_shapes() {
     let drawing = MeshDrawing::new(&mesh).cell_region("squares").unwrap().cell_region("every other").unwrap();
     drawing.region("top").unwrap().write_png(&of_mesh.0).unwrap();
     assert!(std::fs::metadata(&of_mesh.0).unwrap().len() > 10_000);
-    // A value that is no number is told of its own cell, wherever it stands.
+    // NaN is reported for its own cell, wherever it is.
     for cell in [0, 23, 24, 47] {
         let value = move |number: usize, _: &[f64; 2]| if number == cell { f64::NAN } else { 1.0 };
         let error = FieldMap::cell_by_cell(&mesh, value, "u").draw().map(|_| ()).unwrap_err().to_string();

@@ -45,7 +45,7 @@ type Once = fn([[Dual<f64>; 3]; 3]) -> [[Dual<f64>; 3]; 3];
 type Twice = fn([[Dual<Dual<f64>>; 3]; 3]) -> [[Dual<Dual<f64>>; 3]; 3];
 type Thrice = fn([[Dual<Dual<Dual<f64>>>; 3]; 3]) -> [[Dual<Dual<Dual<f64>>>; 3]; 3];
 
-/// A scalar function and the tensor function, with so many derivatives.
+/// A scalar function and the tensor function, with the given number of derivatives.
 type Function = (fn(f64) -> f64, Plain, Once, Twice, Thrice);
 
 fn functions() -> [Function; 3] {

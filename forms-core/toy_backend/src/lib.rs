@@ -233,7 +233,7 @@ impl<const D: usize> ExpressionVisitor<D> for Evaluation<'_, D> {
     }
 }
 
-/// The number that a functional (or energy) stands for.
+/// The value of a functional (or energy).
 pub fn functional<F: Functional<D>, const D: usize>(mesh: &Mesh<D>, form: &F, unknowns: &[Nodal]) -> f64 {
     let walk = Walk { mesh, fields: form.fields(), inputs: form.inputs(), unknowns, directions: &[] };
     let mut evaluation = Evaluation { walk, region: None, values: vec![] };

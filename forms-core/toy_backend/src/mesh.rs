@@ -121,7 +121,7 @@ impl<const D: usize> Mesh<D> {
             .into_iter()
             .map(|vertices| {
                 let edges = if quadratic { pairs(D + 1) } else { vec![] };
-                // The cells' vertices stand in rising order, so that both cells of an edge name it alike.
+                // The cells' vertices are in rising order, so that both cells of an edge name it alike.
                 let added: Vec<usize> =
                     edges.iter().map(|[i, j]| node_of_edge([vertices[*i], vertices[*j]])).collect();
                 let nodes = [&vertices[..], &added].concat();

@@ -38,7 +38,7 @@ impl Components for Matrix {
     }
 }
 
-/// Values at points beside those of an independent evaluation: each component up to 1e-12 of its size, or of one.
+/// Values at points compared with those of an independent evaluation: each component up to 1e-12 of its size, or of one.
 pub fn assert_values<R: Components>(found: &[Vec<f64>], expected: impl ExactSizeIterator<Item = R>) {
     assert_eq!(found.len(), expected.len());
     for (found, expected) in found.iter().zip(expected) {

@@ -321,7 +321,7 @@ fn defaults_stand_where_nothing_was_given() {
     assert_eq!(data.base.base.mu, 0.7);
 }
 
-/// Parameters are told by their own names, and a base's signs and documentation stand in formulas.
+/// Parameters are reported by their own names, and formulas have a base's signs and documentation.
 #[test]
 fn names_and_signs_of_the_base_are_kept() {
     let model = loaded::Model::<2>::new(extended(0.7, Given::constant(GAP)));

@@ -33,7 +33,7 @@ pub mod friction {
     }
 }
 
-/// Members of two structs, with an own declaration of `gap`, which stands; `lambda` and `mu` come twice and are one.
+/// Members of two structs, with an own declaration of `gap`, which wins; `lambda` and `mu` come twice and are one.
 #[forms(crate = forms_core)]
 pub mod flat {
     use crate::elasticity::stress;

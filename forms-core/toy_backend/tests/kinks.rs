@@ -257,7 +257,7 @@ pub mod singular {
     pub fn nothing(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
         integral(Omega, (0 * exp(u) + u - u + pow(u, 0) - 1) * v)
     }
-    /// The identity's zeros are nothing, whatever is beside them.
+    /// The identity's zeros are nothing, whatever is next to them.
     pub fn off_diagonal(u: State<Scalar>) -> Scalar {
         (ln(u) * I)[0][1]
     }

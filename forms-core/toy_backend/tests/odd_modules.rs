@@ -69,7 +69,7 @@ pub mod numbers {
     #[cells]
     pub struct Omega;
 
-    /// D − 2 is zero in 2D; a literal zero would be told at once.
+    /// D − 2 is zero in 2D; a literal zero would be reported at once.
     pub fn divided_by_zero(s: Scalar) -> Scalar {
         s / (D - 2)
     }
@@ -318,7 +318,7 @@ fn names_of_the_prelude_and_of_primitive_types_are_names_like_others() {
     assert!(format!("{:?}", attributes::Omega::on("all")).starts_with("Omega(Region"));
 }
 
-/// Zeros beside what is linear in the test function, and whole numbers of D.
+/// Zeros next to what is linear in the test function, and whole numbers of D.
 #[forms(crate = forms_core, dimension = 2)]
 pub mod zeros {
     pub struct Data {

@@ -137,7 +137,7 @@ pub mod both_ways {
     }
 }
 
-/// Data and region of another module, of which one is renamed.
+/// Data and region of another module; one is renamed.
 #[forms(crate = forms_core)]
 pub mod dynamics {
     use super::elasticity::{Data, Omega as Body, stress};

@@ -82,7 +82,7 @@ impl<const D: usize> State<D> {
     }
 }
 
-/// One operator: a module with its value and a form that holds it beside second derivatives of the test
+/// One operator: a module with its value and a form that holds it next to second derivatives of the test
 /// function, and the test of both.
 macro_rules! operator {
     ($name:ident: Scalar { $($body:tt)* } $expected:expr) => {

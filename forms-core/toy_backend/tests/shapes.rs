@@ -1,4 +1,4 @@
-//! Declared shapes: fixed extents beside the dimension, and rank 4, of unknowns, data and results.
+//! Declared shapes: fixed extents besides the dimension, and rank 4, of unknowns, data and results.
 
 use forms_core::contract::*;
 use forms_core::contract::{Dim, Dimension};

@@ -4,7 +4,7 @@
 //! syn::ItemMod ─parse→ Module ─check→ Checked ─differentiate→ Derived ─optimise→ Optimised ─emit→ Rust
 //! ```
 //!
-//! Beside the stages: `reuse` brings what the module imports before them, `dump` and `show` print what they made, `proof` and
+//! Next to the stages: `reuse` brings what the module imports before them, `dump` and `show` print what they made, `proof` and
 //! `reference` check them on random forms.
 
 use proc_macro2::{Literal, TokenStream};
@@ -100,7 +100,7 @@ pub fn allow() -> TokenStream {
     }
 }
 
-/// Begins to compile what stands in `form!`.
+/// Begins to compile the contents of `form!`.
 pub fn start_form(state: State) -> TokenStream {
     match &state.subject {
         Subject::Form(tokens) => proceed_form(tokens, &state),

@@ -8,7 +8,7 @@ use quote::ToTokens;
 pub struct SourceSpan {
     start: Span,
     end: Span,
-    /// The imported function that is called here, if what stands here came from its body: an index, counted from one.
+    /// The imported function that is called here, if the contents came from its body: an index, counted from one.
     origin: usize,
 }
 
@@ -33,7 +33,7 @@ struct Diagnostic {
 #[derive(Debug, Default)]
 pub struct Diagnostics {
     found: Vec<Diagnostic>,
-    /// So many were found in earlier dimensions.
+    /// Number found in earlier dimensions.
     settled: usize,
     /// Number of reports of mistakes, the same one again included.
     reports: usize,
@@ -43,7 +43,7 @@ pub struct Diagnostics {
     inside: Option<Inside>,
 }
 
-/// The place at which mistakes inside an imported function are told: its own tokens stand in another module.
+/// The place at which mistakes inside an imported function are reported: its own tokens are in another module.
 #[derive(Clone, Copy, Debug)]
 struct Inside {
     /// The call.
@@ -85,7 +85,7 @@ impl Diagnostics {
         self.inside.is_some()
     }
 
-    /// From here on mistakes belong to an imported function, and are told at its call. Gives the span for its nodes.
+    /// From here on mistakes belong to an imported function, and are reported at its call. Gives the span for its nodes.
     pub fn enter(&mut self, call: SourceSpan, origin: &str, silent: bool) -> SourceSpan {
         let known = self.origins.iter().position(|known| known == origin);
         let index = known.unwrap_or_else(|| {

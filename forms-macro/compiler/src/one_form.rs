@@ -18,7 +18,7 @@ use crate::check::builtins::is_built_in;
 use crate::compile::allow;
 use crate::parse::declared_type::word;
 
-/// A form that stands alone.
+/// A form without a module.
 pub struct OneForm {
     /// The module of one function, `form`.
     pub item: ItemMod,
@@ -247,7 +247,7 @@ impl OneForm {
 }
 
 impl Entry {
-    /// `name: value`, as the data struct wants it: a number or a closure stands for what it means there.
+    /// `name: value`, as the data struct wants it: a number or a closure has its meaning there.
     fn assignment(&self, backend: &syn::Path) -> TokenStream {
         let Entry { name, ty, value } = self;
         let given = matches!(word(ty), Some((kind, _)) if kind == "Given" || kind == "Carried");
@@ -263,7 +263,7 @@ impl Entry {
     }
 }
 
-/// A number, or an array of such, that stands in the text: as everywhere in a form, it is real.
+/// A number, or an array of such, in the text: as everywhere in a form, it is real.
 fn written(value: &Expr) -> Option<TokenStream> {
     match value {
         Expr::Lit(literal) => match &literal.lit {

@@ -58,7 +58,7 @@ fn level(arguments: impl Iterator<Item = String>) -> Option<String> {
     Some(level)
 }
 
-/// `@path` stands for the lines of a file: long command lines come so.
+/// `@path` means the lines of a file: long command lines come so.
 fn in_file(argument: String) -> Vec<String> {
     match argument.strip_prefix('@').map(fs::read_to_string) {
         Some(Ok(text)) => text.lines().map(str::to_string).collect(),

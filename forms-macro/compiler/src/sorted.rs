@@ -1,6 +1,6 @@
 //! Maps and sets that keep their keys in order in a list.
 //!
-//! The compiler has thirty types of them, most with a few entries. A search tree of the standard library is compiled anew for each type
+//! The compiler has thirty types of them, most with a few entries. A search tree of the standard library is compiled again for each type
 //! (docs/decisions/build_times.md); here a type costs a binary search and an insertion.
 
 use std::borrow::Borrow;
@@ -25,7 +25,7 @@ impl<K: Ord, V> SortedMap<K, V> {
         SortedMap::default()
     }
 
-    /// Where a key is, or where it would stand.
+    /// Where a key is, or where it would be.
     fn place<Q: Ord + ?Sized>(&self, key: &Q) -> Result<usize, usize>
     where
         K: Borrow<Q>,
@@ -124,7 +124,7 @@ impl<K: Ord, V> SortedMap<K, V> {
         self.entries.into_iter().map(|(_, value)| value)
     }
 
-    /// Keeps the entries of which the condition holds.
+    /// Keeps the entries that satisfy the condition.
     pub fn retain(&mut self, mut condition: impl FnMut(&K, &mut V) -> bool) {
         self.entries.retain_mut(|(key, value)| condition(key, value));
     }

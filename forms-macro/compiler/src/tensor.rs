@@ -19,7 +19,7 @@ pub struct Tensor(pub u32);
 /// Extents of the axes: `[]` scalar, `[D]` vector, `[D, D]` tensor; up to rank 4 inside.
 pub type Shape = Vec<usize>;
 
-/// A cell beside a facet. Inside cells and on exterior facets there is only `This`.
+/// A cell of a facet. Inside cells and on exterior facets there is only `This`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Side {
     /// The cell that owns the facet.
@@ -108,7 +108,7 @@ pub enum Variable {
     /// The shape of the domain: points move along a vector field, at fixed reference coordinates. With the entity that is
     /// integrated over its measure moves, too, and is divided out again: (density × measure)′ / measure.
     Shape(Option<Entity>),
-    /// A length, area or volume of the cell or facet, which moves with nothing else.
+    /// A length, area or volume of the cell or facet; nothing else moves.
     Size(Geometry),
 }
 
@@ -206,7 +206,7 @@ pub enum Operator {
         direction: Tensor,
     },
 
-    /// A name that stands for what it was given: only where a formula is to be shown, never in a kernel.
+    /// A name with its meaning: only where a formula is to be shown, never in a kernel.
     Named(Named),
 }
 

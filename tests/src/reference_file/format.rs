@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::family::folder;
 
-/// A file as it stands.
+/// A file as it is.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReferenceFile {

@@ -8,7 +8,7 @@ use forms_fem::forms;
 pub mod adjoint {
     pub use forms_contact::forms::{Boundary, GammaC, Omega};
 
-    /// s, beside the data of `forms_contact`.
+    /// s, in addition to the data of `forms_contact`.
     #[extends(forms_contact::forms::Data)]
     pub struct Data {
         /// s = N′.

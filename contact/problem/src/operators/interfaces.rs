@@ -131,7 +131,7 @@ pub mod friction {
     }
 
     /// P_n n_y + P_t with P_n = σ_n + γ g and P_t = (σn − γ slip)_t: the augmented traction for the traction σn, the present
-    /// gap g and the slip since the last step, of which the normal part does not count.
+    /// gap g and the slip since the last step; its normal part does not count.
     #[doc(alias = "P")]
     pub fn augmented_traction(
         traction: Vector,
@@ -176,7 +176,7 @@ pub mod signed_distance {
     }
 
     /// Distance from all points within `radius` of a box around the origin with the half edges `half_sizes`: a box with round
-    /// edges, of which balls, capsules and flat punches are cases.
+    /// edges; balls, capsules and flat punches are cases.
     pub fn rounded_box_distance(y: Vector, half_sizes: Vector, radius: Scalar) -> Scalar {
         // In the plane the last axis is the second one, and counts once.
         let first = abs(y[0]) - half_sizes[0];
@@ -186,7 +186,7 @@ pub mod signed_distance {
         norm(beyond) + min(max(first, max(second, last)), 0) - radius
     }
 
-    /// φ/|∇φ| of a level-set function φ and its slope ∇φ: the distance on the surface and to first order beside it. The normal
+    /// φ/|∇φ| of a level-set function φ and its slope ∇φ: the distance on the surface and to first order next to it. The normal
     /// into the obstacle is then −∇φ/|∇φ|.
     pub fn level_set_distance(level: Scalar, slope: Vector) -> Scalar {
         level / norm(slope)

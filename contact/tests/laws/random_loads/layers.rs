@@ -29,7 +29,7 @@ pub fn compare(case: &Case, reaction: &[f64], expected: [f64; 2]) {
     }
 }
 
-/// Newton's method as it is told to go on down to rounding: a start that is noise has a large residual.
+/// Newton's method that continues down to rounding: a start that is noise has a large residual.
 pub fn to_rounding() -> NewtonOptions {
     NewtonOptions {
         relative_tolerance: 1e-12,

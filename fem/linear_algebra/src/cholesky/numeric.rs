@@ -57,7 +57,7 @@ struct Scratch {
 }
 
 impl Scratch {
-    /// Sees to the memory of the next values, of which the first has the given place among all, as far as so many are needed at once.
+    /// Prefaults the memory of the next values from the given place on, as far as the given number is needed at once.
     fn hand_over(&mut self, place: usize, needed: usize, next: &mut [f64]) {
         if place + needed > self.handed_over {
             let supply = self.supply.get_or_insert_with(|| Supply::of(size_of_val(next)));

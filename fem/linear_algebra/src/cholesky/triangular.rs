@@ -44,7 +44,7 @@ impl<'a> Supernode<'a> {
         subtract(below, columns.map(|column| &column[self.width..]), factors);
     }
 
-    /// Solves with the transposed of some columns, of which the values at the rows that follow are known.
+    /// Solves with the transposed of some columns, where the values at the following rows are known.
     fn backward<const N: usize>(&self, from: usize, own: &mut [f64], below: &[f64]) {
         let columns = self.columns::<N>(from);
         let (unknown, known) = own[from..].split_at_mut(N);

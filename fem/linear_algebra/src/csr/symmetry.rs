@@ -30,7 +30,7 @@ impl CsrMatrix {
         Self::from_triplets(self.rows(), self.columns(), &triplets)
     }
 
-    /// Largest |a_ij − a_ji| beside the size of the entry, which is the largest of |a_ij|, |a_ji| and √|a_ii a_jj|: each
+    /// Largest |a_ij − a_ji| relative to the size of the entry, which is the largest of |a_ij|, |a_ji| and √|a_ii a_jj|: each
     /// pair in its own unit, so that a stiff part does not hide a soft one. 0 for the zero matrix, NaN if an entry is NaN.
     ///
     /// # Errors

@@ -62,7 +62,7 @@ fn symmetric_part_and_asymmetry() {
     assert_eq!(part.values(), [8.0, 1.5, 1.5, 5.0]);
     let lower = upper.transpose();
     assert_eq!(lower.asymmetry().unwrap(), upper.asymmetry().unwrap());
-    // A soft part beside a stiff one, and multipliers: each pair in its own unit.
+    // A soft part next to a stiff one, and multipliers: each pair in its own unit.
     let entries =
         [(0, 0, 1e12), (1, 1, 2.0), (1, 2, 1.0), (2, 1, -1.0), (2, 2, 2.0), (0, 3, 1e6), (3, 0, 1e6)];
     let soft = CsrMatrix::from_triplets(4, 4, &entries).unwrap();

@@ -12,7 +12,7 @@ const SMALL: usize = 30;
 /// A cut has at least this part of the cells on each side.
 const LEAST: f64 = 0.4;
 
-/// The cost of a cut that slants, beside one across a coordinate: its halves are wedges, and what separates a wedge's own halves is
+/// The cost of a cut that slants, compared with one across a coordinate: its halves are wedges, and what separates a wedge's own halves is
 /// larger than what separates those of a block.
 const SLANTED: f64 = 1.2;
 
@@ -132,7 +132,7 @@ impl<'a, 'c> Halves<'a, 'c> {
         is_below.then_some(cost)
     }
 
-    /// Visits the marks of the blocks that two sets of cells have in common and no larger part's halves have, as long as it is told to go
+    /// Visits the marks of the blocks that two sets of cells have in common and no larger part's halves have, as long as `visit` asks to go
     /// on: whether it was to the end.
     fn common(
         &mut self,

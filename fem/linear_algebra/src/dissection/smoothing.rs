@@ -4,7 +4,7 @@ use crate::cells::CellBlocks;
 
 /// Most passes over the cells near a cut.
 const PASSES: usize = 4;
-/// So many cells of a hundred on either side are near a cut, and each half keeps at least so many.
+/// Percentage of cells per side that may cross a cut. Each half keeps at least this percentage.
 const NEAR: usize = 20;
 const KEPT: usize = 30;
 
@@ -17,7 +17,7 @@ pub(super) struct Smoothing {
 }
 
 impl Smoothing {
-    /// For so many blocks.
+    /// For the given number of blocks.
     pub(super) fn new(blocks: usize) -> Self {
         Smoothing { counts: vec![[0; 2]; blocks], sides: vec![], moved: vec![] }
     }

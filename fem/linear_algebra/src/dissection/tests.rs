@@ -1,4 +1,4 @@
-//! Dissections of cells: permutations, separators, couplings of no cell, fill beside minimum degree's.
+//! Dissections of cells: permutations, separators, couplings of no cell, fill compared with minimum degree's.
 
 use std::collections::BTreeSet;
 use std::f64::consts::PI;

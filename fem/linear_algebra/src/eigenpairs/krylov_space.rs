@@ -19,7 +19,7 @@ pub(super) struct Ritz {
     place: usize,
 }
 
-/// Vectors v₀, v₁, …, the first of which have been sent through the operator.
+/// Vectors v₀, v₁, …; the first ones have been sent through the operator.
 pub(super) struct KrylovSpace<'a> {
     pencil: &'a SymmetricPencil,
     shifted: &'a Shifted,
@@ -32,7 +32,7 @@ pub(super) struct KrylovSpace<'a> {
     exhausted: bool,
 }
 
-/// A vector of which projections leave this part is a combination of the others.
+/// A vector is a combination of the others if projections leave this part of it.
 const NEGLIGIBLE: f64 = 1e-11;
 /// Ritz values below this part of the largest belong to no eigenvalue.
 const ZERO: f64 = 1e-13;
@@ -72,7 +72,7 @@ impl<'a> KrylovSpace<'a> {
         Ok(())
     }
 
-    /// Sends vectors through the operator until so many have been, or the space is exhausted.
+    /// Sends vectors through the operator until the given number have been, or the space is exhausted.
     pub fn grow_to(&mut self, count: usize) -> Result<(), EigenError> {
         while self.images.len() < count {
             if self.images.len() == self.basis.len() {

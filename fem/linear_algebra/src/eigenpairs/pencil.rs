@@ -1,4 +1,4 @@
-//! Two symmetric matrices, one of which measures lengths, and the factor of their difference at a shift.
+//! Two symmetric matrices, where one measures lengths, and the factor of their difference at a shift.
 
 use std::sync::Arc;
 

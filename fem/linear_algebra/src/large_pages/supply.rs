@@ -14,12 +14,12 @@ use super::{Advice, SMALLEST, advise, pages_in};
 const LARGE: usize = 1 << 21;
 /// Small pages in the place of a large one take about so long.
 const SLOW: Duration = Duration::from_millis(1);
-/// After so many slow ones an array is given large pages no more; a single one may be slow because another process had its turn.
+/// After this number of slow ones an array gets no more large pages; a single one may be slow because another process had its turn.
 const PATIENCE: u32 = 3;
 /// Bytes of an array for which one large page is tried where the last ones were slow.
 const WORTH_TRYING: usize = 1 << 26;
 
-/// Whether the last array came to the end of its patience. A race costs time alone.
+/// True if the last array ran out of fast huge pages. A race only affects speed.
 static HAS_BEEN_SLOW: AtomicBool = AtomicBool::new(false);
 
 /// The handing over of an array.
@@ -28,7 +28,7 @@ pub(crate) struct Supply {
 }
 
 impl Supply {
-    /// For an array of so many bytes.
+    /// For an array of the given number of bytes.
     pub(crate) fn of(bytes: usize) -> Self {
         let patience = match HAS_BEEN_SLOW.load(Ordering::Relaxed) {
             true => u32::from(bytes >= WORTH_TRYING),
@@ -37,7 +37,7 @@ impl Supply {
         Supply { patience }
     }
 
-    /// Has the system hand over memory from the beginning of an array on, of which so many items are about to be written, and gives the
+    /// Prefaults memory from the beginning of an array on, where the given number of items are about to be written, and returns the
     /// number of those up to the last whole page. What has been handed over stays as it is.
     pub(crate) fn hand_over<T>(&mut self, array: &mut [T], needed: usize) -> usize {
         let (begin, bytes) = (array.as_ptr(), size_of_val(array));
@@ -77,13 +77,13 @@ impl Supply {
 /// A list that grows up to a length that is known.
 pub(crate) struct Filling<T> {
     list: Vec<T>,
-    /// So many items have their memory.
+    /// Number of items that have their memory.
     handed_over: usize,
     supply: Supply,
 }
 
 impl<T> Filling<T> {
-    /// An empty list with room for so many.
+    /// An empty list with room for the given number.
     pub(crate) fn with_room(count: usize) -> Self {
         // Small ones are left alone.
         let bytes = size_of::<T>() * count;
@@ -91,7 +91,7 @@ impl<T> Filling<T> {
         Filling { list: Vec::with_capacity(count), handed_over, supply: Supply::of(bytes) }
     }
 
-    /// The list, to which so many are about to be added.
+    /// The list, to which the given number are about to be added.
     #[inline]
     pub(crate) fn before_adding(&mut self, count: usize) -> &mut Vec<T> {
         let length = self.list.len();

@@ -20,7 +20,7 @@ use crate::threads::Threads;
 /// Choices of [`Multigrid`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct MultigridOptions {
-    /// Degree of the Chebyshev smoother on levels with given transfers: so many products before and after the
+    /// Degree of the Chebyshev smoother on levels with given transfers: this number of products before and after the
     /// correction.
     pub degree: usize,
     /// Degree on the other levels.
@@ -29,7 +29,7 @@ pub struct MultigridOptions {
     pub range: f64,
     /// Couplings with ‖A_ij‖² ≤ threshold² ‖A_ii‖ ‖A_jj‖ do not join nodes to aggregates.
     pub threshold: f64,
-    /// Matrices of at most so many unknowns are solved directly.
+    /// Matrices of at most this number of unknowns are solved directly.
     pub direct_size: usize,
     /// Most levels; the last is solved directly whatever its size.
     pub max_levels: usize,
@@ -183,7 +183,7 @@ impl Multigrid {
     }
 }
 
-/// Puts 1 on the diagonal of rows that are empty: unknowns of a coarser level that stand for nothing.
+/// Puts 1 on the diagonal of rows that are empty: unknowns of a coarser level that represent nothing.
 fn fill_empty_rows(matrix: &mut BlockMatrix) {
     for row in 0..matrix.rows() {
         if let Some(place) = matrix.sparsity().find(row, row)

@@ -27,7 +27,7 @@ pub fn write_whole(
             write(&mut writer).and_then(|()| writer.flush())
         }
         Destination::StandardOutput(file) => {
-            // What was printed before stands before.
+            // What was printed earlier comes first.
             io::stdout().flush()?;
             let mut writer = BufWriter::new(file);
             write(&mut writer).and_then(|()| writer.flush())
@@ -36,7 +36,7 @@ pub fn write_whole(
     written.map_err(|error| named(path, &error))
 }
 
-/// Whether [`write_whole`] can write a file, to be asked before a long computation: a file of another name is written beside
+/// Whether [`write_whole`] can write a file, to be asked before a long computation: a file of another name is written next to
 /// it and removed, and the file itself is left as it is. A device is opened, a pipe is believed.
 ///
 /// # Errors
@@ -95,7 +95,7 @@ fn end_of_links(path: &Path) -> io::Result<PathBuf> {
     let mut end = path.to_owned();
     for _ in 0..MOST_LINKS {
         match fs::read_link(&end) {
-            // A relative link is read from where it stands.
+            // A relative link is relative to its own directory.
             Ok(next) => end = end.parent().unwrap_or(Path::new("")).join(next),
             Err(_) => return Ok(end),
         }
@@ -233,7 +233,7 @@ pub(crate) mod tests {
         assert_eq!(fs::read_dir(&directory.0).unwrap().count(), 5);
     }
 
-    /// A named pipe passes on what is written and stays; so does a link to a device, whose errors are told.
+    /// A named pipe passes on what is written and stays; so does a link to a device, whose errors are reported.
     #[cfg(unix)]
     #[test]
     fn special_files_are_written_through() {

@@ -32,7 +32,7 @@ impl<const D: usize> AdaptiveMesh<D> {
     /// A mesh before its first division.
     ///
     /// # Errors
-    /// Those of [`BisectedMesh::new`] and [`OctreeMesh::new`]; [`MeshError::NotSimplices`] where quadrilaterals stand beside triangles.
+    /// Those of [`BisectedMesh::new`] and [`OctreeMesh::new`]; [`MeshError::NotSimplices`] for a mesh of quadrilaterals and triangles.
     pub fn new(mesh: impl Into<Arc<Mesh<D>>>) -> Result<Self, MeshError> {
         Self::of(mesh.into())
     }

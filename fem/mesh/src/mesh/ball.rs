@@ -110,7 +110,7 @@ fn position(u: [f64; 3], t: f64) -> [f64; 3] {
         return inside;
     }
     let outside = cube_to_ball(u);
-    // It is 1 but for round-off.
+    // It is 1 except for round-off.
     let length = outside.iter().map(|x| x * x).sum::<f64>().sqrt();
     std::array::from_fn(|k| (1.0 - t) * inside[k] + t * outside[k] / length)
 }

@@ -23,7 +23,7 @@ impl<const D: usize> Mesh<D> {
     /// ```
     ///
     /// # Errors
-    /// [`MeshError::Bodies`] for geometries of different degrees and for a name that is given twice; those of [`Mesh::from_blocks`] but for
+    /// [`MeshError::Bodies`] for geometries of different degrees and for a name that is given twice; those of [`Mesh::from_blocks`] except for
     /// hanging nodes.
     #[inline(never)]
     pub fn of_bodies(bodies: &[(&str, &Mesh<D>)]) -> Result<Self, MeshError> {

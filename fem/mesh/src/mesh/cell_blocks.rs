@@ -15,7 +15,7 @@ pub struct CellBlock {
 }
 
 impl CellBlock {
-    /// The block whose cells are each divided into so many of the same shape.
+    /// The block whose cells are each divided into the given number of the same shape.
     pub(super) fn divided(&self, parts: usize) -> CellBlock {
         CellBlock { shape: self.shape, cells: self.cells.start * parts..self.cells.end * parts }
     }
@@ -38,7 +38,7 @@ struct ListBlock {
 }
 
 impl CellLists {
-    /// Lists with so many numbers per cell of a shape.
+    /// Lists with a given number of numbers per cell of a shape.
     pub fn new(blocks: &[CellBlock], per_cell: impl Fn(CellShape) -> usize) -> Self {
         let mut start = 0;
         let mut list = |block: &CellBlock| {

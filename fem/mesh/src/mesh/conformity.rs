@@ -24,7 +24,7 @@ pub struct Conformity<const D: usize> {
     pub cracks: Vec<[Facet; 2]>,
     /// Vertices on facets that do not have them.
     pub hanging_nodes: Vec<HangingNode<D>>,
-    /// Cells of which one contains the centre of the other, or of an exterior facet of the other.
+    /// Two cells, where one contains the centre of the other, or of an exterior facet of the other.
     pub overlaps: Vec<Overlap<D>>,
 }
 
@@ -105,7 +105,7 @@ impl<const D: usize> Mesh<D> {
         }
         let place = |vertex: u32| self.nodes[vertex as usize];
         let tree = PointTree::new(near.keys().map(|&vertex| (place(vertex), vertex)).collect());
-        // Of the vertices at one place the one with the lowest number stands for all.
+        // The vertex with the lowest number represents all vertices at one place.
         let mut first: BTreeMap<u32, u32> = BTreeMap::new();
         for (&vertex, &tolerance) in &near {
             let (x, mut lowest) = (place(vertex), vertex);

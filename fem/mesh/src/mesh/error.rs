@@ -104,7 +104,7 @@ pub enum MeshError {
         /// "nodes" or "cells".
         what: &'static str,
     },
-    /// The system has no room for so many.
+    /// The system has not enough memory.
     #[error("there is not enough memory for {count} {what}, {:.1} GB", *bytes as f64 / 1e9)]
     NoMemory {
         /// "nodes" or "cells".
@@ -349,7 +349,7 @@ pub enum MeshError {
         /// The name.
         name: String,
     },
-    /// A rigid surface of which all points lie within the bodies, where no surface of theirs can face it.
+    /// A rigid surface whose points are all inside the bodies, where no surface of theirs can face it.
     #[error(
         "the rigid surface \"{name}\" lies inside a body: all of its points, the first at {position:?}, are in cells that do not \
          reach the boundary. Put it beside the bodies"

@@ -56,7 +56,7 @@ impl<const D: usize> FacetParts<D> {
         self.facets.is_empty()
     }
 
-    /// The same of cells with other numbers, beside those that there are.
+    /// The same of cells with other numbers, in addition to the present ones.
     pub(super) fn extend_shifted(&mut self, others: &Self, start: u32) {
         let first = self.places.len() as u32;
         let shifted = |facet: &Facet| Facet { cell: facet.cell + start, ..*facet };

@@ -80,7 +80,7 @@ mod tests {
     use crate::element::CellShape;
     use crate::mesh::rectangle;
 
-    /// A column of large squares beside one of smaller ones, each on nodes of its own: so many in the height, of length 1.
+    /// A column of large squares next to one of smaller ones, each on nodes of its own: the given numbers in the height, of length 1.
     fn columns(large: usize, small: usize) -> Result<Mesh<2>, MeshError> {
         let left = rectangle([0.0, 0.0], [1.0, 1.0], [1, large], CellShape::Quadrilateral, 1)?;
         let right = rectangle([1.0, 0.0], [2.0, 1.0], [1, small], CellShape::Quadrilateral, 1)?;

@@ -51,7 +51,7 @@ impl<const D: usize> Mesh<D> {
 
     /// Names the interior facets of a list; each is given from one of its cells, which becomes its first
     /// side. Their order does not matter, and one that is listed twice counts once, as it came first. A facet with smaller ones on its
-    /// other side stands for all of them.
+    /// other side represents all of them.
     ///
     /// # Errors
     /// [`MeshError::NotInterior`] for a facet that is not between two cells (or does not exist),

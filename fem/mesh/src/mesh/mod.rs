@@ -80,10 +80,10 @@ pub use vtk::{VtkError, VtkMesh, VtkReader};
 
 /// A mesh of cells in D dimensions, with isoparametric geometry of degree 1 or 2. All cells have one shape, or, in the
 /// plane, some are triangles and some quadrilaterals: then cells of one shape follow each other in blocks.
-/// Geometry nodes of a cell stand in the order of [`crate::element::Lagrange`].
+/// Geometry nodes of a cell are in the order of [`crate::element::Lagrange`].
 ///
 /// The cell region "all", the facet region "boundary" and (where cells share facets) the region "interior" of
-/// interior facets always exist. Rigid surfaces ([`Mesh::with_rigid_surfaces`]) stand on further cells, which are in none of them.
+/// interior facets always exist. Rigid surfaces ([`Mesh::with_rigid_surfaces`]) have further cells, which are in none of them.
 #[derive(Clone, Debug)]
 pub struct Mesh<const D: usize> {
     /// Which cells have which shape.
@@ -164,7 +164,7 @@ impl<const D: usize> Mesh<D> {
     /// the facets are exterior. [`Mesh::conformity`] lists what touches.
     ///
     /// # Errors
-    /// As [`Mesh::from_blocks`], but for [`MeshError::HangingNode`].
+    /// As [`Mesh::from_blocks`], except for [`MeshError::HangingNode`].
     #[inline(never)]
     pub fn from_nonconforming_blocks(
         degree: usize,

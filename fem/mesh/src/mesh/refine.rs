@@ -22,7 +22,7 @@ pub fn onto_sphere<const D: usize>(centre: [f64; D], radius: f64) -> impl Fn(&[f
 impl<const D: usize> Mesh<D> {
     /// The mesh with each cell divided into 2^D. The children of cell c are the cells c·2^D to (c + 1)·2^D − 1.
     ///
-    /// New nodes stand where the geometry map has them, so that the mesh covers the same set: quadratic cells stay
+    /// New nodes are where the geometry map has them, so that the mesh covers the same set: quadratic cells stay
     /// curved, but come no nearer to a circle than they were; see [`Mesh::refined_onto`]. All regions are kept. Of the
     /// three ways to divide the middle of a tetrahedron the one is taken whose worst child is best.
     ///
@@ -34,7 +34,7 @@ impl<const D: usize> Mesh<D> {
     }
 
     /// As [`Mesh::refined`], and then the nodes on the facets of each region are moved by its map, for example onto the
-    /// circle that the region stands for. Where regions meet, their maps follow each other in the order given.
+    /// circle that the region approximates. Where regions meet, their maps follow each other in the order given.
     ///
     /// ```
     /// # use forms_mesh as forms_fem;

@@ -152,7 +152,7 @@ mod tests {
         Ok(())
     }
 
-    // The side is told apart where the facet is curved, too.
+    // The side is found where the facet is curved, too.
     #[test]
     fn curved_cells_on_one_side() -> Result<(), String> {
         let nodes = [

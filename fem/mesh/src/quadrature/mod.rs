@@ -198,7 +198,7 @@ impl<const D: usize> Quadrature<D> {
         }
     }
 
-    /// The rule on cells; `estimated` is the degree that [`Quadrature::Estimated`] stands for.
+    /// The rule on cells; `estimated` is the degree of [`Quadrature::Estimated`].
     ///
     /// # Errors
     /// Any [`QuadratureError`].
@@ -239,7 +239,7 @@ impl<const D: usize> Quadrature<D> {
         }
     }
 
-    /// The rule on a local facet that is whole; `estimated` is the degree that [`Quadrature::Estimated`] stands for.
+    /// The rule on a local facet that is whole; `estimated` is the degree of [`Quadrature::Estimated`].
     ///
     /// # Errors
     /// Any [`QuadratureError`].

@@ -72,7 +72,7 @@ impl<const D: usize> Assembler<D> {
         self.whole_or_parts(Described::of(form), (unknowns, tests), (parts, &[]), &mut walk(form))
     }
 
-    /// The residual of a form without unknowns, but for the integrals of some of its test functions, by their numbers: zero in their
+    /// The residual of a form without unknowns, except for the integrals of some of its test functions, by their numbers: zero in their
     /// places.
     ///
     /// # Errors

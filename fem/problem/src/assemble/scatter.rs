@@ -16,11 +16,11 @@ use crate::lanes::{InstructionSet, LaneWork, SimdLane};
 use crate::linear_algebra::BlockRows;
 use crate::threads::Threads;
 
-/// At least so many values are set to zero at once, a quarter of a megabyte: small enough that they are still in the second
+/// The least number of values that are set to zero at once, a quarter of a megabyte: small enough that they are still in the second
 /// cache when they are added to, large enough that they come there as a stream and not line by line.
 const CLEARED_AT_ONCE: usize = 1 << 15;
 
-/// The nodes of a cell are asked for so many cells before they are needed: the walk follows a curve, and their lists the numbers
+/// Number of cells by which the nodes of a cell are prefetched: the walk follows a curve, and their lists the numbers
 /// of the cells.
 const NODES_AHEAD: usize = 16;
 
@@ -195,7 +195,7 @@ impl MatrixScatter<'_> {
         self.clear_to(part, row + starts.partition_point(|start| *start <= far));
     }
 
-    /// Sets the rows up to an end to zero, but for those that are known to be.
+    /// Sets the rows up to an end to zero, except for those that are known to be.
     fn clear_to(&self, part: &mut OwnRows, end: usize) {
         if part.zeros.is_empty() {
             let offset = self.entries(0..part.rows.start).end;

@@ -101,7 +101,7 @@ impl<const D: usize> Constraints<D> {
         Substituted { rest, right, scale, earlier }
     }
 
-    /// That an equation of which no unknown is left follows from the earlier ones.
+    /// Checks that an equation without an unknown follows from the earlier ones.
     fn check_remainder(
         &self,
         place: &str,
@@ -128,7 +128,7 @@ impl<const D: usize> Constraints<D> {
 struct Substituted {
     rest: BTreeMap<usize, f64>,
     right: f64,
-    /// The largest size of what stands on the right.
+    /// The largest size on the right-hand side.
     scale: f64,
     /// The last condition that was put in.
     earlier: Option<Arc<str>>,

@@ -7,7 +7,7 @@ use crate::compiled_here::compiled_here;
 use crate::mesh::{Facet, Mesh, MeshError};
 use crate::space::{Family, Space};
 
-/// Basis functions below this are zero but for rounding.
+/// Basis functions below this are zero except for rounding.
 const NOTHING: f64 = 1e-13;
 
 /// The body of each cell, by a number that its cells have in common: cells that share a vertex are of one body.

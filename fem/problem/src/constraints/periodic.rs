@@ -29,7 +29,7 @@ impl<const D: usize> Constraints<D> {
         if let Some(alone) = taken.iter().position(|taken| !taken) {
             return Err(self.without_partner(to, from, slaves[alone], distance(&images, &targets[alone])));
         }
-        // Where all nodes stay, only vectors that turn are told anything. Some may stay: those on an axis of rotation do.
+        // Where all nodes stay, only vectors that turn are related. Some may stay: those on an axis of rotation do.
         let stays = masters.iter().zip(&partners).all(|(&master, &slave)| master == slaves[slave]);
         let turns = is_vector && map.rotation != RigidMap::translation([0.0; D]).rotation;
         if let Some(&node) = masters.first().filter(|_| stays && !turns) {

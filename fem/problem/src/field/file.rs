@@ -73,7 +73,7 @@ pub enum FieldFileError {
         line: usize,
         /// Contents of the file there.
         found: String,
-        /// Contents that ought to stand there.
+        /// The expected contents.
         expected: String,
     },
     /// A coefficient is not finite.

@@ -110,7 +110,7 @@ impl<const D: usize> Transfer<'_, D> {
         self
     }
 
-    /// Uses so many threads.
+    /// Uses the given number of threads.
     pub fn with_threads(mut self, threads: Threads) -> Self {
         self.threads = threads;
         self

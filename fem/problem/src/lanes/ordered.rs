@@ -2,7 +2,7 @@
 
 use super::Entries;
 
-/// Which of some values stands where: entry k is the `places[k]`-th value.
+/// The position of each value: entry k is the `places[k]`-th value.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Order {
     /// Distances from the first value in bytes: an address is a sum then, whatever the lanes.
@@ -14,7 +14,7 @@ pub(crate) struct Order {
 }
 
 impl Order {
-    /// An order of values with so many lanes.
+    /// An order of values with the given number of lanes.
     ///
     /// # Panics
     /// When there are more than four gigabytes of values.

@@ -39,7 +39,7 @@ impl<'a> PlacedBlocks<'a> {
     /// When `target` is shorter than these, or the places are those in other matrices.
     #[inline(always)]
     pub fn new<L: SimdLane>(target: &'a mut [f64], places: &'a PairPlaces, width: usize) -> Self {
-        // A constant, where the caller has one: distances from lane to lane stand in the instructions then.
+        // A constant, where the caller has one: distances from lane to lane are then part of the instructions.
         assert!(places.places.is_empty() || places.width == width);
         PlacedBlocks { target: &mut target[..L::WIDTH * width * width], places: &places.places, width }
     }

@@ -118,7 +118,7 @@ fn logarithms_are_right_to_two_units_in_the_last_place() {
         numbers.push(0.3 + 2.0 * t);
         numbers.push((1200.0 * (t - 0.5)).exp2().min(1e308));
     }
-    // Lanes with what has no logarithm stand beside ordinary ones.
+    // Lanes without a logarithm are next to ordinary ones.
     numbers.extend([0.0, -1.0, f64::INFINITY, f64::NAN, 5e-324, 3.0, -0.0, 7.0]);
     for set in of_machine() {
         for (x, found) in numbers.iter().zip(run_in(set, Logarithms(&numbers))) {
@@ -215,7 +215,7 @@ fn entries_come_out_in_their_order() {
     }
 }
 
-/// COUNT entries of all lanes, beside what is there.
+/// COUNT entries of all lanes, compared with what is there.
 struct Few<const COUNT: usize>;
 
 impl<const COUNT: usize> LaneWork for Few<COUNT> {

@@ -1,6 +1,6 @@
 //! Lanes of x86-64: four doubles in AVX2, eight in AVX-512.
 //!
-//! The unsafe code of lanes stands here, in `avx2_memory` and in `avx512_memory` (and in `ordered`, for what those read). It has one reason: an intrinsic may run only where
+//! The unsafe code of lanes is here, in `avx2_memory` and in `avx512_memory` (and in `ordered`, for what those read). It has one reason: an intrinsic may run only where
 //! the processor has its instructions. The two lane types are private to the package and reach other code only
 //! through [`run_avx2`] and [`run_avx512`], which check that first.
 

@@ -11,7 +11,7 @@
 //! | `n` | vector | from `this` to `other`; inside `other(..)` it is that cell's outward normal | `n('+')` |
 //! | `h`, `cell_volume` | scalar | of one of the cells: they need a side | `h('+')` |
 //!
-//! A side stands around a whole expression and is linear: it commutes with every operator and derivative. Every field needs one.
+//! A side encloses a whole expression and is linear: it commutes with every operator and derivative. Every field needs one.
 //! `x`, `facet_area`, parameters and numbers are the same from both cells.
 //!
 //! ```

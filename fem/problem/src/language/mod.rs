@@ -1,4 +1,4 @@
-//! The language of weak forms, operator by operator. Nothing but documentation stands here; every example is run.
+//! The language of weak forms, operator by operator. This module has only documentation; every example is run.
 //!
 //! A module under [`macro@crate::forms`] holds weak forms. It is Rust as far as syntax goes, so rustfmt formats it and an editor
 //! highlights it; the compiler behind the attribute gives its functions their meaning.

@@ -2,8 +2,8 @@
 //!
 //! `use path::name;` inside a forms module imports a function (a strain, a stress, a whole form) of another one, in the same crate
 //! or in another; it finds parameters and regions by their names in the importing module. `#[extends(path::Data)]` makes the members
-//! of another module's data members of this one's, and `#[default(0)]` stands before what is rarely given. `form!` compiles one
-//! expression where it stands, by the same compiler.
+//! of another module's data members of this one's, and `#[default(0)]` marks what is rarely given. `form!` compiles one
+//! expression in its place, by the same compiler.
 //!
 //! ```
 //! # use forms_fem::prelude::*;

@@ -316,7 +316,7 @@ mod tests {
         assert!(matches!(VtuFile::new(&other).point_data("u", &field), Err(VtuError::OtherMesh { .. })));
     }
 
-    /// A field that jumps between two cells, beside a continuous one.
+    /// A field that jumps between two cells, and a continuous one.
     #[test]
     fn discontinuous_fields_have_points_of_their_own() {
         let mesh =

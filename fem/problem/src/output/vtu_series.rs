@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use super::vtu::{VtuError, VtuFile};
 use super::write_whole;
 
-/// A series of `.vtu` files beside one another: `out/ring.pvd` names `ring_0000.vtu`, `ring_0001.vtu` and so on.
+/// A series of `.vtu` files next to one another: `out/ring.pvd` names `ring_0000.vtu`, `ring_0001.vtu` and so on.
 ///
 /// ```
 /// use forms_fem::output::{VtuFile, VtuSeries};

@@ -77,7 +77,7 @@ impl<const D: usize> Beam<D> {
         along.abs() <= length && dot(&off, &off) - along * along <= width * width
     }
 
-    /// The most by which the place of a ball that an earlier beam did not meet may have come nearer by the motion of the rays;
+    /// Upper bound on how much closer a ball that `earlier` missed can be, by the motion of the rays;
     /// no ball that this beam meets has a larger radius.
     fn moved_since(&self, earlier: &Beam<D>, largest: f64) -> f64 {
         let [length_now, width] = self.extents().map(|extent| extent + largest);

@@ -82,7 +82,7 @@ pub enum PairError {
         /// The reach given.
         reach: f64,
     },
-    /// Surfaces that face each other nowhere.
+    /// A pairing without contact pairs.
     #[error(
         "no point of \"{own}\" faces \"{opposite}\" within reach ({met} points met it from behind or further away)"
     )]
@@ -91,7 +91,7 @@ pub enum PairError {
         own: String,
         /// The opposite one.
         opposite: String,
-        /// Points of which the surface was found, but from behind or beyond the reach.
+        /// Points whose surface was found, but from behind or beyond the reach.
         met: usize,
     },
     /// A quadrature rule that does not exist or is not accepted.
@@ -144,7 +144,7 @@ pub enum PairError {
         /// The opposite one.
         opposite: String,
     },
-    /// Surfaces of which no point meets the other along a direction.
+    /// Surfaces that do not meet along a direction.
     #[error("the cells \"{moving}\" meet no opposite surface along {direction:?}")]
     NeverMeet {
         /// The cells that move.

@@ -106,7 +106,7 @@ pub(super) struct Room<const D: usize> {
 }
 
 impl<const D: usize> Found<D> {
-    /// With room for some own facets of so many points each.
+    /// With room for some own facets with the given number of points each.
     pub fn with_room(facets: usize, points: usize) -> Self {
         Found {
             units: Vec::with_capacity(2 * facets),

@@ -139,7 +139,7 @@ impl<const D: usize> Frame<D> {
 
 impl<L: Lane, const D: usize> Frame<D, L> {
     /// The coordinates along the tangents at which a line through a point along n meets the tangent plane; `off` is the vector
-    /// from where the frame stands to the point. No numbers where the line runs along the plane.
+    /// from the frame's origin to the point. No numbers where the line runs along the plane.
     #[inline(always)]
     pub fn met_by(&self, off: &[L; D], n: &[L; D]) -> [L; 2] {
         let gap = -dot(&self.normal, off) / dot(&self.normal, n);

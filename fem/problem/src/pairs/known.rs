@@ -43,7 +43,7 @@ struct Known<const D: usize> {
     pairs: Arc<Pairs<D>>,
 }
 
-/// Adds to a list of at most so many of a kind; the oldest go.
+/// Adds to a list with a largest number per kind; the oldest go.
 pub(super) fn keep<T>(list: &mut Vec<T>, entry: T, limit: usize, of_this_kind: impl Fn(&T) -> bool) {
     if list.iter().filter(|one| of_this_kind(one)).count() == limit
         && let Some(oldest) = list.iter().position(of_this_kind)

@@ -1,5 +1,6 @@
 //! Contact pairs: each quadrature point of a surface with the point opposite to it, on the undeformed mesh or on displaced
-//! surfaces, where points slide.
+//! surfaces, where points slide. `search.rs` finds the opposite point: `Search::opposite_to` for the nearest point or a single ray,
+//! `nearest_on_rays.rs` for the rays of a facet together.
 //!
 //! ```text
 //! displacement   the fields that displace surfaces
@@ -15,7 +16,7 @@
 //! search, points, ray_points, found   the opposite points of an own facet's points
 //! pieces, clip   an own facet in parts that face one opposite facet, in the plane and in space
 //! report    the numbers of a pairing's points
-//! known, surface_values   searches that were done, and the values by which they are told apart
+//! known, surface_values   searches that were done, and the values that identify them
 //! jumping_data   functions of position that do not know on which body they are
 //! first_touch    a rigid approach until surfaces meet
 //! tunnelling     points that would pass through the opposite body between two displacements
@@ -125,10 +126,10 @@ type GroupKey = ([(CellShape, u8); 2], usize, bool);
 #[derive(Clone, Debug)]
 #[doc(hidden)]
 pub struct Pairs<const D: usize> {
-    /// In an order that follows from the mesh alone; in each group units stand in the order of the walk.
+    /// In an order that follows from the mesh alone; in each group units are in the order of the walk.
     pub(crate) groups: Vec<Arc<PairGroup<D>>>,
     pub report: PairReport<D>,
-    /// The places in the pairing of surfaces of which no point has an opposite one.
+    /// The places in the pairing of surfaces whose points have no opposite one.
     pub alone: Vec<usize>,
 }
 

@@ -244,7 +244,7 @@ mod tests {
         }
     }
 
-    /// Bits of pairs do not depend on the number of lanes: what a ray meets does not depend on those beside it.
+    /// Bits of pairs do not depend on the number of lanes: what a ray meets does not depend on its neighbours.
     #[test]
     fn lanes_have_the_bits_of_single_rays() {
         for shape in [CellShape::Triangle, CellShape::Quadrilateral] {

@@ -23,7 +23,7 @@ pub(super) struct Met<const D: usize, L: SimdLane> {
     pub point: SurfacePoint<D, L>,
 }
 
-/// The points at which rays meet a facet; none where all pass it by. What a ray meets does not depend on those beside it.
+/// The points at which rays meet a facet; none where all pass it by. What a ray meets does not depend on its neighbours.
 #[inline(always)]
 pub(super) fn along_rays<L: SimdLane, const D: usize>(
     facet: &SurfaceFacet<D>,

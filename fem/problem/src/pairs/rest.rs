@@ -72,7 +72,7 @@ pub(super) struct SurfaceAtRest<const D: usize> {
 #[derive(Debug)]
 pub(super) struct NodesOfFacets {
     numbers: Vec<u32>,
-    /// Entries per facet, of which one with fewer nodes does not use all.
+    /// Entries per facet; one with fewer nodes does not use all.
     stride: usize,
 }
 

@@ -50,7 +50,7 @@ impl<const D: usize> Affine<D> {
             length(&start) + along.iter().map(length).sum::<f64>() + mesh.diameter(carried.cell as usize);
         for (place, node) in places.iter().zip(nodes) {
             let away = length(&minus(&field.value_at(*node), &map.at(place)));
-            // What is no number is told where it is assembled.
+            // NaN is reported where it is assembled.
             if away > ROUNDING * size {
                 return Err(PairError::Bent { surface: carried.name.clone(), away });
             }
@@ -88,7 +88,7 @@ pub(super) fn facets<'m, const D: usize>(
     Ok(made.into_iter().flatten().collect())
 }
 
-/// The facets of a surface as what couples unknowns: those of a body, or the one that stands for a rigid surface.
+/// The facets of a surface as what couples unknowns: those of a body, or the one that represents a rigid surface.
 pub(crate) fn coupled_facets<'m, const D: usize>(
     mesh: &'m Mesh<D>,
     name: &str,

@@ -1,4 +1,4 @@
-//! The values that displace a pairing's surfaces: what pairs depend on, by which known searches are told apart.
+//! The values that displace a pairing's surfaces: what pairs depend on, which identify known searches.
 
 use std::sync::{Arc, Mutex, PoisonError};
 

@@ -22,7 +22,7 @@ pub(super) struct Surfaces<'m, const D: usize> {
     pub displaced: bool,
 }
 
-/// The facets of a surface of a body, of which there is one at least.
+/// The facets of a surface of a body, at least one.
 fn facets<'m, const D: usize>(mesh: &'m Mesh<D>, name: &str) -> Result<&'m [Facet], PairError> {
     let facets = mesh.facet_region(name).map_err(|source| PairError::Surface { source })?;
     match facets.is_empty() {

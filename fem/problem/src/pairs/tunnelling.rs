@@ -19,8 +19,7 @@ use crate::quadrature::Quadrature;
 use crate::space::Space;
 use crate::threads::Threads;
 
-/// A point may lie this part of what contact can see behind the opposite surface: half-way it would be told from which side it came
-/// by nothing.
+/// A point may be behind the opposite surface by this part of what contact can see. Further on its side would be ambiguous.
 const ALLOWED: f64 = 0.5;
 
 /// From one place to the next surfaces move by at most this part of what contact can see. Where normals are 60° apart a gap

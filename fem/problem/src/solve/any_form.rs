@@ -1,4 +1,4 @@
-//! Forms of any type behind one: a problem is compiled once, in this crate, and a user's form brings its kernels alone.
+//! Type-erased forms: a problem is compiled once, in this crate, and a user's form adds only its kernels.
 
 use std::convert::Infallible;
 use std::ops::Deref;

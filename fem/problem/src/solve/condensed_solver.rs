@@ -6,7 +6,7 @@
 //! 1. y = L⁻¹ b,   2. (S + B_cc) x_c = L_c y_c by dense LU,   3. y_c ← L_cᵀ x_c, x = L⁻ᵀ y,
 //!
 //! so a Newton step costs two half solves and a small dense LU; the transposed system costs the same.
-//! Where c grows, K is factored anew with the larger c; where that does not pay or K is not positive
+//! Where c grows, K is factored again with the larger c; where that does not pay or K is not positive
 //! definite, a [`TangentSolver`] takes over.
 
 mod condensed_system;
@@ -43,7 +43,7 @@ const DENSE_COST: f64 = 400.0;
 
 /// Relative residual below which refinement of the whole solution stops.
 const ACCURATE: f64 = 1e-15;
-/// The most by which an equation may be off, beside its terms, where the caller asks for no more than the residual that
+/// The most by which an equation may be off, relative to its terms, where the caller asks for no more than the residual that
 /// there is.
 const ROUGH: f64 = 1e-3;
 
@@ -72,7 +72,7 @@ pub struct CondensedSolver {
 struct LinearPart {
     matrix: Arc<CsrMatrix>,
     sizes: Vec<f64>,
-    /// Whether it is known to be symmetric, but for rounding.
+    /// Whether it is known to be symmetric, except for rounding.
     is_symmetric: bool,
 }
 
@@ -94,7 +94,7 @@ enum Current {
 #[derive(Debug)]
 struct Sum {
     base: Arc<CsrMatrix>,
-    /// Whether the stored one is known to be symmetric, but for rounding.
+    /// Whether the stored one is known to be symmetric, except for rounding.
     is_symmetric: bool,
     additions: Vec<Entry>,
 }

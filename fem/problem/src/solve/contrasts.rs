@@ -19,7 +19,7 @@ fn chain(law: Law, contrast: f64) -> Vec<(usize, usize, f64)> {
     let mut triplets = Vec::new();
     for element in 0..=N {
         let (k, c) = law(contrast, element);
-        // Nodes element − 1 and element, of which −1 and N are held.
+        // Nodes element − 1 and element; −1 and N are held.
         for (row, sign) in [(element.wrapping_sub(1), 1.0), (element, -1.0)] {
             for (column, other) in [(element.wrapping_sub(1), 1.0), (element, -1.0)] {
                 if row < N && column < N {

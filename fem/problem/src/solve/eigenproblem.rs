@@ -68,7 +68,7 @@ pub struct Eigenmode<const D: usize, const N: usize = 1> {
     pub fields: [Field<D>; N],
     /// An exact eigenvalue of the discrete problem is not farther than this \[λ\].
     pub error_bound: f64,
-    /// ‖K x − λ M x‖ beside the norm of its terms.
+    /// ‖K x − λ M x‖ relative to the norm of its terms.
     pub residual: f64,
 }
 

@@ -48,7 +48,7 @@ impl Elimination {
     }
 
     /// Elimination of what constraints prescribe and relate. Those of several spaces are one system, in which the unknowns
-    /// of the spaces stand one after the other.
+    /// of the spaces follow one after the other.
     ///
     /// # Errors
     /// If a prescribed value or a number of a relation is not finite.
@@ -289,7 +289,7 @@ impl Elimination {
             values.extend(entries.iter().map(|entry| entry.1));
             pointers.push(indices.len());
         }
-        // An unknown that others give stands for them.
+        // An unknown that others give represents them.
         let cells = matrix.sparsity().cells().map(|cells| {
             Arc::new(cells.renumbered(|unknown, visit| match numbers[unknown as usize] {
                 usize::MAX => {
@@ -303,7 +303,7 @@ impl Elimination {
         CsrMatrix::from_pattern(&Arc::new(pattern), values)
     }
 
-    /// The entries of the reduced matrix whose values stand at some places of the full one, as ranges of whole
+    /// The entries of the reduced matrix whose values are at some places of the full one, as ranges of whole
     /// blocks. It takes a time proportional to their number, once a matrix of these positions has been reduced.
     ///
     /// # Errors

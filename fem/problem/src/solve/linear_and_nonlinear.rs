@@ -56,7 +56,7 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         Ok(linear)
     }
 
-    /// The tangent of the nonlinear integrals at u, whose positions are made anew where pairs have left them.
+    /// The tangent of the nonlinear integrals at u, whose positions are made again where pairs have left them.
     pub fn nonlinear_tangent<'p>(
         &self,
         split: &'p mut SplitSystem<D>,

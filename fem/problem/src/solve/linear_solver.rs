@@ -18,8 +18,8 @@ pub trait LinearSolver {
     /// If the matrix cannot be factored.
     fn set_matrix(&mut self, matrix: CsrMatrix) -> Result<(), SolverError>;
 
-    /// Solves A x = b or Aᵀ x = b, so that each equation holds beside the sizes of its own terms,
-    /// |b − A x|_i small beside (|A| |x| + |b|)_i: fields of different units and parts of different stiffness are right
+    /// Solves A x = b or Aᵀ x = b, so that each equation holds relative to the sizes of its own terms,
+    /// |b − A x|_i small relative to (|A| |x| + |b|)_i: fields of different units and parts of different stiffness are right
     /// each in its own scale. A residual ‖b − A x‖₂ ≤ `absolute_tolerance` is good enough for the caller, who would gain
     /// nothing from a smaller one, if no equation is left aside, that is, off by more than about a thousandth of its
     /// terms; 0 asks for the solver's own accuracy. Direct solvers may ignore it.
@@ -53,7 +53,7 @@ pub trait LinearSolver {
         self.solve_with(b, absolute_tolerance, Transpose::Yes)
     }
 
-    /// Whether solutions are handed out only if each equation holds beside the sizes of its own terms. Of a solver that
+    /// Whether solutions are handed out only if each equation holds relative to the sizes of its own terms. Of a solver that
     /// does not see to it, affine problems look at each solution themselves.
     fn judges_equations(&self) -> bool {
         false
@@ -84,7 +84,7 @@ pub trait CondensingSolver: LinearSolver {
     /// If the matrix is unfit.
     fn set_linear_part(&mut self, linear_part: &Arc<CsrMatrix>) -> Result<(), SolverError>;
 
-    /// The same of a part that is symmetric, but for rounding, as is known from elsewhere.
+    /// The same of a part that is symmetric, except for rounding, as is known from elsewhere.
     ///
     /// # Errors
     /// As [`CondensingSolver::set_linear_part`].

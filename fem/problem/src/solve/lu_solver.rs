@@ -17,7 +17,7 @@ const ILL_CONDITIONED: f64 = 1e-13;
 /// Most steps of iterative refinement of the whole solution; with partial pivoting one nearly always suffices.
 const REFINEMENTS: usize = 2;
 
-/// Factors each matrix by LU with partial pivoting, and refines each solution until every equation holds beside the sizes
+/// Factors each matrix by LU with partial pivoting, and refines each solution until every equation holds relative to the sizes
 /// of its own terms. It is what a [`super::TangentSolver`] turns to when a
 /// matrix has zeros on its diagonal, as saddle points have, or defeats its own factors.
 #[derive(Debug, Default)]
@@ -79,7 +79,7 @@ impl LinearSolver for LuSolver {
         let mut found = Refinement::new(&side, Threads::ONE, b, x)?;
         let mut backward_error = whole(&found.x, &found.residual);
         // The first step also helps where the backward error is at rounding: rows of small entries, as those
-        // of a constraint beside a stiffness, profit from it, unless they are at rounding themselves.
+        // of a constraint next to a stiffness, profit from it, unless they are at rounding themselves.
         for step in 0..REFINEMENTS {
             let rows_are_at_rounding = found.residual.worst().error <= ROUNDING_OF_ROWS;
             if rows_are_at_rounding || step > 0 && backward_error <= ROUNDING {

@@ -57,7 +57,7 @@ pub trait NonlinearProblem {
         Ok(None)
     }
 
-    /// Whether the linear part is proved to be symmetric, but for rounding.
+    /// Whether the linear part is proved to be symmetric, except for rounding.
     fn has_symmetric_linear_part(&self) -> bool {
         false
     }
@@ -104,7 +104,7 @@ pub trait NonlinearProblem {
         Ok(self.tangent(u)?.products(x))
     }
 
-    /// The sum of a vector of which each process has a part, as where its tangent is of its own cells alone.
+    /// The sum of a vector whose parts the processes have, as where its tangent is of its own cells alone.
     ///
     /// # Errors
     /// If another process fails.

@@ -35,7 +35,7 @@ use crate::linear_algebra::BlockMatrix;
 use crate::space::Space;
 
 /// A form with N unknowns, each on its own space; test function k belongs to the space of unknown k. In
-/// vectors and matrices the unknowns of the spaces stand one after the other.
+/// vectors and matrices the unknowns of the spaces follow one after the other.
 ///
 /// A form that is affine in its unknowns is solved as one linear system; any other by semismooth Newton from zero, with the
 /// constraints imposed. Everything else has a default: the quadrature, the linear solver, Newton's options.
@@ -74,7 +74,7 @@ pub type SolveError = NewtonError<AssemblyError>;
 
 impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
     /// The form on the space of its unknown, or on `[&first, &second]`, the spaces of its unknowns in the order of its
-    /// arguments. Nothing is computed yet; what does not fit is told by [`Problem::solve`].
+    /// arguments. Nothing is computed yet; [`Problem::solve`] reports what does not fit.
     pub fn new<'s>(form: &'a F, spaces: impl PerUnknown<'s, Arc<Space<D>>, N>) -> Self {
         Self::holding(Held::Lent(form), spaces)
     }
@@ -169,7 +169,7 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
         self
     }
 
-    /// Solves on several processes, each of which assembles the integrals over its part of the cells. The linear solver
+    /// Solves on several processes; each assembles the integrals over its part of the cells. The linear solver
     /// has to take matrices that are sums over the processes.
     pub fn on(mut self, communicator: &'a dyn Communicator) -> Self {
         self.untyped.communicator = Some(communicator);

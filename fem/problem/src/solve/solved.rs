@@ -62,7 +62,7 @@ impl<const D: usize, const N: usize> Solved<D, N> {
         self.history.len().saturating_sub(1)
     }
 
-    /// Remarks on the solution: surfaces that may touch, and of which no point has an opposite one. Bodies that come together later
+    /// Remarks on the solution: surfaces that may touch, but whose points have no opposite one. Bodies that come together later
     /// begin so; a surface that is turned away, or beyond the reach, would stay so, and the bodies pass through each other. And integrals
     /// over contact pairs whose rule has the compiler's estimate for its degree, where that is above 20.
     pub fn notes(&self) -> Vec<String> {
@@ -108,7 +108,7 @@ impl<const D: usize, const N: usize> Solved<D, N> {
     /// number per component \[the form's residual: force, or force per depth in the plane; of a scalar unknown, flux\]:
     /// ΣR(u) over these nodes. Where values are prescribed these are the supports' forces on the body; where unknowns are
     /// related, as by sliding, periodic conditions or a rigid body, they are the forces that keep the relations. The load
-    /// on free nodes is balanced there, and contact that stands in the form is no constraint: neither counts.
+    /// on free nodes is balanced there, and contact in the form is no constraint: neither counts.
     ///
     /// A node on the edge of two regions counts in both: over the whole boundary the forces of supports balance the loads.
     ///

@@ -76,7 +76,7 @@ const DOUBTFUL: f64 = 1e-9;
 /// A matrix with a zero on its diagonal (a saddle point) is factored by LU with partial pivoting, because LBLᵀ
 /// pivots inside supernodes only; so is every matrix on which the other ways fail. Where rows differ much in size, as
 /// those of a stiff and a soft part or of fields in different units, the matrix is scaled first. A solution is handed out
-/// if each equation holds beside its own terms.
+/// if each equation holds relative to its own terms.
 #[derive(Debug, Default)]
 pub struct TangentSolver {
     options: TangentSolverOptions,
@@ -240,7 +240,7 @@ impl TangentSolver {
         })
     }
 
-    /// Solves with the matrix as it was given, of which the factor's system is a scaled one.
+    /// Solves with the matrix as it was given; the factor's system is a scaled one.
     fn solve_scaled(
         &mut self,
         b: &[f64],

@@ -49,7 +49,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
     ///
     /// by u along `du`, by the state before along `dbefore`, by p along `dp`, and by each control along its direction, each by
     /// `derivative`. The criterion's own second variation by the state is taken from its energy; where that energy reads controls, its
-    /// derivatives by state and control, and by control twice, have to stand in the second rates.
+    /// derivatives by state and control, and by control twice, have to be in the second rates.
     pub fn second_rates<F: Form<D> + 'a>(
         mut self,
         form: impl Fn(&At<D>, &SecondOrderState<D>) -> Result<F, ControlError> + 'a,

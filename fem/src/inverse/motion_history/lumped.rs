@@ -1,6 +1,6 @@
 //! Lumped masses of a motion: equations R(0) + M x = 0 of a second rate x, with the diagonal matrix M of the row sums at the start.
 //!
-//! M stands in the rows of the sweep. Backwards each step adds x p to the slope by it, with its adjoint state p, and the derivatives of
+//! M is part of the rows of the sweep. Backwards each step adds x p to the slope by it, with its adjoint state p, and the derivatives of
 //! the sum Q over all steps, M·Q = R(1; Q) − R(0; Q), are taken once, at the start.
 
 use super::MotionHistory;
@@ -67,7 +67,7 @@ impl<const D: usize> MotionHistory<'_, D> {
         Ok(Field::from_values(&self.space, found)?)
     }
 
-    /// Adds the derivatives of the masses at the start, whose slopes stand in the slope by the first row.
+    /// Adds the derivatives of the masses at the start, whose slopes are in the slope by the first row.
     pub(super) fn reverse_masses(
         &mut self,
         start: &[f64],

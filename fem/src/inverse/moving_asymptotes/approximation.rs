@@ -23,7 +23,7 @@ pub(super) struct Approximation {
 /// Factors of the asymptotes' distances where a control swings, and where it goes on.
 const CLOSER: f64 = 0.7;
 const FARTHER: f64 = 1.2;
-/// The least and the largest distance beside that of the bounds.
+/// The least and the largest distance relative to that of the bounds.
 const LEAST: f64 = 0.01;
 const MOST: f64 = 10.0;
 /// Part of the way to an asymptote that a control stays away from it.
@@ -31,7 +31,7 @@ const AWAY: f64 = 0.1;
 /// Parts that make approximations strictly convex: of the gradient, and of the scale over the distance between bounds.
 const CONVEX: f64 = 1e-3;
 const FLAT: f64 = 1e-5;
-/// The price of violating a constraint by one, beside the scale of J: above all multipliers.
+/// The price of violating a constraint by one, relative to the scale of J: above all multipliers.
 const PRICE: f64 = 1e3;
 /// Sweeps over the multipliers, and halvings for each.
 const SWEEPS: usize = 200;

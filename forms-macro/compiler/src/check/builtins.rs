@@ -41,7 +41,7 @@ pub enum Builtin {
     External(External),
 }
 
-/// A name that stands for a value.
+/// A name of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Constant {
     Geometry(Geometry),
@@ -143,7 +143,7 @@ pub const CONSTANTS: &[(&str, Constant)] = &[
     ("shape", Constant::Shape),
 ];
 
-/// Names of quantities of a contact pair, which stand for them where the module's data have no member of that name.
+/// Names of quantities of a contact pair, used where the module's data have no member of that name.
 pub const OF_PAIRS: &[(&str, Geometry)] = &[("gap", Geometry::Gap), ("toward", Geometry::Toward)];
 
 /// The called name, if it is built in: what it is, its number of arguments, how it is written.

@@ -140,7 +140,7 @@ impl Evaluator<'_> {
         }
         self.counted(name, &function.arguments, arguments.len(), span)?;
         let values = self.shaped(name, &function.arguments, arguments, scope);
-        // A mistake in an argument has been told; the call itself gives nothing.
+        // A mistake in an argument has been reported; the call itself gives nothing.
         if values.iter().any(Option::is_none) {
             return None;
         }
@@ -206,7 +206,7 @@ impl Evaluator<'_> {
         values
     }
 
-    /// Inlines an imported function: its own tokens stand in another module, so the call is the span of all its nodes.
+    /// Inlines an imported function: its own tokens are in another module, so the call is the span of all its nodes.
     pub(super) fn inline_foreign(
         &mut self,
         index: usize,

@@ -1,7 +1,7 @@
 //! Words of UFL, of GetFEM's weak form language, of FreeFEM and of scikit-fem, and what they are here: for messages on names
 //! that are not known.
 
-/// Words with the help line for each; a star stands for the rest of a word (`Grad_u`).
+/// Words with the help line for each; a star matches the rest of a word (`Grad_u`).
 const WORDS: &[(&[&str], &str)] = &[
     // Derivatives.
     (

@@ -27,7 +27,7 @@ const MOST_CALLS: usize = 550;
 /// More operations one inside the other than any form has, likewise.
 const MOST_DEPTH: u32 = 2_000;
 
-/// A call, to be told from others: `diff(e, w)` by an argument relies on the identity of its node.
+/// A call, to be distinguished from others: `diff(e, w)` by an argument relies on the identity of its node.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Call {
     function: usize,
@@ -55,7 +55,7 @@ pub struct Evaluator<'a> {
     pub(super) given_calls: HashMap<Call, Option<Value>>,
     /// Too large to go on, which has been reported.
     pub(super) exhausted: bool,
-    /// Places of the operands of the operation at hand (a `let` name's value stands elsewhere).
+    /// Places of the operands of the operation at hand (a `let` name's value is elsewhere).
     pub(super) uses: HashMap<Tensor, SourceSpan>,
     /// Functions of the module and `let`s stay names, as a formula shows them.
     pub(super) outlined: bool,
@@ -145,7 +145,7 @@ impl<'a> Evaluator<'a> {
         value
     }
 
-    /// Reports, once, that functions or operations stand too deep inside each other.
+    /// Reports, once, that functions or operations are nested too deeply.
     fn report_deep(&mut self, function: usize) {
         if !std::mem::replace(&mut self.exhausted, true) {
             let name = &self.module.functions[function].name;

@@ -80,7 +80,7 @@ impl Evaluator<'_> {
         }
     }
 
-    /// Reports what stands in an expression whose gradient is taken and has none.
+    /// Reports the parts without a gradient of an expression whose gradient is taken.
     pub(super) fn check_gradient(&mut self, expression: Tensor, span: SourceSpan) -> Option<()> {
         if self.histories.is_empty() {
             return Some(());
@@ -103,5 +103,5 @@ impl Evaluator<'_> {
     }
 }
 
-/// The largest tensor of which spectral functions are taken.
+/// The largest tensor with spectral functions.
 const LARGEST: usize = 4;

@@ -197,7 +197,7 @@ impl Evaluator<'_> {
         })
     }
 
-    /// Does a field or parameter stand in a value, or in one of its integrals?
+    /// Does a value, or one of its integrals, contain a field or parameter?
     fn stands_in(&self, variable: Variable, value: &Value) -> bool {
         let roots = match value {
             Value::Tensor(tensor) => vec![*tensor],

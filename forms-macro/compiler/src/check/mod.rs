@@ -260,7 +260,7 @@ fn check_not_of_pairs(module: &Module, diagnostics: &mut Diagnostics) {
     }
 }
 
-/// Does emitted code declare it where the module's own names stand?
+/// Does emitted code declare it where the module's own names are?
 pub fn is_reserved(name: &str) -> bool {
     matches!(name, "contract" | "Model" | "Regions") || name.starts_with("__")
 }

@@ -13,7 +13,7 @@ impl Evaluator<'_> {
     pub(super) fn name(&mut self, name: &Ident, span: SourceSpan, scope: &Scope) -> Option<Value> {
         let text = name.to_string();
         if let Some(value) = scope.get(&text) {
-            // A field is a field wherever it is named: mistakes are told where it is used.
+            // A field is a field wherever it is named: mistakes are reported where it is used.
             if let Some(Value::Tensor(tensor)) = value {
                 let node = self.arena.node(*tensor).clone();
                 if matches!(node.operator, Operator::Field { order: 0, .. } | Operator::Parameter(_)) {
@@ -22,7 +22,7 @@ impl Evaluator<'_> {
             }
             return value.clone();
         }
-        // A member of that name in a module with pairs is a mistake, which has been told.
+        // A member of that name in a module with pairs is a mistake, which has been reported.
         let of_pairs = builtins::of_pairs(&text);
         if let (Some(of_pairs), true) = (of_pairs, self.module.has_pairs()) {
             return Some(Value::Tensor(self.of_pairs(of_pairs, span)));
@@ -125,7 +125,7 @@ impl Evaluator<'_> {
         let text = name.to_string();
         let member = self.module.members().find(|one| one.name == *name);
         if scope.contains_key(&text) || member.is_some() || builtins::constant(&text).is_some() {
-            // What stands between the parentheses may be the mistake, which has been told.
+            // The contents of the parentheses may be the mistake, which has been reported.
             if !arguments.iter().any(|argument| matches!(argument.kind, ExpressionKind::Mistake)) {
                 let member = member.filter(|_| !scope.contains_key(&text)).map(|member| member.kind);
                 self.called_value(name, member, arguments, scope);
@@ -165,7 +165,7 @@ impl Evaluator<'_> {
         let axes = match self.name(name, SourceSpan::of(name), scope) {
             Some(Value::Tensor(value)) => self.arena.shape(value).len(),
             Some(Value::Form(_)) => 0,
-            // Its own mistake has been told.
+            // Its own mistake has been reported.
             None => return,
         };
         let help = match (numbers, member) {

@@ -10,12 +10,12 @@ use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::syntax::*;
 use crate::tensor::{Named, Operator, Tensor};
 
-/// Evaluates a function that has been checked, with names in place of what they stand for. Integrals are
+/// Evaluates a function that has been checked, with names in place of their values. Integrals are
 /// those of the forms called, too. `None` if it has a mistake.
 pub fn outline(module: &Module, index: usize, dimension: usize) -> Option<CheckedFunction> {
     let function = &module.functions[index];
     let fields = fields_of(module, function, dimension);
-    // The mistakes have been told.
+    // The mistakes have been reported.
     let mut diagnostics = Diagnostics::default();
     let mut evaluator = Evaluator::new(module, dimension, &mut diagnostics);
     evaluator.outlined = true;

@@ -20,7 +20,7 @@ pub(super) fn displaced(region: &Expression) -> (Option<&Ident>, Option<&Express
 }
 
 impl Evaluator<'_> {
-    /// The displacement of sliding pairs, and the fields of which it is the sum.
+    /// The displacement of sliding pairs, and the fields that it is the sum of.
     pub(super) fn displacement(
         &mut self,
         displacement: &Expression,

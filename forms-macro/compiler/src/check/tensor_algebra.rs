@@ -51,7 +51,7 @@ impl Evaluator<'_> {
         Some(self.arena.push(Operator::DoubleContract(a, b), shape, span))
     }
 
-    /// a × b of two vectors; in the plane also of a vector and a scalar, which stands for s e_z.
+    /// a × b of two vectors; in the plane also of a vector and a scalar, which means s e_z.
     pub(super) fn cross(&mut self, a: Tensor, b: Tensor, span: SourceSpan) -> Option<Tensor> {
         let (left, right) = (self.arena.shape(a).to_vec(), self.arena.shape(b).to_vec());
         match (&left[..], &right[..]) {

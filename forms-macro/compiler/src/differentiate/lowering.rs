@@ -130,7 +130,7 @@ impl Lowering<'_> {
         lowered
     }
 
-    /// A derivative may be a node that stands elsewhere, too (`derivative(u, u, v)` is `v`). A name for it that is
+    /// A derivative may be a node that is used elsewhere, too (`derivative(u, u, v)` is `v`). A name for it that is
     /// differentiated by varies alone: it becomes a node of its own.
     fn apart(&mut self, tensor: Tensor, lowered: Tensor) -> Tensor {
         if lowered == tensor || !self.names.contains(&tensor) {

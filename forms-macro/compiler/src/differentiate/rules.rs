@@ -4,7 +4,7 @@
 //! is 0 everywhere; `max(a, b)` differentiates as `if a > b { a } else { b }`, `min(a, b)` as
 //! `if a > b { b } else { a }`; that of `norm(a)` at a = 0 is 0, as is that of `atan2` at the origin.
 //!
-//! The scalar functions stand in the child module `functions`, the shape of the domain in `shape`, opposite points in
+//! The scalar functions are in the child module `functions`, the shape of the domain in `shape`, opposite points in
 //! `opposite`, what only formulas hold in `formulas`.
 
 mod formulas;
@@ -37,9 +37,9 @@ pub struct Differentiation<'a> {
     directions: Vec<Tensor>,
     fields: &'a [FieldInfo],
     diagnostics: &'a mut Diagnostics,
-    /// The node at hand stands inside a limit from one side of a facet.
+    /// The node at hand is inside a limit from one side of a facet.
     restricted: bool,
-    /// Per node, and whether it stands inside such a limit.
+    /// Per node, and whether it is inside such a limit.
     known: Known,
     /// Only derivatives along a surface are wanted: there the normal has one.
     along_surface: bool,
@@ -49,7 +49,7 @@ pub struct Differentiation<'a> {
     moved_pairs: HashMap<Tensor, Option<opposite::MovedPair>>,
 }
 
-/// Derivatives by node, and whether it stands inside a limit from one side.
+/// Derivatives by node, and whether it is inside a limit from one side.
 type Known = HashMap<(Tensor, bool), Option<Tensor>>;
 
 impl<'a> Differentiation<'a> {

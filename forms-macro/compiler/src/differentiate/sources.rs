@@ -14,7 +14,7 @@ pub struct Source {
 }
 
 impl Lowering<'_> {
-    /// The integrands of which a density is a derivative; none if it is an integrand as others are.
+    /// The integrands whose derivative a density is; none if it is an integrand as others are.
     pub(super) fn sources(&mut self, density: Tensor) -> Vec<Source> {
         let mut found = Vec::new();
         if self.collect_sources(density, &mut found) { found } else { vec![] }

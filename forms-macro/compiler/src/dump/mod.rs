@@ -13,7 +13,7 @@ mod ways;
 use proc_macro2::TokenStream;
 use quote::quote;
 
-/// The name of the variable. Emitted code reads it, too, so that cargo builds anew when it changes.
+/// The name of the variable. Emitted code reads it, too, so that cargo builds again when it changes.
 pub const VARIABLE: &str = "FORMS_DUMP";
 
 /// The request, and the text so far.
@@ -53,7 +53,7 @@ fn is(wanted: &str, name: &str) -> bool {
     wanted == "all" || wanted == name
 }
 
-/// Tokens that make cargo build anew when the variable changes.
+/// Tokens that make cargo build again when the variable changes.
 pub fn tracker() -> TokenStream {
     quote! { const _: ::core::option::Option<&::core::primitive::str> = ::core::option_env!(#VARIABLE); }
 }

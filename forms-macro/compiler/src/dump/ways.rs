@@ -1,4 +1,4 @@
-//! Ways of a backend to run a kernel beside direct loops, in operations per element: a reference tensor on affine
+//! Ways of a backend to run a kernel other than direct loops, in operations per element: a reference tensor on affine
 //! cells, sum factorisation on tensor-product cells. Fields at points are not in it: they are the same for all.
 
 use crate::optimise::elements::StandardElement;

@@ -1,7 +1,7 @@
 //! Names for editors: the functions of a forms module once more, as plain Rust, so that names inside their bodies are found.
 //!
 //! rust-analyzer looks names up in what a macro writes. Kernels hold numbers and no names, so for rust-analyzer alone the bodies
-//! stand beside them in a block of their own, as they were typed, where each name is an item: operators of the language, members of
+//! follow in a block of their own, as they were typed, where each name is an item: operators of the language, members of
 //! the data, the module's functions and what it imports. rustc never sees them.
 
 use proc_macro2::{Ident, TokenStream};
@@ -10,7 +10,7 @@ use syn::{Attribute, FnArg, ForeignItem, Item, ItemFn, ItemMod, Signature};
 
 use crate::parse::syntax::{MemberKind, Module, Output, Rank};
 
-/// Does an editor expand the macro, and no compiler? Then names are written beside what [`crate::rustc_arguments::only_checked`] leaves.
+/// Does an editor expand the macro, and no compiler? Then names are written in addition to what [`crate::rustc_arguments::only_checked`] leaves.
 pub fn is_editor() -> bool {
     let program = std::env::current_exe().unwrap_or_default();
     program.file_stem().is_some_and(|name| name.to_string_lossy().starts_with("rust-analyzer"))

@@ -44,7 +44,7 @@ fn in_dimension(external: &External, dimension: usize) -> TokenStream {
     for argument in &external.arguments {
         let shape = argument.rank.shape(dimension);
         let value = nested(&shape, &mut start);
-        // Mistakes in an argument's type stand at the argument.
+        // Mistakes in an argument's type are at the argument.
         arguments.push(at(argument.name.span(), value));
     }
     let shape = external.output.shape(dimension);

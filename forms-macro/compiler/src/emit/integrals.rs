@@ -74,7 +74,7 @@ struct Walks {
 }
 
 impl Walks {
-    /// Walks without kernels, for a crate of which no machine code is made; if it is made after all, rustc says why it cannot be.
+    /// Walks without kernels, for a crate without machine code; if it is made after all, rustc says why it cannot be.
     fn left_out() -> Self {
         let never = vec![quote! {
             const { ::core::panic!("forms have no kernels where their crate was only checked (`--emit=metadata`)") };
@@ -211,12 +211,12 @@ impl Walks {
     }
 }
 
-/// The description of a kernel's integral beside the kernel, where it is compiled once and not for every visitor.
+/// The description of a kernel's integral next to the kernel, where it is compiled once and not for every visitor.
 fn described(kernel: &Ident, description: TokenStream) -> TokenStream {
     quote! { impl #kernel { pub const INTEGRAL: contract::Integral = #description; } }
 }
 
-/// A test or trial function as a backend is told of it.
+/// A test or trial function as a backend sees it.
 fn argument(function: SidedField, fields: &[FieldInfo]) -> Described {
     let number = match fields[function.field].role {
         FieldRole::Unknown(number) | FieldRole::Test(number) | FieldRole::Trial(number) => number,

@@ -28,7 +28,7 @@ use crate::reuse::import::imported_path;
 use crate::show::Shown;
 use crate::sorted::SortedSet;
 
-/// Writes what stands in the module. After a mistake all names still exist, so that what refers to them gives no further
+/// Writes the contents of the module. After a mistake all names still exist, so that what refers to them gives no further
 /// errors: a function without an optimised version (it had a mistake) is written as [`placeholder`].
 pub fn emit(
     module: &Module,
@@ -38,7 +38,7 @@ pub fn emit(
     backend: &syn::Path,
 ) -> TokenStream {
     let data = module.data.as_ref().map(|data| data::emit_data(data, module));
-    // A name declared twice, or one that belongs to the emitted code, has been reported: the first stands.
+    // A name declared twice, or one that belongs to the emitted code, has been reported: the first counts.
     let mut taken: SortedSet<String> = module.data.iter().map(|data| data.name.to_string()).collect();
     let mut is_first = |name: &Ident| !is_reserved(&name.to_string()) && taken.insert(name.to_string());
     let regions: Vec<_> =
@@ -86,11 +86,11 @@ pub fn emit(
     }
 }
 
-/// The traits that every declaration derives, but for those that its own attributes do.
+/// The traits that every declaration derives, except for those that its own attributes do.
 fn derived(attributes: &[syn::Attribute]) -> TokenStream {
     let mut own = Vec::new();
     for attribute in attributes.iter().filter(|attribute| attribute.path().is_ident("derive")) {
-        // What is no list of paths is told by rustc.
+        // rustc reports what is no list of paths.
         let _ = attribute.parse_nested_meta(|derived| {
             own.extend(derived.path.segments.last().map(|segment| segment.ident.to_string()));
             Ok(())

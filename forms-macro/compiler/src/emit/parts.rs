@@ -50,7 +50,7 @@ struct Cut {
 }
 
 impl Cut {
-    /// In the order of the instructions, with so many operations in each part; an entry of a call goes where the call is, for what the call gives is kept by
+    /// In the order of the instructions, with the given number of operations in each part; an entry of a call goes where the call is, for what the call gives is kept by
     /// entries.
     fn new(code: &Code, own: &[Value], most: usize) -> Cut {
         let (mut part, mut number, mut operations) = (HashMap::new(), 0, 0);
@@ -88,7 +88,7 @@ impl Cut {
     }
 }
 
-/// Values that each part reads or computes anew: inputs cost nothing, and truth values are not stored.
+/// Values that each part reads or computes again: inputs cost nothing, and truth values are not stored.
 fn is_repeated(code: &Code, value: Value) -> bool {
     let instruction = code.instruction(value);
     matches!(instruction, Instruction::Terminal(_)) || instruction.is_truth()

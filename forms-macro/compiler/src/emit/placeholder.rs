@@ -5,7 +5,7 @@ use quote::quote;
 
 use crate::parse::syntax::*;
 
-/// The constructor of a function that has a mistake: so many regions and known fields, so that its calls are
+/// The constructor of a function that has a mistake: the number of regions and known fields is right, so that its calls are
 /// right.
 pub fn placeholder(
     module: &Module,

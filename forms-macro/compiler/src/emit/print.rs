@@ -55,7 +55,7 @@ impl Line {
     }
 }
 
-/// The lines in blocks of a bounded number, each of which leaves what later ones, or the results, read.
+/// The lines in blocks of a bounded number; each leaves what later ones, or the results, read.
 fn in_blocks(lines: &[Line], results: &[Value]) -> TokenStream {
     let blocks: Vec<&[Line]> = lines.chunks(NAMES).collect();
     let mut last_reader: HashMap<Value, usize> = HashMap::new();

@@ -7,7 +7,7 @@ use super::hashing::Map;
 use super::scalar::{Graph, Node, Scalar};
 use super::straight_line::Code;
 
-/// The expressions with the sums in them collected; sums over basis functions stay, since what stands before a basis
+/// The expressions with the sums in them collected; sums over basis functions stay, since what precedes a basis
 /// function is computed once per point.
 pub fn collected(graph: &mut Graph, roots: &[Scalar]) -> Vec<Scalar> {
     let varies = graph.mark(|node| matches!(node, Node::Basis(..) | Node::Accumulated(_)));
@@ -80,7 +80,7 @@ fn take_out(graph: &mut Graph, sum: Scalar, factors_left: usize) -> Scalar {
     }
     // A factor and whether it divides.
     let mut counts: SortedMap<(Scalar, bool), usize> = SortedMap::new();
-    // What stands with a zero is there to be no number: it keeps its factors.
+    // What is multiplied by zero may be NaN: it keeps its factors.
     for (_, term) in terms.iter().filter(|(coefficient, _)| f64::from_bits(*coefficient) != 0.0) {
         match graph.node(*term) {
             Node::Product(factors) => {

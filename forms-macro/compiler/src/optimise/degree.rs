@@ -72,7 +72,7 @@ impl Degree {
         result
     }
 
-    /// With one factor of a field replaced by the direction in which the field varies: no more than before but for a
+    /// With one factor of a field replaced by the direction in which the field varies: no more than before except for a
     /// direction of a richer space.
     fn toward(self, varied: usize, direction: usize) -> Self {
         let sums = self.0.iter().flat_map(|sum| {

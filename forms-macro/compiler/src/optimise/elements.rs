@@ -1,5 +1,5 @@
 //! The elements for which plans are weighed: nodes, degree, and how many points a rule of a degree usually has. No
-//! kernel depends on them; they stand for what a backend will most likely do.
+//! kernel depends on them; they model what a backend will most likely do.
 
 use super::degree::{Degree, Part};
 use crate::parse::syntax::Entity;

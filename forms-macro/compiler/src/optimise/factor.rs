@@ -162,7 +162,7 @@ const MOST_PRODUCTS: usize = 8;
 const MOST_TRIED: usize = 8;
 
 /// After this much work on a function ([`Graph::work`]), no more ways are tried: three times what the largest form in this
-/// repository takes, and about two seconds. What is found until then stands. Without an end, large forms take minutes.
+/// repository takes, and about two seconds. What is found until then is taken. Without an end, large forms take minutes.
 const MOST_WORK: usize = 20_000_000;
 
 /// Products that are taken out one by one, at each step the one that leaves the cheapest plan. A step may cost a
@@ -307,7 +307,7 @@ fn accumulated(graph: &mut Graph, matrix: &Matrix, [rows, columns]: [usize; 2]) 
     Some(plan)
 }
 
-/// May the terminal differ between the points of a cell, but for weight and basis functions?
+/// May the terminal differ between the points of a cell, except for weight and basis functions?
 pub fn varies_over_cell(node: &Node) -> bool {
     match node {
         Node::Field { .. } => true,

@@ -21,7 +21,7 @@ pub(super) struct Group {
 }
 
 impl Group {
-    /// Takes in what stands on the same region, and its dependence.
+    /// Takes in what is on the same region, and its dependence.
     pub fn join(&mut self, other: Group, graph: &mut Graph) {
         let degree = self.description.degree.clone().largest(other.description.degree.clone());
         self.description = Description { degree, ..other.description };

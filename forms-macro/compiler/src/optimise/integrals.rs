@@ -1,4 +1,4 @@
-//! Integrals of a group by test function, trial function and the sides on which they stand.
+//! Integrals of a group by test function, trial function and their sides.
 
 use super::collect;
 use super::factor::{self, Bilinear};
@@ -8,7 +8,7 @@ use super::scalar::{Graph, Scalar};
 use super::{BilinearIntegral, Dependence, Description, LinearIntegral, Setting};
 use crate::tensor::{FieldInfo, FieldRole};
 
-/// Splits residual and tangent of a group by test function, trial function, and the sides on which they stand. `Err` has the
+/// Splits residual and tangent of a group by test function, trial function, and their sides. `Err` has the
 /// name of a function in which a density is not linear.
 pub(super) fn split(
     group: &Group,
@@ -83,7 +83,7 @@ fn bilinear_integrals(
     Some(integrals)
 }
 
-/// The test functions that a density holds, on the sides on which they stand, each with the others: what is linear in several
+/// The test functions that a density holds, on their sides, each with the others: what is linear in several
 /// functions is a sum, and each takes its own share.
 fn tests(fields: &[FieldInfo], density: Scalar, graph: &Graph) -> Vec<(SidedField, Vec<SidedField>)> {
     let tests: Vec<SidedField> = (0..fields.len())

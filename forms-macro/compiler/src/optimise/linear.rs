@@ -1,4 +1,4 @@
-//! Coefficients of a linear expression: what stands before each slot of a field.
+//! Coefficients of a linear expression: the factor of each slot of a field.
 
 use std::rc::Rc;
 
@@ -15,7 +15,7 @@ pub struct SidedField {
 }
 
 impl SidedField {
-    /// A field on both sides of an interior facet; elsewhere it stands on this side alone.
+    /// A field on both sides of an interior facet; elsewhere only on this side.
     pub fn on_sides(field: usize) -> [SidedField; 2] {
         [Side::This, Side::Other].map(|side| SidedField { field, side })
     }
@@ -26,7 +26,7 @@ impl SidedField {
     }
 }
 
-/// The factor beside a coefficient: a component, and which derivative of it.
+/// The factor next to a coefficient: a component, and which derivative of it.
 pub type Slot = (usize, Derivative);
 
 /// Slot → coefficient.
@@ -46,7 +46,7 @@ pub struct Linear<'a> {
     pub graph: &'a mut Graph,
     pub function: SidedField,
     known: Map<Scalar, Option<Rc<Coefficients>>>,
-    /// The nodes in which the function stands, be it with coefficients that cancel.
+    /// The nodes that contain the function, be it with coefficients that cancel.
     mentioned: Vec<bool>,
 }
 
@@ -153,7 +153,7 @@ impl<'a> Linear<'a> {
     }
 }
 
-/// The expression with some functions set to zero. These stand in it linearly, if at all.
+/// The expression with some functions set to zero. It is linear in these, if it contains them.
 pub fn without(graph: &mut Graph, scalar: Scalar, functions: &[SidedField]) -> Scalar {
     if functions.is_empty() {
         return scalar;
@@ -163,7 +163,7 @@ pub fn without(graph: &mut Graph, scalar: Scalar, functions: &[SidedField]) -> S
     with(graph, scalar, &marks, &mut |_| None, zero)
 }
 
-/// An expression as node × partner + rest, for a node that stands in it linearly.
+/// An expression as node × partner + rest, for a node in which it is linear.
 pub fn split(graph: &mut Graph, scalar: Scalar, node: Scalar) -> (Scalar, Scalar) {
     let marks = graph.mark_above(node);
     let zero = graph.number(0.0);
@@ -199,7 +199,7 @@ pub fn split(graph: &mut Graph, scalar: Scalar, node: Scalar) -> (Scalar, Scalar
     (partner, rest)
 }
 
-/// The expression with its marked nodes made anew; `other` stands for terminals and what is not linear.
+/// The expression with its marked nodes made again; `other` replaces terminals and what is not linear.
 fn with(
     graph: &mut Graph,
     scalar: Scalar,

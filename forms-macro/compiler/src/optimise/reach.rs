@@ -90,7 +90,7 @@ impl Graph {
         vanishes[root.0 as usize]
     }
 
-    /// Which nodes hold a terminal for which `test` is true: operands stand before what is made of them.
+    /// Which nodes hold a terminal for which `test` is true: operands come before what is made of them.
     pub fn mark(&self, test: impl Fn(&Node) -> bool) -> Vec<bool> {
         let mut marks = vec![false; self.len()];
         self.count_work(self.len());

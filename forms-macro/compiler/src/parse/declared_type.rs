@@ -9,7 +9,7 @@ use crate::diagnostics::{Diagnostics, SourceSpan};
 /// Reasons why there is no [`Rank`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unread {
-    /// The word is none that stands for a shape: the caller says what may stand there.
+    /// The word is no shape: the caller says what is allowed.
     Unknown,
     /// The word is right and what follows it is not, which has been reported.
     Reported,

@@ -77,7 +77,7 @@ fn read_let(local: &syn::Local, diagnostics: &mut Diagnostics) -> Option<(proc_m
 }
 
 /// Reads an expression. What cannot be read becomes [`ExpressionKind::Mistake`], after a report, so that
-/// the mistakes in the rest of the body are told in the same run.
+/// the mistakes in the rest of the body are reported in the same run.
 pub fn read(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<Expression> {
     let mistake = Expression { span: SourceSpan::of(expression), kind: ExpressionKind::Mistake };
     Some(read_expression(expression, diagnostics).unwrap_or(mistake))
@@ -119,7 +119,7 @@ fn read_expression(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<E
                     return unsupported(expression, "this operator", help, diagnostics);
                 }
             };
-            // Both sides are read before giving up, so that both sides' mistakes are told.
+            // Both sides are read before giving up, so that both sides' mistakes are reported.
             let (left, right) = (read(&binary.left, diagnostics), read(&binary.right, diagnostics));
             ExpressionKind::Binary(operator, Box::new(left?), Box::new(right?))
         }
@@ -302,7 +302,7 @@ fn read_index(index: &Expr) -> Option<Index> {
     Some(Index { span: SourceSpan::of(index), kind })
 }
 
-/// The number that a literal stands for. `None` after a report.
+/// The value of a literal. `None` after a report.
 pub(super) fn read_number(literal: &Lit, span: SourceSpan, diagnostics: &mut Diagnostics) -> Option<f64> {
     let (digits, suffix) = match literal {
         Lit::Int(integer) => (integer.base10_digits().to_string(), integer.suffix().to_string()),

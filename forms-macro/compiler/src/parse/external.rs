@@ -98,7 +98,7 @@ fn read_shape(input: &FnArg, diagnostics: &mut Diagnostics) -> Option<super::Arg
     Some(argument)
 }
 
-/// `super::name`, or what `#[at(path)]` says: as seen from the module, or from where it stands.
+/// `super::name`, or what `#[at(path)]` says: as seen from the module, or from its place.
 fn read_path(item: &ForeignItemFn, diagnostics: &mut Diagnostics) -> Option<TokenStream> {
     let name = &item.sig.ident;
     let Some(attribute) = item.attrs.iter().find(|attribute| attribute.path().is_ident("at")) else {

@@ -11,7 +11,7 @@ use super::syntax::{Member, MemberKind, Rank};
 use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::reuse::extension;
 
-/// Reads a member. `None` after a report; what is wrong with a base's member was told where that is declared.
+/// Reads a member. `None` after a report; what is wrong with a base's member was reported where that is declared.
 pub fn read(field: &Field, diagnostics: &mut Diagnostics) -> Option<Member> {
     let depth = extension::depth(&field.attrs);
     let mut silent = Diagnostics::default();

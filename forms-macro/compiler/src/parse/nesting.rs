@@ -8,7 +8,7 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 const LIMIT: usize = 512;
 const BRACKET: usize = 4;
 
-/// Words that stand before what they belong to, or chain it.
+/// Words that precede what they belong to, or chain it.
 const WORDS: &[&str] = &[
     "as", "async", "await", "break", "const", "dyn", "else", "for", "if", "impl", "in", "let", "loop",
     "match", "move", "mut", "ref", "return", "static", "unsafe", "while", "yield",

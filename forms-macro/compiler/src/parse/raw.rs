@@ -4,7 +4,7 @@ use proc_macro2::{Group, Ident, TokenStream, TokenTree};
 
 /// The tokens with plain names wherever a plain name says the same.
 pub fn plain(tokens: TokenStream) -> TokenStream {
-    // Groups that are made anew forget where their brackets stand.
+    // Groups that are made again forget the positions of their brackets.
     match has_raw_names(tokens.clone()) {
         true => replace(tokens),
         false => tokens,

@@ -53,7 +53,7 @@ impl Module {
 pub enum Mistaken {
     /// As it was most likely meant.
     Member(Member),
-    /// It stands among the module's regions, too.
+    /// It is among the module's regions, too.
     Region(Ident),
     /// A function of an `extern` block.
     External(Ident),
@@ -187,7 +187,7 @@ pub struct Foreign {
     pub origin: String,
     /// It is a function of this module, too (`pub use`); otherwise it is called, and nothing to assemble by itself.
     pub emitted: bool,
-    /// It has mistakes or lacks data, which has been told: what follows from that is no further mistake.
+    /// It has mistakes or lacks data, which has been reported: what follows from that is no further mistake.
     pub silent: bool,
 }
 

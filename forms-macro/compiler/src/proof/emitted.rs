@@ -274,7 +274,7 @@ fn read_visit(visit: &Expr, kernels: &BTreeMap<String, Kernel>) -> Integral {
     }
 }
 
-/// The members of an integral's description, without its degree, of which nothing is proved here.
+/// The members of an integral's description, without its degree, about which nothing is proved here.
 fn members(integral: &syn::ExprStruct) -> Value {
     let known = integral
         .fields

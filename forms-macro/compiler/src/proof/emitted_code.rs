@@ -1,5 +1,5 @@
 //! Snapshots of what the attribute emits for the forms that matter, printed as Rust: a change of the emitted
-//! code shows in a review. `INSTA_UPDATE=always cargo test -p forms-compiler emitted_code` writes them anew.
+//! code shows in a review. `INSTA_UPDATE=always cargo test -p forms-compiler emitted_code` writes them again.
 
 use std::collections::BTreeMap;
 

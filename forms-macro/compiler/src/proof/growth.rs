@@ -83,7 +83,7 @@ fn processor_time() -> Option<f64> {
     Some((fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?) / 100.0)
 }
 
-/// The largest number of statements in a function and in a block, of which long functions have several.
+/// The largest number of statements in a function and in a block; long functions have several.
 fn longest(stream: TokenStream) -> [usize; 2] {
     let mut is_function = false;
     let mut longest = [0; 2];
@@ -135,7 +135,7 @@ fn module() -> usize {
     emitted("a module", 2, "mod m { #[cells] struct Omega; struct Data { a: Param } }")[1]
 }
 
-/// Beside its module a form has at most so many tokens for a depth, and at most 300 000 characters of formulas more.
+/// A form has at most this number of tokens for a depth, besides its module, and at most 300 000 characters of formulas more.
 fn grows_slowly(name: &str, form: fn(usize) -> String, depths: &[usize], most: fn(usize) -> usize) {
     let module = module();
     for &depth in depths {
@@ -166,7 +166,7 @@ fn derivatives_inside_derivatives() {
     grows_slowly("derivatives of lets", derivatives_of_lets, &[3, 6, 9], |depth| 4000 + 30 * depth.pow(3));
 }
 
-/// 3D, where the second derivatives of a function of a tensor have 729 entries, of which 126 are computed.
+/// 3D, where the second derivatives of a function of a tensor have 729 entries, where 126 are computed.
 #[test]
 fn functions_of_tensors() {
     for (name, text, most) in [("Hencky", hencky(), 110_000), ("Ogden", ogden(), 150_000)] {

@@ -1,4 +1,4 @@
-//! The forms of the paper, as they stand in the repository.
+//! The forms of the paper, unchanged from the repository.
 
 use super::comparison::compare;
 use super::emitted::read;
@@ -56,7 +56,7 @@ fn a_region_stays_whose_integral_is_zero() {
     }
 }
 
-/// A derivative may be a node that stands elsewhere as well: only what bears the name is varied.
+/// A derivative may be a node that is used elsewhere as well: only what bears the name is varied.
 #[test]
 fn a_name_for_a_derivative_varies_alone() {
     let text = "mod m { #[cells] struct Omega; struct Data { k: Param }

@@ -6,10 +6,10 @@ use std::cell::Cell;
 use super::environment::Environment;
 use super::number::Number;
 
-/// A node costs as much as so many products of coefficients, if its numbers are real.
+/// A node costs as much as this number of products of coefficients, if its numbers are real.
 const NODE: u64 = 50;
 
-/// A number of the environment costs as much as so many products when it is moved.
+/// A number of the environment costs as much as this number of products when it is moved.
 const NUMBER: u64 = 5;
 
 /// The work that may still be done, in products of coefficients.

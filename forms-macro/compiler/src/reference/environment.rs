@@ -11,7 +11,7 @@ use crate::tensor::{FieldRole, Geometry, Side, Tensor, Variable};
 
 pub(super) const SIDES: [Side; 2] = [Side::This, Side::Other];
 
-/// The numbers that stand for the symbols of a form. Moving them by an infinitesimal is how a
+/// The values of the symbols of a form. Moving them by an infinitesimal is how a
 /// derivative is taken.
 #[derive(Clone)]
 pub(super) struct Environment {

@@ -7,7 +7,7 @@ use syn::{Item, ItemMod};
 use super::import::{Imported, imported_path};
 use super::payload::Text;
 
-/// The carrier and its names. What is exported stands at the crate's root whatever module it is written in, so its name holds
+/// The carrier and its names. What is exported is at the crate's root whatever module it is written in, so its name holds
 /// the module's identity. It is re-exported from where it is written by its plain name: a path to a crate's root would meet
 /// rustc's refusal of `macro_export` inside an expansion.
 ///

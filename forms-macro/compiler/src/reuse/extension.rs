@@ -157,7 +157,7 @@ pub struct Base {
 }
 
 impl Base {
-    /// Does the member have the name under which the base's data stand?
+    /// Does the member have the name of the base's data?
     pub fn hides(&self, member: &Member) -> bool {
         self.path.is_some() && member.depth == 0 && member.name == Data::BASE
     }

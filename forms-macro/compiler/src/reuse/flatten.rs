@@ -86,7 +86,7 @@ fn arrive(item: &ItemMod, texts: &[(String, String)]) -> Vec<Arrived> {
     read(imports, &received, &mut diagnostics)
 }
 
-/// Included members are the module's own, with their defaults; what it declares itself stands.
+/// Included members are the module's own, with their defaults; what it declares itself wins.
 #[test]
 fn included_members_are_own_members() {
     let library = "mod a { struct Data { /// λ\n lambda: Param, gap: Given<Scalar> } fn law(s: Scalar) -> Scalar { lambda * s } }

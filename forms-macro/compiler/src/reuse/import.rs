@@ -22,7 +22,7 @@ pub struct Imported {
     pub canonical: String,
     /// The function and all that it calls, by their canonical names.
     pub functions: SortedMap<String, ItemFn>,
-    /// It has mistakes or lacks data, which has been told.
+    /// It has mistakes or lacks data, which has been reported.
     pub silent: bool,
 }
 
@@ -51,7 +51,7 @@ pub fn read(imports: Vec<Import>, received: &[String], diagnostics: &mut Diagnos
 /// the members of its base, and of data that it includes, among those of the data struct.
 pub fn add_declarations(item: &mut ItemMod, arrived: &mut Vec<Arrived>, diagnostics: &mut Diagnostics) {
     let Some((_, items)) = &mut item.content else { return };
-    // Those of a module stand in the order in which it declares them, whatever that of the imports.
+    // Those of a module are in the order in which it declares them, whatever that of the imports.
     let mut modules: Vec<String> = Vec::new();
     let mut declarations = Vec::new();
     arrived.retain(|Arrived { import, payload }| {
@@ -77,7 +77,7 @@ pub fn add_declarations(item: &mut ItemMod, arrived: &mut Vec<Arrived>, diagnost
         declaration.vis = import.visibility.clone();
         declaration.attrs.push(syn::parse_quote! { #[imported(#path)] });
         for field in &mut declaration.fields {
-            // `Required` stands beside the struct that is imported.
+            // `Required` accompanies the struct that is imported.
             field.attrs.retain(|attribute| !attribute.path().is_ident("default"));
         }
         let module = modules.iter().position(|identity| *identity == payload.identity);
@@ -116,7 +116,7 @@ pub fn add_functions(
         found.push(Imported { local, visibility, canonical, functions, silent });
     }
     for (item, foreign) in written_here(&found) {
-        // What is wrong in its declaration was told where it stands.
+        // What is wrong in its declaration was reported in its place.
         if let Some(mut function) = read_function(item, &mut Diagnostics::default()) {
             function.attributes.retain(|attribute| attribute.path().is_ident("doc"));
             function.foreign = Some(foreign);
@@ -126,7 +126,7 @@ pub fn add_functions(
     found
 }
 
-/// The imported functions as they would stand in the importing module: those that were asked for under their local names,
+/// The imported functions as they would be in the importing module: those that were asked for under their local names,
 /// the others, each once, under their canonical ones.
 pub fn written_here(found: &[Imported]) -> Vec<(ItemFn, Foreign)> {
     let mut locals = SortedMap::new();

@@ -2,7 +2,7 @@
 //!
 //! A macro sees the tokens that it is applied to and no others. So each compiled module leaves a *carrier*, a hidden
 //! `macro_rules!` with the module's own text, re-exported under the names of its functions ([`carrier`], [`payload`]). A
-//! module with imports expands, where it stands, to a call of the first import's path; the carrier found there calls
+//! module with imports expands in place to a call of the first import's path; the carrier found there calls
 //! [`resume`] with its text and the rest of the module; that calls the next import, until all texts are there and the module
 //! is compiled. rustc resolves the paths, so imports obey Rust's own rules, in any order of modules and across crates. The data
 //! that a module's extend or include come the same way ([`extension`], [`inclusion`]).

@@ -19,7 +19,7 @@ use crate::sorted::{SortedMap, SortedSet};
 /// The markers of regions.
 pub const REGION_MARKERS: &[&str] = &["cells", "facets", "interior_facets", "pairs"];
 
-/// Are the members and regions that the functions name declared here? Those that are not are told at once.
+/// Are the members and regions that the functions name declared here? Those that are not are reported at once.
 pub fn check(
     import: &Import,
     payload: &Payload,
@@ -106,7 +106,7 @@ fn externals(item: &ItemMod) -> impl Iterator<Item = String> {
     })
 }
 
-/// The declarations of a module beside its functions: names with the texts of their types and markers.
+/// The declarations of a module besides its functions: names with the texts of their types and markers.
 #[derive(Default)]
 struct Declarations {
     data: Option<String>,
@@ -143,7 +143,7 @@ impl Declarations {
     }
 }
 
-/// The rank in `Given<Vector>`; `Param` alone is a scalar. `None`: a mistake, which is told where it stands.
+/// The rank in `Given<Vector>`; `Param` alone is a scalar. `None`: a mistake, which is reported in its place.
 fn rank(ty: &str) -> Option<Rank> {
     let ty: Type = syn::parse_str(ty).ok()?;
     match word(&ty)? {

@@ -32,7 +32,7 @@ pub struct Text {
     pub text: String,
 }
 
-/// Writes the text of a module with what it imported. `broken`: it has mistakes, which have been told.
+/// Writes the text of a module with what it imported. `broken`: it has mistakes, which have been reported.
 pub fn write(item: &ItemMod, imported: &[Imported], broken: bool) -> Text {
     let name = item.ident.to_string();
     let mut content = TokenStream::new();
@@ -98,7 +98,7 @@ fn function(item: &ItemFn, origin: &str, known: &SortedMap<String, String>) -> T
     quote! { #(#docs)* #[origin(#origin)] #visibility #signature #body }
 }
 
-/// "`stress` in contact/src/operators/materials.rs:47": spans do not travel, so the place is told in words.
+/// "`stress` in contact/src/operators/materials.rs:47": spans do not travel, so the place is given in words.
 fn origin(item: &ItemFn) -> String {
     let name = &item.sig.ident;
     match file_and_line(name.span()) {

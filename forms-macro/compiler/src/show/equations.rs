@@ -1,4 +1,4 @@
-//! The equations of one function: what it is, its derivatives, and what the names in them stand for.
+//! The equations of one function: what it is, its derivatives, and the meaning of the names in them.
 
 use super::formula::{Formula, Measure};
 use super::names::{MOST_DIFFERENTIATED, MOST_SHOWN, Namer, Names, ellipsis};
@@ -16,7 +16,7 @@ pub struct Equation {
 }
 
 impl Equation {
-    /// Does it stand for equations that were left out?
+    /// Does it replace equations that were left out?
     pub fn is_ellipsis(&self) -> bool {
         self.left == ellipsis()
     }
@@ -30,7 +30,7 @@ pub struct Shown {
     pub derivatives: Vec<(String, Equation)>,
     /// Definitions of the names, in the order of their use.
     pub definitions: Vec<Equation>,
-    /// Members of the data struct that stand anywhere, by index.
+    /// Members of the data struct that occur anywhere, by index.
     pub members: Vec<usize>,
     /// Regions of the integrals, by index.
     pub regions: Vec<usize>,
@@ -44,7 +44,7 @@ impl Shown {
         Shown { content, derivatives: vec![], definitions: vec![], members: vec![], regions: vec![], size }
     }
 
-    /// Adds what a name stands for, as long as there is room.
+    /// Adds the meaning of a name, as long as there is room.
     fn define(&mut self, equation: Equation) {
         if self.definitions.last().is_some_and(Equation::is_ellipsis) {
             return;
@@ -262,7 +262,7 @@ fn integrals(reader: &Reader, terms: &[Term]) -> Formula {
     sum.unwrap_or(Formula::Number(0.0))
 }
 
-/// Lists the names of some expressions, and of what these stand for.
+/// Lists the names of some expressions, and of their meanings.
 fn list(
     outlines: &mut Outlines,
     namer: &mut Namer,
@@ -307,7 +307,7 @@ fn list(
         if shown.is_full() {
             break;
         }
-        // A derivative is told after what it is the derivative of.
+        // A derivative follows what it is the derivative of.
         for order in 0..=varied.len() {
             let key = (function, varied[..order].to_vec());
             if listed.contains(&key) || (order > 0 && order < varied.len()) {

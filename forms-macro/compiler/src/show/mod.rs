@@ -1,4 +1,4 @@
-//! Beside the stages: [`Module`] → formulas, as its author would write them. Functions and `let`s stay names,
+//! Next to the stages: [`Module`] → formulas, as its author would write them. Functions and `let`s stay names,
 //! whose definitions are listed below; derivatives are taken by the rules of `differentiate`.
 
 mod equations;

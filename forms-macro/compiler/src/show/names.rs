@@ -12,7 +12,7 @@ use crate::tensor::{Arena, FieldInfo, Named, Operator, Tensor};
 /// Formulas with no more nodes than this are written as they are.
 const LARGE: usize = 1000;
 
-/// In a larger one, what is used more than once and has at least so many nodes gets a name,
+/// In a larger one, what is used more than once and has at least this number of nodes gets a name,
 const WORTH_A_NAME: usize = 6;
 
 /// and so does all that has more than these: no single equation is longer than a few of them.
@@ -44,7 +44,7 @@ impl Names {
         self.of.get(&tensor).map_or("", String::as_str)
     }
 
-    /// The last node that is used before a given one: operands stand before what is made of them.
+    /// The last node that is used before a given one: operands come before what is made of them.
     pub fn last_used(&self, before: Option<Tensor>) -> Option<Tensor> {
         let used = self.used.borrow();
         match before {

@@ -1,11 +1,11 @@
-//! Printing a [`Formula`]: one walk, which knows where parentheses stand, over several notations.
+//! Printing a [`Formula`]: one walk, which knows where parentheses are needed, over several notations.
 
 use super::formula::{Fence, Formula, Infix, Level, Measure};
 use super::symbols::Symbol;
 
 /// Notations of the parts of a formula.
 pub trait Notation {
-    /// Everything stands on one line: a fraction is `a/b`, and parentheses say what belongs together.
+    /// Everything is on one line: a fraction is `a/b`, and parentheses say what belongs together.
     const FLAT: bool;
 
     fn number(&self, value: f64) -> String;
@@ -39,7 +39,7 @@ pub trait Notation {
             Formula::Sum(terms) => {
                 let mut parts = Vec::new();
                 for (index, (minus, term)) in terms.iter().enumerate() {
-                    // A sum after a minus, or one that begins with a minus, stands in parentheses.
+                    // A sum after a minus, or one that begins with a minus, is in parentheses.
                     let integral = matches!(term, Formula::Integral { .. });
                     let least = if integral { Level::Relation } else { Level::Infix };
                     parts.push(match (index, minus) {

@@ -1,5 +1,5 @@
 //! The functions of a module as their author wrote them, and their derivatives, each made once: what a
-//! name in a formula stands for.
+//! name in a formula means.
 
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -146,7 +146,7 @@ impl<'a> Outlines<'a> {
         if !nodes.iter().any(|node| matches!(arena.node(*node).operator, Operator::Gateaux { .. })) {
             return Some(tensor);
         }
-        // Operands stand before what is made of them: each node is carried out once.
+        // Operands come before what is made of them: each node is carried out once.
         let mut known: HashMap<Tensor, Tensor> = HashMap::new();
         for one in nodes {
             let node = arena.node(one).clone();
@@ -172,7 +172,7 @@ impl<'a> Outlines<'a> {
         known.get(&tensor).copied()
     }
 
-    /// The expression with all names replaced by what they stand for. `None` after a mistake.
+    /// The expression with all names replaced by their meanings. `None` after a mistake.
     pub fn inlined(&mut self, arena: &mut Arena, tensor: Tensor, fields: &[FieldInfo]) -> Option<Tensor> {
         self.inline(arena, tensor, fields, &mut HashMap::new())
     }
@@ -332,7 +332,7 @@ pub fn direction_name(name: &str, order: usize) -> String {
     }
 }
 
-/// ∇ of what the node stands for.
+/// ∇ of the node's meaning.
 pub fn gradient(arena: &Arena, tensor: Tensor) -> Operator {
     match arena.node(tensor).operator {
         Operator::Field { field, order } if order < HIGHEST_ORDER => {
@@ -361,7 +361,7 @@ fn substitute(source: &Arena, tensor: Tensor, values: &[Option<Tensor>], target:
                 value
             }
             (operator, _) => {
-                // Operands stand before what is made of them.
+                // Operands come before what is made of them.
                 let mut operator = map_operands(operator, &mut |operand| copied[&operand]);
                 if let Operator::Partial(_, Variable::Node(variable)) = &mut operator {
                     *variable = copied.get(variable).copied().unwrap_or(*variable);

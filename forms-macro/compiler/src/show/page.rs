@@ -40,7 +40,7 @@ impl Shown {
         format!("\\begin{{align*}}\n{}\n\\end{{align*}}", lines.join(" \\\\\n"))
     }
 
-    /// As MathML elements: the function and its derivatives, then what the names stand for.
+    /// As MathML elements: the function and its derivatives, then the meaning of the names.
     pub fn mathml(&self) -> String {
         let own: Vec<&Equation> = self.equations().collect();
         let mut text = table(&own);

@@ -63,7 +63,7 @@ const ACCENTS: &[(&str, Accent)] = &[
 pub struct Symbol {
     /// δ or Δ before the letter: a direction; ∂: a boundary.
     pub variation: Option<char>,
-    /// A letter, or a word, which stands upright.
+    /// A letter, or a word, which is upright.
     pub base: String,
     pub accents: Vec<Accent>,
     pub subscripts: Vec<String>,

@@ -189,7 +189,7 @@ fn both_sides_of_a_facet_are_shown() {
     assert_shown(INTERIOR_PENALTY, "poisson", &lines);
 }
 
-/// Parentheses stand where they must, and only there; signs are those of the source.
+/// Parentheses are where they must be, and only there; signs are those of the source.
 #[test]
 fn precedence_and_signs() {
     let cases = [

@@ -111,7 +111,7 @@ impl Notation for Unicode {
     }
 }
 
-/// Digits, signs and the T of a transpose raised; empty if something else stands there.
+/// Digits, signs and the T of a transpose raised; empty if there is something else.
 fn superscript(text: &str) -> String {
     let raised = text.chars().map(|c| match c {
         '0' => Some('⁰'),

@@ -20,7 +20,7 @@ pub struct Node {
 #[derive(Clone, Debug, Default)]
 pub struct Arena {
     nodes: Vec<Node>,
-    /// Depth of each: nodes that stand one inside the other.
+    /// Depth of each: nodes that are one inside the other.
     depths: Vec<u32>,
     /// Nodes that [`Arena::share`] made, by their content.
     shared: HashMap<Key, Tensor>,
@@ -43,14 +43,14 @@ impl Arena {
         Tensor(self.nodes.len() as u32 - 1)
     }
 
-    /// Depth: the number of nodes that stand one inside the other.
+    /// Depth: the number of nested nodes.
     pub fn depth(&self, tensor: Tensor) -> u32 {
         self.depths[tensor.0 as usize]
     }
 
     /// As [`Arena::push`], or an equal node that was made by this function before: derivatives of derivatives hold the
     /// same expression many times, and grow with a power of their order instead of exponentially. A node that a `diff`
-    /// varies stands for itself alone.
+    /// varies means only itself.
     pub fn share(&mut self, operator: Operator, shape: Shape, span: SourceSpan) -> Tensor {
         let key = Key::new(&operator, &shape, &mut |operand| self.representative(operand));
         match self.shared.get(&key) {
@@ -139,7 +139,7 @@ impl Arena {
         (0..self.nodes.len() as u32).map(Tensor).filter(|tensor| seen[tensor.0 as usize]).collect()
     }
 
-    /// Every node that `roots` are made of with each restriction under which it stands, operands first.
+    /// Every node that `roots` are made of with each restriction that applies to it, operands first.
     pub fn restrictions(&self, roots: &[Tensor]) -> SortedSet<(Tensor, Option<Side>)> {
         let mut seen = SortedSet::new();
         let mut pending: Vec<(Tensor, Option<Side>)> = roots.iter().map(|root| (*root, None)).collect();
@@ -169,7 +169,7 @@ struct Key {
     rest: Rest,
 }
 
-/// The data of an operator beside its operands.
+/// The data of an operator besides its operands.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum Rest {
     Nothing,

@@ -164,7 +164,7 @@ fn the_corpus_compiles() {
     }
 }
 
-/// All faults are told, each with the seed of its module; one that hangs is named before the process ends.
+/// All faults are reported, each with the seed of its module; one that hangs is named before the process ends.
 #[test]
 fn mutated_modules() {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);

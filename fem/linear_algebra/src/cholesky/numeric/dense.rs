@@ -132,7 +132,7 @@ impl Subtract<'_> {
     }
 }
 
-/// Sums over all columns of products of some rows with C others; of the last register only what is among so many rows.
+/// Sums over all columns of products of some rows with C others; of the last register only the rows that exist.
 #[inline(always)]
 fn products<S: Simd, const R: usize, const C: usize, const FULL: bool>(
     simd: S,

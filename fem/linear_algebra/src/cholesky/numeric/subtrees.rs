@@ -9,13 +9,13 @@ use super::wide::share;
 use super::{Numeric, Scratch};
 use crate::threads::Threads;
 
-/// Most load of a thread beside the mean of all.
+/// Largest load of a thread relative to the mean of all.
 const UNEVEN: f64 = 1.1;
 /// Most times that a part is cut.
 const CUTS: usize = 100;
-/// Cost of a product of rows beside that of its entries \[multiplications\].
+/// Cost of a product of rows relative to that of its entries \[multiplications\].
 const OVERHEAD: f64 = 500.0;
-/// Cost of an entry of a product beside its multiplications \[multiplications\].
+/// Cost of an entry of a product relative to its multiplications \[multiplications\].
 const MOVED: f64 = 8.0;
 
 /// A range of supernodes with the cost of their factorisation.
@@ -59,7 +59,7 @@ impl Tree {
         found
     }
 
-    /// Parts for so many threads to share, the most costly first: the most costly is cut until the shares are nearly even (Geist and
+    /// Parts for n threads to share, the most costly first: the most costly is cut until the shares are nearly even (Geist and
     /// Ng 1989).
     fn parts(&self, threads: usize) -> Vec<Part> {
         let mut parts = vec![self.part(0..self.first.len())];

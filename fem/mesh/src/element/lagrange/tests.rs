@@ -22,7 +22,7 @@ fn check_nodes<const D: usize>(element: Lagrange) {
     let tables = element.tabulate(&points);
     for q in 0..points.len() {
         for i in 0..element.nodes() {
-            // Exact but for thirds, which are rounded.
+            // Exact except for thirds, which are rounded.
             let tolerance = if element.degree == 3 { 1e-14 } else { 0.0 };
             let difference = tables.value[q * tables.nodes + i] - f64::from(u8::from(i == q));
             assert!(difference.abs() <= tolerance, "{element:?}");

@@ -6,7 +6,7 @@ use super::{BisectedMesh, simplex};
 use crate::element::CellShape;
 use crate::mesh::MeshError;
 
-/// The end of a list, and the children of what has none.
+/// Sentinel: end of list, or no children.
 const NONE: u32 = u32::MAX;
 
 /// The cells of a mesh with their descendants, each a leaf or bisected.
@@ -157,7 +157,7 @@ impl<const D: usize> Closure<D> {
         }
     }
 
-    /// Whether another cell has divided an edge of a new part, of which the places of the kept and the new vertex are given.
+    /// Whether another cell has divided an edge of a new part, given by the places of the kept and the new vertex.
     fn has_divided_edge(&self, cell: usize, [kept, new]: [usize; 2]) -> bool {
         let nodes = self.cell(cell);
         self.shape.edges().iter().any(|&[p, q]| {

@@ -1,4 +1,4 @@
-//! Nodes by the edges in whose middles they stand.
+//! Nodes in the middles of edges, by their edge.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};

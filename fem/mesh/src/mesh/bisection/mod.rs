@@ -46,7 +46,7 @@ pub struct BisectedMesh<const D: usize> {
     marks: Vec<MarkedEdges>,
     /// The bisection that each cell comes from.
     origins: Vec<Option<Origin>>,
-    /// The bisections of which the mesh is the result.
+    /// The bisections that made the mesh.
     bisections: Vec<Bisection>,
 }
 
@@ -102,7 +102,7 @@ impl<const D: usize> BisectedMesh<D> {
     }
 
     /// The mesh with the marked cells bisected, and others where nodes would hang; cell numbers may repeat. All regions are kept. New
-    /// nodes stand where the geometry map has them, so that the mesh covers the same set; see [`BisectedMesh::refined_onto`]. The
+    /// nodes are where the geometry map has them, so that the mesh covers the same set; see [`BisectedMesh::refined_onto`]. The
     /// [`Nesting`] says from which cell each new one comes.
     ///
     /// # Errors
@@ -113,7 +113,7 @@ impl<const D: usize> BisectedMesh<D> {
     }
 
     /// As [`BisectedMesh::refined`], and the new nodes on the facets of each region are moved by its map, for example onto the circle that the
-    /// region stands for. Where regions meet, their maps follow each other in the order given.
+    /// region approximates. Where regions meet, their maps follow each other in the order given.
     ///
     /// ```
     /// # use forms_mesh as forms_fem;

@@ -1,4 +1,4 @@
-//! Bisected meshes beside the first one: conforming, the same set and regions, bounded angles and shapes.
+//! Bisected meshes compared with the first one: conforming, the same set and regions, bounded angles and shapes.
 
 mod coarsening;
 mod shapes;
@@ -41,7 +41,7 @@ fn crooked(degree: usize) -> Result<Mesh<2>, MeshError> {
     Ok(mesh)
 }
 
-/// Refines at random until there are so many cells, and from the first mesh anew, as often as there are markings.
+/// Refines at random until there is the given number of cells, and from the first mesh again, as often as there are markings.
 fn refine_at_random<const D: usize>(
     first: &Mesh<D>,
     [cells, markings]: [usize; 2],
@@ -141,7 +141,7 @@ fn refinement_towards_a_corner_stays_there() -> Result<(), MeshError> {
     mesh.mesh.check_conformity()
 }
 
-/// New nodes of a ring and a ball stand on circle and sphere, those that were there stay.
+/// New nodes of a ring and a ball are on circle and sphere, those that were there stay.
 #[test]
 fn new_nodes_on_the_exact_boundary() -> Result<(), MeshError> {
     for degree in 1..=2 {

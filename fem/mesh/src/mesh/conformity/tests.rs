@@ -8,7 +8,7 @@ type Checked = Result<(), MeshError>;
 /// Nodes, and blocks of cells.
 type Parts<const D: usize> = (Vec<[f64; D]>, Vec<(CellShape, Vec<u32>)>);
 
-/// Cells of two meshes beside each other, nodes and cells of the second one after those of the first.
+/// Cells of two meshes together, nodes and cells of the second one after those of the first.
 fn beside<const D: usize>(first: &Mesh<D>, second: &Mesh<D>) -> Parts<D> {
     let shift = first.node_count() as u32;
     let nodes = [first.nodes(), second.nodes()].concat();
@@ -45,7 +45,7 @@ fn a_crack_is_allowed_and_named() -> Checked {
     Ok(())
 }
 
-// Coarse cells beside fine ones: an unreported crack, once.
+// Coarse cells next to fine ones: an unreported crack, once.
 #[test]
 fn a_hanging_node_is_an_error_unless_asked_for() -> Checked {
     for (shape, degree) in [(CellShape::Triangle, 1), (CellShape::Quadrilateral, 2)] {

@@ -19,7 +19,7 @@ use crate::element::{CellShape, Lagrange};
 /// about a hundred; more than these only one that nearly vanishes along a surface.
 const MOST_HALVES: usize = 4096;
 
-/// A determinant this small beside the product of the lengths of the Jacobian's columns is round-off of zero.
+/// A determinant this small relative to the product of the lengths of the Jacobian's columns is round-off of zero.
 pub(super) const ROUND_OFF: f64 = 1e-14;
 
 /// Below this a determinant has no reciprocal to calculate with: cells with an edge as short as the least numbers are
@@ -36,7 +36,7 @@ pub enum Sign<const D: usize> {
     Positive,
     /// Not positive at this reference point, up to round-off.
     Folded { reference: [f64; D], determinant: f64 },
-    /// After many halves there is still a part, around this reference point, of which only a lower bound is known.
+    /// After many halves there is still a part, around this reference point, where only a lower bound is known.
     Undecided { reference: [f64; D], bound: f64 },
 }
 
@@ -85,7 +85,7 @@ impl<const D: usize> JacobianDeterminant<D> {
         JacobianDeterminant { shape, derivatives, controls, expansion: OnceLock::new() }
     }
 
-    /// The sign on the cell whose nodes stand at some positions \[length\].
+    /// The sign on the cell whose nodes are at the given positions \[length\].
     pub fn sign(&self, nodes: &[u32], positions: &[[f64; D]]) -> Sign<D> {
         let columns: [Vec<[f64; D]>; D] = std::array::from_fn(|axis| {
             let combined = |terms: &Vec<(usize, f64)>| {

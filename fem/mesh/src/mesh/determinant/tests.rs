@@ -1,4 +1,4 @@
-//! The sign of determinants whose least value is known, and of random cells beside samples.
+//! The sign of determinants whose least value is known, and of random cells compared with samples.
 
 use super::*;
 

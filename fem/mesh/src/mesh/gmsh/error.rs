@@ -56,7 +56,7 @@ pub enum GmshProblem {
         /// The missing item.
         expected: String,
     },
-    /// Something else stands where a number, name or mark should.
+    /// Something else is found in the place of a number, name or mark.
     #[error("expected {expected}, found {found:?}")]
     Unexpected {
         /// The expected text.
@@ -93,13 +93,13 @@ pub enum GmshProblem {
     /// Nodes with parameters in the old version.
     #[error("version 2.2 with parameters of nodes is not read (option Mesh.SaveParametric = 0)")]
     ParametricNodes,
-    /// A section stands twice.
+    /// A section occurs twice.
     #[error("there is a second section ${section}")]
     RepeatedSection {
         /// Its name.
         section: String,
     },
-    /// An entity stands twice in its section.
+    /// An entity occurs twice in its section.
     #[error("{} {tag} is listed twice", entity(*dimension))]
     RepeatedEntity {
         /// Dimension of the entity.

@@ -58,7 +58,7 @@ impl<const D: usize> GmshMesh<D> {
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, GmshError> {
         let mut reader = Reader::new(name, bytes);
         let contents = sections::read(&mut reader)?;
-        // Cells and facets stand in this section.
+        // Cells and facets are in this section.
         reader.section = Some("Elements".to_owned());
         let imported = imported::import(&contents).map_err(|flaw| match flaw.at {
             Some(at) => reader.error_at(at, flaw.problem.into()),
@@ -73,7 +73,7 @@ impl<const D: usize> Mesh<D> {
     ///
     /// Cells are the elements of dimension D: triangles, quadrilaterals, tetrahedra or hexahedra, all of one type, or
     /// triangles and quadrilaterals of one order. Nodes and cells keep the file's order, but where there are both, all
-    /// cells of the shape that comes first stand first. Nodes that no cell uses are left out. A plane mesh may lie at
+    /// cells of the shape that occurs first come first. Nodes that no cell uses are left out. A plane mesh may lie at
     /// any z.
     ///
     /// Physical groups become regions: those of dimension D regions of cells, those of dimension D − 1 regions of

@@ -1,4 +1,4 @@
-//! Numbers from the bytes of a file, written out or binary, and where each stands.
+//! Numbers from the bytes of a file, written out or binary, and the position of each.
 
 use super::error::{GmshError, GmshProblem};
 use crate::mesh::imported::{FilePosition, shortened};

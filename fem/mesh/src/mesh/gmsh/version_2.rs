@@ -47,7 +47,7 @@ pub(super) fn nodes(reader: &mut Reader, contents: &mut Contents) -> Result<()> 
 /// `$Elements`.
 pub(super) fn elements(reader: &mut Reader, contents: &mut Contents) -> Result<()> {
     let announced_at = reader.here();
-    // A tag and a node at least; the type and the number of tags stand once per block in binary files.
+    // A tag and a node at least; the type and the number of tags are given once per block in binary files.
     let announced = count(reader, "elements", Item { integers: 2, sizes: 0, reals: 0 })?;
     contents.elements.reserve(announced);
     while contents.elements.len() < announced {

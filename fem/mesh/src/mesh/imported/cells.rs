@@ -23,7 +23,7 @@ pub(super) struct Cells<const D: usize> {
 }
 
 /// The elements that are cells, of one type or, in the plane, of two, with their places among the elements. Those of the
-/// type that comes first stand first.
+/// type that occurs first come first.
 struct Chosen<'a> {
     kinds: Vec<(&'static Kind, &'static Cell)>,
     elements: Vec<(usize, &'a Element)>,
@@ -82,7 +82,7 @@ fn vertices(nodes: &[u32], kind: &Kind) -> [u32; 8] {
     vertices
 }
 
-// MSH 2.2 lists a cell once for each of its groups; a cell that stands twice otherwise is a mistake.
+// MSH 2.2 lists a cell once for each of its groups; a cell that occurs twice otherwise is a mistake.
 fn check_other_group(contents: &Contents, element: &Element, other: usize) -> Result<()> {
     let other = &contents.elements[other];
     let (groups, others) = (&contents.membership(element).groups, &contents.membership(other).groups);

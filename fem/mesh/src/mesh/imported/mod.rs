@@ -1,7 +1,7 @@
 //! From what a file says to a mesh with regions: the same for every format.
 //!
 //! A format's reader fills [`Contents`], with the file's own numbers; the kinds of cells are its own table. What is wrong
-//! with them is told in the file's words and numbers.
+//! with them is reported in the file's words and numbers.
 
 mod cells;
 mod contents;

@@ -136,7 +136,7 @@ pub enum ImportProblem {
         /// Its coordinates.
         position: [f64; 3],
     },
-    /// A cell stands twice in the same group.
+    /// A cell occurs twice in the same group.
     #[error("{}s {} and {} are the same cell", first.what, first.tag, second.tag)]
     SameCell {
         /// One element.
@@ -221,7 +221,7 @@ pub enum ImportProblem {
         /// The group's name.
         group: String,
     },
-    /// A name stands for a group of cells and for one of facets.
+    /// A name belongs to a group of cells and to one of facets.
     #[error("\"{name}\" names a group of {} and one of {}; the name of a region stands for one of them", entities(*cells), entities(*cells - 1))]
     NameTwice {
         /// The name.
@@ -267,7 +267,7 @@ pub enum Note {
     },
     /// Points at one place that cells do not share: the mesh is not connected there.
     Coincident {
-        /// The number of those that stand where another one does.
+        /// The number of those at the position of another one.
         count: usize,
         /// The first two at one place.
         first: [Item; 2],

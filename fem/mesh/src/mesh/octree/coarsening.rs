@@ -14,7 +14,7 @@ impl<const D: usize> OctreeMesh<D> {
     /// division afterwards. A cell loses one division at most; cells of the first mesh stay. Refined and then coarsened until nothing
     /// changes, with all cells marked, a mesh is the first one again, to the numbers of its cells and nodes.
     ///
-    /// Nodes keep their places, but for those that begin to hang: they go to the facet of the larger cell. The order of those that stay is
+    /// Nodes keep their places, except for those that begin to hang: they go to the facet of the larger cell. The order of those that stay is
     /// kept. The [`Nesting`] says which cell each of this mesh's is now a part of.
     ///
     /// ```
@@ -90,7 +90,7 @@ impl<const D: usize> OctreeMesh<D> {
         Ok((OctreeMesh { mesh: Arc::new(mesh), origins, divided }, nesting))
     }
 
-    /// Which of the divided cells stay so. Small ones are asked first, so that what is larger beside them sees what has become of them.
+    /// Which of the divided cells stay so. Small ones are asked first, so that larger neighbours see the result.
     fn stays(&self, marked: &[u32]) -> Vec<bool> {
         let (divided, shape) = (&self.divided, self.shape());
         let parts = 1 << D;

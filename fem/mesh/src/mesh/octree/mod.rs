@@ -11,7 +11,7 @@ use super::{Mesh, MeshError, Nesting, Surface};
 use crate::compiled_here;
 use crate::element::CellShape;
 
-/// A mesh of quadrilaterals or hexahedra, each of which is the root of a quadtree or octree, with what its refinement and coarsening go
+/// A mesh of quadrilaterals or hexahedra as roots of quadtrees or octrees, with what its refinement and coarsening go
 /// by: a forest of trees (C. Burstedde, L. C. Wilcox, O. Ghattas, SIAM J. Sci. Comput. 33 (2011)).
 ///
 /// Refinement divides the marked cells into 2^D, and with them those that keep cells from differing by more than one division across a
@@ -32,7 +32,7 @@ use crate::element::CellShape;
 /// assert_eq!((fine.mesh().cell_count(), nesting.fine_cells(0)), (5, 0..4));
 /// // Four between the parts of the first cell, and two with the second one on their other side.
 /// assert_eq!(fine.mesh().interior_facets().len(), 6);
-/// // To divide one of the parts beside the second cell takes that along.
+/// // Dividing one of the parts next to the second cell divides that, too.
 /// assert_eq!(fine.refined(&[1])?.0.mesh().cell_count(), 4 + 3 + 4);
 /// # Ok::<(), forms_fem::mesh::MeshError>(())
 /// ```
@@ -54,7 +54,7 @@ struct Origin {
 /// The cells that have been divided.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Divided {
-    /// The cell of which each is a part; it comes before its parts.
+    /// The cell that contains each part; it comes before its parts.
     origins: Vec<Option<Origin>>,
     /// Their node numbers, cell after cell.
     nodes: Vec<u32>,
@@ -99,7 +99,7 @@ impl<const D: usize> OctreeMesh<D> {
     }
 
     /// The mesh with the marked cells divided, and others where cells would differ by more than one division; cell numbers may repeat.
-    /// All regions are kept. New nodes stand where the geometry map has them, so that the mesh covers the same set; see
+    /// All regions are kept. New nodes are where the geometry map has them, so that the mesh covers the same set; see
     /// [`OctreeMesh::refined_onto`]. The [`Nesting`] says from which cell each new one comes.
     ///
     /// # Errors
@@ -110,7 +110,7 @@ impl<const D: usize> OctreeMesh<D> {
     }
 
     /// As [`OctreeMesh::refined`], and the new nodes on the facets of each region are moved by its map, for example onto the circle that the
-    /// region stands for. Where regions meet, their maps follow each other in the order given. A node that hangs stays on the larger cell, and
+    /// region approximates. Where regions meet, their maps follow each other in the order given. A node that hangs stays on the larger cell, and
     /// is moved by the refinement after which it does not hang any more.
     ///
     /// ```

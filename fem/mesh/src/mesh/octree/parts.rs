@@ -47,7 +47,7 @@ pub(super) fn facet_parts<const D: usize>(
                 continue;
             };
             for &part in vertices {
-                // By balance a part beside an undivided cell of its whole's size is undivided.
+                // By balance a part next to an undivided cell of its whole's size is undivided.
                 let Some(cell) = leaves[whole * (1 << D) + part] else { continue };
                 let small = Facet { cell, local: local as u8 };
                 found.push((small, large, corners(mesh, shape, nodes, (part, local), large)));
@@ -58,7 +58,7 @@ pub(super) fn facet_parts<const D: usize>(
 }
 
 /// The first, second and last vertex of a part's facet, in reference coordinates of the cell across it: each in the middle between the vertex
-/// of the part and another vertex of the divided cell, both of which the cell across has as well.
+/// of the part and another vertex of the divided cell, and the cell across has both.
 fn corners<const D: usize>(
     mesh: &Mesh<D>,
     shape: CellShape,

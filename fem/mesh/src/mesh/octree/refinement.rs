@@ -12,7 +12,7 @@ use crate::mesh::{Facet, Mesh, MeshError, Surface};
 /// The nodes of divisions by the vertices that they lie between, with weights.
 struct SharedNodes<'a, const D: usize> {
     division: &'a Division<D>,
-    /// For each point of the division the node of the whole cell that stands there.
+    /// For each point of the division the node of the whole cell at that point.
     own: Vec<Option<usize>>,
     numbers: HashMap<[u64; 8], u32>,
 }

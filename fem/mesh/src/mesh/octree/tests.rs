@@ -1,4 +1,4 @@
-//! Meshes refined by trees beside the first one: balanced, the same set and regions, hanging nodes on their facets, and back again.
+//! Meshes refined by trees compared with the first one: balanced, the same set and regions, hanging nodes on their facets, and back again.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,8 +19,8 @@ fn levels<const D: usize>(mesh: &OctreeMesh<D>) -> Vec<u32> {
         .collect()
 }
 
-/// That cells beside each other differ by one division at most. Beside: with a vertex of one inside an edge of the other, by the places of
-/// nodes, or with an edge in common; for meshes of degree 1 in which equal places are equal bits.
+/// Asserts 2:1 balance. Neighbours: a vertex of one cell is inside an edge of the other, by the positions of nodes,
+/// or they have a common edge; for meshes of degree 1 in which equal places are equal bits.
 fn check_balance<const D: usize>(mesh: &OctreeMesh<D>) {
     let levels = levels(mesh);
     let bits = |x: [f64; D]| x.map(f64::to_bits);
@@ -218,13 +218,13 @@ fn octree_refinement_towards_a_corner_stays_there() -> Result<(), MeshError> {
         });
         mesh = mesh.refined(&[at_corner.unwrap_or(0)])?.0;
     }
-    // Seven of each level beside the next one, and the roots' neighbours.
+    // Seven of each level next to the next one, and the roots' neighbours.
     assert!(mesh.mesh.cell_count() < 25 * 7 + 30, "{}", mesh.mesh.cell_count());
     check_balance(&mesh);
     Ok(())
 }
 
-/// New nodes come to stand on circle and sphere, hanging ones once they do not hang any more; and nothing gapes in between.
+/// New nodes move onto circle and sphere, hanging ones once they do not hang any more; and nothing gapes in between.
 #[test]
 fn octree_nodes_on_the_exact_boundary() -> Result<(), MeshError> {
     for degree in 1..=2 {

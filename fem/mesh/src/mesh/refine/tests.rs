@@ -1,4 +1,4 @@
-//! Refined meshes beside their parents, and beside circles.
+//! Refined meshes compared with their parents and with circles.
 
 use super::*;
 use crate::mesh::geometry::inverse;
@@ -35,7 +35,7 @@ fn check<const D: usize>(coarse: &Mesh<D>) -> Result<Mesh<D>, MeshError> {
         close(area, old_area, tolerance);
         close(flux, old_flux, 1e-12);
     }
-    // Every node is used, and none stands twice.
+    // Every node is used, and none occurs twice.
     let mut used = vec![false; fine.node_count()];
     fine.cells().iter().for_each(|&node| used[node as usize] = true);
     assert!(used.iter().all(|&used| used));

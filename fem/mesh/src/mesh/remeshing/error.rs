@@ -1,4 +1,4 @@
-//! Reasons why a mesh could not be made anew.
+//! Reasons why a mesh could not be made again.
 
 use thiserror::Error;
 
@@ -35,7 +35,7 @@ pub enum RemeshingError {
         /// Their number.
         found: usize,
     },
-    /// A sector is cut where a node stands.
+    /// A sector is cut at a node.
     #[error("the boundary near {at:?} has no node on the side of its sector")]
     NoNodeOnTheCut {
         /// The node that is nearest.

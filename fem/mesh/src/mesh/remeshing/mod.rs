@@ -24,9 +24,9 @@ use crate::element::CellShape;
 
 /// A mesher for a body that has a mesh already: triangles inside the same outline, of other sizes.
 ///
-/// Nodes of the boundary are placed anew on its curves, parabolas where the geometry has degree 2; corners (turns beyond 30°, 10° between straight facets)
+/// Nodes of the boundary are placed again on its curves, parabolas where the geometry has degree 2; corners (turns beyond 30°, 10° between straight facets)
 /// and ends of regions stay. Facet regions are carried by the segments of the outline, regions of cells by components: one
-/// that covers a part of a component alone is an error, unless it is told to be the cells of some facets.
+/// that covers only a part of a component is an error, unless it is given as the cells of some facets.
 ///
 /// ```
 /// # use forms_mesh as forms_fem;
@@ -69,7 +69,7 @@ impl<'a> Remeshing<'a> {
         Remeshing { sizes, surfaces: &[], cells_of_facets: &[], sectors: None }
     }
 
-    /// Puts the nodes of some regions of facets onto curves. Without this they stand where the old facets are, which is not
+    /// Puts the nodes of some regions of facets onto curves. Without this they are where the old facets are, which is not
     /// where the curve is that these approximate.
     pub fn onto(mut self, surfaces: &'a [Surface<'a, 2>]) -> Self {
         self.surfaces = surfaces;
@@ -83,7 +83,7 @@ impl<'a> Remeshing<'a> {
     }
 
     /// Fills one sector of a ring and repeats it, so that the mesh has the pattern that the outline has: `count` sectors
-    /// around the centre, the first of which begins at an angle \[rad\]. The boundary has nodes on the sides of the sectors.
+    /// around the centre, where the first begins at an angle \[rad\]. The boundary has nodes on the sides of the sectors.
     pub fn in_sectors(mut self, centre: [f64; 2], count: usize, angle: f64) -> Self {
         self.sectors = Some(Sectors { centre, count, angle });
         self
@@ -141,7 +141,7 @@ impl<'a> Remeshing<'a> {
             cut.add_loop(&of_loop(arcs, &sizes), |_| true);
         }
         let one = cut.polygons.triangulate(&sizes)?;
-        // On the side where a sector ends stand the points with which the next begins: backwards, for the loop goes on.
+        // The side where a sector ends has the points with which the next begins: backwards, for the loop goes on.
         let around = outer + 2 * side + inner;
         let own = |vertex: usize| {
             (outer..=outer + side).contains(&vertex).then(|| (around - (vertex - outer)) % around)

@@ -7,13 +7,13 @@ use super::regions::ends_and_middle;
 use crate::facet::Facet;
 use crate::mesh::{BOUNDARY, Mesh};
 
-/// Straight pieces that stand for a parabola where distances are measured.
+/// Straight pieces that replace a parabola where distances are measured.
 const PIECES: usize = 8;
 /// The cosine of the turn of an outline, 30°, beyond which a node is a corner, which stays.
 const CORNER: f64 = 0.866;
 
 /// The same between straight facets, 10°: an outline of degree 1 is a polygon, off which a chord across a corner would cut a part. Below it the
-/// outline stands for a smooth curve, off which it is itself as far.
+/// outline approximates a smooth curve, off which it is itself as far.
 const CORNER_OF_POLYGON: f64 = 0.985;
 
 /// A facet of the boundary as a parabola.

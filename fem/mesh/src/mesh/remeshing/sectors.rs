@@ -35,7 +35,7 @@ impl Sectors {
         if turns > self.count as f64 - SAME { 0.0 } else { turns }
     }
 
-    /// A point turned by so many sectors.
+    /// A point turned by the given number of sectors.
     pub fn turned(&self, x: &[f64; 2], sectors: usize) -> [f64; 2] {
         if sectors.is_multiple_of(self.count) {
             return *x;

@@ -26,7 +26,7 @@ impl<'a> Sizes<'a> {
         Sizes { largest, smallest, across: 2.0, growth: 0.3, field: None }
     }
 
-    /// So many edges across where a body is thin \[1\].
+    /// Number of edges across where a body is thin \[1\].
     pub fn across(self, edges: f64) -> Self {
         Sizes { across: edges, ..self }
     }

@@ -41,7 +41,7 @@ fn a_rectangle_keeps_its_corners_and_names() {
     }
 }
 
-/// Turns of 27.7° and 12°: a polygon keeps its area and perimeter. One of 9° stands for a circle.
+/// Turns of 27.7° and 12°: a polygon keeps its area and perimeter. One of 9° approximates a circle.
 #[test]
 fn a_polygon_keeps_its_corners() {
     for around in [13, 30] {

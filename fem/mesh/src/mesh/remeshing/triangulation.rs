@@ -16,7 +16,7 @@ const ROUNDS: usize = 60;
 const SMOOTHINGS: usize = 12;
 /// The circumradius of an equilateral triangle with edges of length 1.
 const EQUILATERAL: f64 = 0.577_350_269_189_625_8;
-/// A triangle is too large where its circumradius is so many times that of the size.
+/// A triangle is too large where its circumradius is this many times that of the size.
 const TOO_LARGE: f64 = 1.3;
 /// The circumradius over the shortest edge from which on a triangle is thin: 27°.
 const THIN: f64 = 1.1;

@@ -1,4 +1,4 @@
-//! Rigid surfaces beside bodies: each stands on a straight cell of its own, which carries its motion.
+//! Rigid surfaces next to bodies: each has a straight cell of its own, which carries its motion.
 
 use std::sync::Arc;
 
@@ -46,15 +46,15 @@ impl<const D: usize> CarriedSurface<D> {
 }
 
 impl<const D: usize> Mesh<D> {
-    /// The mesh with rigid surfaces beside its bodies. A surface's name is found by pairings, as that of the facets opposite to a body's,
-    /// and names the cell on which it stands, for conditions and reactions: the nodes of that cell carry the surface's motion, and all of
+    /// The mesh with rigid surfaces added to its bodies. A surface's name is found by pairings, as that of the facets opposite to a body's,
+    /// and names the cell that carries it, for conditions and reactions: the nodes of that cell carry the surface's motion, and all of
     /// them have to be given one (`Constraints::move_rigidly`,
     /// `Constraints::rigid_body`). It is a cell without a material: it belongs to no
     /// other region, "all" and "boundary" included, and is not drawn. Numbers of cells and nodes stay as they are.
     ///
     /// # Errors
     /// [`MeshError::RegionExists`] for a name that is taken, by a region or by another surface; [`MeshError::Inverted`] where a surface is so
-    /// small beside its distance from the origin that its cell has no volume; [`MeshError::InsideBody`] for one that is deep in a body.
+    /// small relative to its distance from the origin that its cell has no volume; [`MeshError::InsideBody`] for one that is deep in a body.
     #[inline(never)]
     pub fn with_rigid_surfaces(&self, surfaces: &[(&str, &RigidSurface<D>)]) -> Result<Self, MeshError> {
         for (name, surface) in surfaces {

@@ -93,14 +93,14 @@ pub enum RigidSurfaceError {
         /// Its length \[bytes\].
         found: u64,
     },
-    /// Something else in an STL text than should stand there.
+    /// Unexpected text in an STL file.
     #[error("line {line}: {found}, where {expected} should stand")]
     Text {
         /// The line, from 1.
         line: usize,
         /// The text found, quoted, or "the end of the file".
         found: String,
-        /// The thing that should stand there.
+        /// The expected text.
         expected: &'static str,
     },
     /// A triangle of an STL file that cannot be used.

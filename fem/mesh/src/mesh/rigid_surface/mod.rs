@@ -14,7 +14,7 @@ use super::{Facet, Mesh, MeshError};
 use crate::compiled_here;
 
 /// The side of a rigid tool: segments in the plane, triangles in space, whose normals point out of the tool, toward the bodies that
-/// it meets. [`Mesh::with_rigid_surfaces`] puts it beside bodies.
+/// it meets. [`Mesh::with_rigid_surfaces`] adds it to bodies.
 ///
 /// ```
 /// # use forms_mesh as forms_fem;
@@ -192,13 +192,13 @@ impl<const D: usize> Mesh<D> {
         cell as usize >= self.body_cells().end
     }
 
-    /// The cells of bodies: all but those that carry rigid surfaces, which stand behind them.
+    /// The cells of bodies: all but those that carry rigid surfaces, which come after them.
     pub fn body_cells(&self) -> std::ops::Range<usize> {
         0..self.cell_count() - self.rigid.len()
     }
 
     /// Number of nodes of the bodies, and of the places in [`Mesh::cells`] that are of their cells. The nodes of the cells that carry
-    /// rigid surfaces stand behind them.
+    /// rigid surfaces come after them.
     #[doc(hidden)]
     pub fn body_nodes(&self) -> (usize, usize) {
         let carriers: usize =
@@ -214,7 +214,7 @@ impl<const D: usize> Mesh<D> {
         }
     }
 
-    /// The facet that stands for all of a rigid surface: what its points belong to is the cell that carries it.
+    /// The facet that represents all of a rigid surface: what its points belong to is the cell that carries it.
     #[doc(hidden)]
     pub fn carrier(&self, name: &str) -> Option<Facet> {
         self.rigid_surface(name).map(|carried| Facet { cell: carried.cell, local: 0 })

@@ -148,7 +148,7 @@ impl Values {
 }
 
 impl RawArray {
-    /// An array with so many tuples.
+    /// An array with the given number of tuples.
     pub(super) fn new(
         name: &str,
         components: usize,

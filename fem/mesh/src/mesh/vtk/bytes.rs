@@ -100,7 +100,7 @@ fn group(text: &mut &[u8], decoded: &mut Vec<u8>) -> Option<()> {
             _ if character.is_ascii_whitespace() => continue,
             _ => return None,
         };
-        // Nothing stands behind the filling.
+        // Nothing follows the filling.
         if bytes < 3 && character != b'=' {
             return None;
         }

@@ -36,7 +36,7 @@ pub enum VtkProblem {
         /// Its content.
         found: String,
     },
-    /// Something else stands where a number, a name or a mark should, or the file ends.
+    /// Something else is found in the place of a number, a name or a mark, or the file ends.
     #[error("{position}: expected {expected}, found {found}")]
     Unexpected {
         /// Where.

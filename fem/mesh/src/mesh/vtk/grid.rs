@@ -51,7 +51,7 @@ impl Grid {
             .map(|(place, position)| *known.entry(bits(position)).or_insert(place))
             .collect();
         for point in &mut self.connectivity {
-            // What does not exist is told later.
+            // What does not exist is reported later.
             if let Some(&place) = usize::try_from(*point).ok().and_then(|point| first.get(point)) {
                 *point = place;
             }

@@ -87,7 +87,7 @@ impl<'a> Reader<'a> {
         found.ok_or_else(|| self.unexpected(at, "a type of numbers"))
     }
 
-    /// So many numbers, which begin on the next line where they are bytes.
+    /// The given number of numbers, which begin on the next line where they are bytes.
     pub(super) fn numbers(&mut self, name: &str, number: NumberType, count: Option<usize>) -> Result<Values> {
         let cut =
             |count: &str| VtkProblem::array(name, format!("the file ends before its {count} numbers do"));

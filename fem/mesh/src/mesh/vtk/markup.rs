@@ -8,12 +8,12 @@ use crate::mesh::imported::{FilePosition, shortened};
 pub(super) struct Element<'a> {
     pub(super) name: &'a str,
     attributes: Vec<(&'a str, String)>,
-    /// The text that stands in it directly.
+    /// The text directly inside it.
     pub(super) text: Vec<u8>,
     pub(super) children: Vec<Element<'a>>,
 }
 
-/// A document: its outermost element, and what stands behind the underscore of its appended data.
+/// A document: its outermost element, and what follows the underscore of its appended data.
 pub(super) struct Document<'a> {
     pub(super) root: Element<'a>,
     /// To the end of the file: raw bytes may look like a mark.

@@ -42,7 +42,7 @@ pub struct VtkMesh<const D: usize> {
 /// The numbers of an integer array on the cells become regions: of the cells of dimension D "region 3" and so on, of
 /// those of dimension D − 1 "facets 3", unless they are given names; a cell with a negative number is in none. The array
 /// is the one that the caller names, or else the first of "region", "gmsh:physical", "CellEntityIds" and "medit:ref"
-/// that the file has; without any there are no regions. A cell that stands twice with different numbers, as where meshio
+/// that the file has; without any there are no regions. A cell that occurs twice with different numbers, as where meshio
 /// converts Gmsh's files, is one cell in two regions.
 ///
 /// ```
@@ -158,7 +158,7 @@ impl VtkReader {
     }
 }
 
-// Cells do not share points that merely stand at one place.
+// Cells do not share points that are merely at one place.
 fn coincident<const D: usize>(mesh: &Mesh<D>, places: &[usize]) -> Option<Note> {
     let mut known = HashMap::with_capacity(mesh.node_count());
     let (mut first, mut count) = (None, 0);
@@ -178,7 +178,7 @@ impl<const D: usize> Mesh<D> {
     /// Cells are those of dimension D: triangles, quadrilaterals, tetrahedra or hexahedra of first or second order, all
     /// of one type, or triangles and quadrilaterals of one order; VTK's Lagrange cells of these orders, pixels and voxels
     /// are read as such. Points and cells keep the file's order, but where there are both, all cells of the shape that
-    /// comes first stand first. Points that no cell uses are left out. A plane mesh may lie at any z.
+    /// occurs first come first. Points that no cell uses are left out. A plane mesh may lie at any z.
     ///
     /// Regions come from an integer array on the cells; [`VtkReader`] says from which, names them, and gives the other
     /// data besides.

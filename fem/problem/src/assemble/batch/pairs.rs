@@ -119,7 +119,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         for index in 0..reads.len() {
             second |= reads[index].hessian;
         }
-        // An affine map is known, but for the place of the point.
+        // An affine map is known, except for the place of the point.
         if placed || second || !tables.affine {
             evaluate(&pairs.geometry[side], reference, if second { 2 } else { 1 }, geometry);
         }

@@ -12,10 +12,10 @@ use crate::assemble::walk::GroupSide;
 use crate::element::Tables;
 use crate::lanes::{SimdLane, Starts, WIDEST};
 
-/// So many cells before they are loaded, the coordinates of their nodes are asked for.
+/// Number of cells by which the coordinates of nodes are prefetched.
 const NODES_AHEAD: usize = 12;
 
-/// A batch of cells so many after a start, or what there is of it.
+/// A batch of cells at the given distance after a start, or what there is of it.
 #[inline(always)]
 fn later_cells<L: SimdLane>(cells: &[u32], start: usize, ahead: usize) -> &[u32] {
     let later = cells.get(start + ahead..).unwrap_or_default();

@@ -69,7 +69,7 @@ impl<'a, const D: usize> Outline<'a, D> {
         Outline { described: Described::of(form), couplings, is_symmetric }
     }
 
-    /// Whether each of the tangents is proved to be symmetric by itself, so that their sum is, but for rounding.
+    /// Whether each of the tangents is proved to be symmetric by itself, so that their sum is, except for rounding.
     pub fn is_symmetric(&self) -> bool {
         self.is_symmetric
     }

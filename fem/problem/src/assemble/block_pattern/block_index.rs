@@ -140,14 +140,14 @@ impl BlockIndex {
         self.starts.iter().find(|(known, _)| *known == shape).map_or(0, |(_, start)| *start)
     }
 
-    /// The start of the places of a cell after those of its shape's first one, so many for each; `None` if it takes no part.
+    /// The start of the places of a cell after those of its shape's first one, the given number for each; `None` if it takes no part.
     #[inline(always)]
     pub fn start_of(&self, cell: u32, each: usize) -> Option<usize> {
         let place = *self.walk.get(cell as usize)?;
         (place != BlockIndex::ABSENT).then(|| place as usize * each)
     }
 
-    /// The starts of the places of some pairs of facets, of so many blocks each; none unless all are known.
+    /// The starts of the places of some pairs of facets, of the given number of blocks each; none unless all are known.
     pub fn starts_of_pairs(
         &self,
         sides: [Side; 2],

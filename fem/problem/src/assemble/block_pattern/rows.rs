@@ -1,5 +1,8 @@
-//! Rows of blocks from cliques, made column by column: a column is put behind all rows of the cliques around it, and what comes later is
-//! larger, so that rows are ascending without a comparison of two columns; where a column was put is the place of its blocks.
+//! Builds block rows column by column, so that columns are sorted without comparisons; records each element block's slot.
+//!
+//! Example: three cells in a row with the nodes (0, 1), (1, 2), (2, 3). Column 0 is appended to the rows of its cell, 0 and 1. Column 1 is
+//! appended to the rows 0, 1 and 2, column 2 to 1, 2 and 3, column 3 to 2 and 3. Row 1 is then (0, 1, 2), in ascending order. The cell
+//! (1, 2) finds the block of row 1 and column 2 in slot 2 of that row.
 //!
 //! No step has a branch that depends on the numbers: what mispredicted ones take is more than what is computed.
 
@@ -43,8 +46,7 @@ impl<P: Slot + Default> RowsOfThread<'_, '_, P> {
         let begins = &begins[near.own.start..];
         let mut places_of_later: Vec<P> = zeros(near.later_begins[near.later.len()]);
         let around = Around::new(&near, column_nodes);
-        // Of each row the last column, counted from one, in the upper half, and its place in the lower one: before the first place
-        // where there is none.
+        // Per row, packed: (last column + 1) << 32 | its index in the row; a row without a column has the index before the first.
         let mut last: Vec<u64> = room(rows.len());
         last.resize(rows.len(), u64::from(u32::MAX));
         let mut start = 0;

@@ -259,7 +259,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
     }
 }
 
-/// Runs integrals all of which have fixed lengths.
+/// Runs integrals that all have fixed lengths.
 #[inline(always)]
 fn run_fixed<const D: usize>(
     form: &'static str,

@@ -1,5 +1,5 @@
 //! Element matrices of a bilinear integral on cells, facets and pairs: the loops over batches and points, from which the integral's
-//! kernel is called. Strategies for many basis functions stand in `reference_tensor` and `sum_factorisation`, loops of lengths that
+//! kernel is called. Strategies for many basis functions are in `reference_tensor` and `sum_factorisation`, loops of lengths that
 //! are known in `fixed`.
 
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.

@@ -186,7 +186,7 @@ const fn in_two_passes(numbers: usize, registers: usize) -> bool {
 }
 
 /// Rows and columns of a tile, as the two digits of a number: each factor that is loaded serves several pairs, as many as there are
-/// registers for accumulators of so many numbers. One number, since rustc leaves out the arms that a constant does not take where
+/// registers for accumulators of that many numbers. One number, since rustc leaves out the arms that a constant does not take where
 /// it is an integer; those of a tuple it compiles.
 const fn tile(accumulators: usize, registers: usize) -> usize {
     match (accumulators, registers >= 32) {

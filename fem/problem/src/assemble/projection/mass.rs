@@ -197,7 +197,7 @@ impl LaneWork for Products<'_> {
 }
 
 impl Products<'_> {
-    /// Cells of N nodes, or at most so many for [`MAXIMUM_NODES`].
+    /// Cells of N nodes, or of at most N nodes for [`MAXIMUM_NODES`].
     #[inline(always)]
     fn of<L: SimdLane, const N: usize>(self) {
         let n = if N == MAXIMUM_NODES { self.nodes } else { N };

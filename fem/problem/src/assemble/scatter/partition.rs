@@ -67,7 +67,7 @@ fn ends<'n>(
     (0..runs.len()).map(|run| found.iter().map(|ends| ends[run]).max().unwrap_or(0)).collect()
 }
 
-/// Runs of entities for at most so many threads; at least one.
+/// Runs of entities for at most the given number of threads; at least one.
 pub(in crate::assemble) fn runs(count: usize, threads: usize) -> Vec<Range<usize>> {
     let parts = threads.min(count / SMALLEST).max(1);
     let start = |part: usize| match part == parts {

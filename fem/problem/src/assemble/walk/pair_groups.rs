@@ -40,7 +40,7 @@ pub(in crate::assemble) fn degree_on_pairs<const D: usize>(
     mesh.shapes().into_iter().map(degree).max().unwrap_or(0)
 }
 
-/// Unknowns of which nothing but their spaces is asked.
+/// Unknowns whose spaces are all that is needed.
 #[inline(never)]
 pub(in crate::assemble) fn without_coefficients<'a, const D: usize>(
     spaces: &[&'a Arc<Space<D>>],

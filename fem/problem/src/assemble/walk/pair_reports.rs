@@ -200,7 +200,7 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// Follows the motion of the surfaces of some found pairs, which one unknown displaces, from one state of all unknowns to
-    /// another ([`Assembler::follow`]). Surfaces that other fields displace stand still in a step.
+    /// another ([`Assembler::follow`]). Surfaces that other fields displace do not move in a step.
     #[inline(never)]
     pub(crate) fn follow_found(
         &self,

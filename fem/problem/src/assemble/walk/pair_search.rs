@@ -168,7 +168,7 @@ impl SlidingCouplings {
     }
 }
 
-/// Facets around an opposite one to which a point may slide before the pattern is made anew: so many layers of facets that
+/// Facets around an opposite one to which a point may slide before the pattern is made again: the number of layers of facets that
 /// share a vertex.
 const LAYERS: usize = 2;
 

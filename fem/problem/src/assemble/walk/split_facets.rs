@@ -14,7 +14,7 @@ const SHORTEST: f64 = 1e-14;
 impl<const D: usize> Assembler<D> {
     /// This assembler, with the exterior facets of a region split where a scalar changes its sign; the scalar has no
     /// unknowns, so that the split is that of one state. Every integral over these facets takes one rule per piece,
-    /// except those that read a history and those over contact pairs, which have pieces of their own. Facets of the region that were split before are split anew.
+    /// except those that read a history and those over contact pairs, which have pieces of their own. Facets of the region that were split before are split again.
     ///
     /// In the plane a facet is cut at each zero, found as in [`Assembler::positive_parts`]: `resolution` is the degree of
     /// the interpolation along a facet, and the cut is exact to rounding where the scalar has this degree there. In space a

@@ -67,7 +67,7 @@ impl<'a, const D: usize> Lately<'a, D> {
     }
 }
 
-/// Cuts a loop into one part per thread, whose results stand in the order of the loop.
+/// Cuts a loop into one part per thread, with results in the order of the loop.
 pub(crate) fn in_parts<R: Send>(
     threads: Threads,
     length: usize,

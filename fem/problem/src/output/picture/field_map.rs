@@ -53,7 +53,7 @@ pub struct FieldMap<'a> {
 }
 
 impl<'a> FieldMap<'a> {
-    /// A picture of a field; the label, with the unit, stands at the colour bar.
+    /// A picture of a field; the label, with the unit, is at the colour bar.
     pub fn of(field: &'a Field<2>, shown: Shown, label: &str) -> FieldMap<'a> {
         FieldMap::new(field.space().mesh(), Values::Field(field, shown), label)
     }

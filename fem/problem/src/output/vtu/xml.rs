@@ -74,7 +74,7 @@ impl Array<'_> {
     }
 }
 
-/// The attributes that name the first array of each kind, which readers show unless they are told otherwise.
+/// The attributes that name the first array of each kind, which readers show by default.
 fn active(arrays: &[Array]) -> String {
     let mut text = String::new();
     for (kind, components) in [("Scalars", 1), ("Vectors", 3), ("Tensors", 9)] {
@@ -96,7 +96,7 @@ fn little_endian<T: Copy, const N: usize>(numbers: &[T], bytes_of: impl Fn(T) ->
     bytes
 }
 
-/// Appends an array of numbers of VTK's type `kind`, whose `bytes` stand behind their number.
+/// Appends an array of numbers of VTK's type `kind`, whose `bytes` follow their number.
 fn append(text: &mut String, name: &str, components: usize, kind: &str, bytes: Vec<u8>) {
     let name = escaped(name);
     let head = format!(

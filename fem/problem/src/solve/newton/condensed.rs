@@ -93,7 +93,7 @@ pub(super) fn share_linear_part<P: NonlinearProblem>(
     solver: &mut dyn LinearSolver,
 ) -> Result<Option<Arc<CsrMatrix>>, NewtonFailure<P::Error>> {
     let Some(solver) = solver.as_condensing() else { return Ok(None) };
-    // With related unknowns the reduced matrix is no submatrix, and is made anew for each tangent.
+    // With related unknowns the reduced matrix is no submatrix, and is made again for each tangent.
     if !elimination.only_prescribes() {
         return Ok(None);
     }

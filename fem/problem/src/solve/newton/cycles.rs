@@ -17,7 +17,7 @@ const SAME_WITH_ITS_SET: f64 = 1e-6;
 /// Iterates are at the same place if they differ by less than this part of their size.
 const SAME_PLACE: f64 = 1e-8;
 
-/// So many iterations in a row must leave the residual as it is, if iterates are new ones.
+/// Number of iterations in a row that must leave the residual as it is, if iterates are new ones.
 const STAYS: usize = 4;
 
 /// The longest cycle that is looked for.

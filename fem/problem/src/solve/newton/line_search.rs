@@ -1,7 +1,7 @@
 //! Steps that are shortened: along a potential, or by the residual.
 //!
 //! Where the residual is the gradient of a potential Π, the slope of Π along a step δ is R(u + αδ)·δ, so that the
-//! potential itself need not be known. Other residuals are judged by their norm, each field's beside the largest that it
+//! potential itself need not be known. Other residuals are judged by their norm, each field's relative to the largest that it
 //! had. It may have to rise on the way to a solution, where a law switches: if no step lowers it, a short one is taken.
 
 use super::{Iteration, NewtonFailure, NonlinearProblem, Residuals};
@@ -65,7 +65,7 @@ pub(super) struct Forced {
 }
 
 impl Iteration<'_> {
-    /// The norm of the residual whose norms per field are given, each beside the largest that the field had. A field that
+    /// The norm of the residual whose norms per field are given, each relative to the largest that the field had. A field that
     /// had none yet does not count.
     pub fn merit(&self, residuals: &[f64]) -> f64 {
         let parts = residuals.iter().enumerate().map(|(field, residual)| {
@@ -149,7 +149,7 @@ pub(super) fn along_potential<P: NonlinearProblem>(
         return Ok(Taken::whole());
     }
     for evaluation in 0..EVALUATIONS {
-        // Regula falsi and bisection by turns; what is not finite is too far.
+        // Regula falsi and bisection alternately; what is not finite is too far.
         let secant = low + (high - low) * low_slope / (low_slope - high_slope);
         let inside = secant > low && secant < high;
         let part = if evaluation % 2 == 0 && inside { secant } else { 0.5 * (low + high) };

@@ -232,7 +232,7 @@ impl From<SolverError> for NewtonError<AssemblyError> {
 /// Iterates that [`NewtonError`] prints.
 const PRINTED: usize = 6;
 
-/// Fields whose residuals stand in the line of an iterate.
+/// Fields whose residuals are in the line of an iterate.
 const SHOWN_FIELDS: usize = 6;
 
 // It is what `main` prints of an error that it returns: lines for a reader, not every unknown and every field.

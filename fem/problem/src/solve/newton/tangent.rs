@@ -13,7 +13,7 @@ use crate::linear_algebra::{BlockMatrix, CsrMatrix};
 pub struct Tangent<'a> {
     /// All rows and columns.
     pub matrix: Cow<'a, BlockMatrix>,
-    /// Places among the matrix's values, as ascending ranges of whole blocks, outside of which it is equal to the
+    /// Places among the matrix's values, as ascending ranges of whole blocks, outside those it is equal to the
     /// problem's linear part; none where the problem does not know them.
     pub changed: Option<&'a [Range<usize>]>,
 }
@@ -63,7 +63,7 @@ impl Products {
 }
 
 impl From<CsrMatrix> for Tangent<'_> {
-    /// A tangent of which nothing else is known.
+    /// A tangent without further known properties.
     fn from(matrix: CsrMatrix) -> Self {
         Tangent { matrix: Cow::Owned(matrix.into()), changed: None }
     }

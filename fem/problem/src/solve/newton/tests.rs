@@ -296,7 +296,7 @@ fn system(
 #[test]
 fn each_field_has_a_scale_of_its_own() {
     let options = NewtonOptions::default();
-    // A stiff spring beside a soft nonlinear one, whose root is 0.682….
+    // A stiff spring next to a soft nonlinear one, whose root is 0.682….
     let root = 0.682_327_803_828_019_3;
     for (stiff, soft) in [(1.0, 1.0), (1e6, 1e-6), (1e12, 1e-12), (1e-12, 1e12)] {
         let found = system(&[0.0; 2], &options, |u| {

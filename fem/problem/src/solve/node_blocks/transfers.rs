@@ -35,7 +35,7 @@ pub(super) fn coarse_level(fine: &FreeNodes, given: &Given, embedding: &CsrMatri
     (FreeNodes::new(components, &is_free), coarse_given)
 }
 
-/// Terms in fine unknowns as terms in the coarse ones of which these are interpolated.
+/// Terms in fine unknowns as terms in the coarse ones that interpolate them.
 fn embedded(terms: &[(usize, f64)], components: usize, embedding: &CsrMatrix) -> Vec<(usize, f64)> {
     let mut sums: BTreeMap<usize, f64> = BTreeMap::new();
     for (fine, a) in terms {

@@ -22,7 +22,7 @@ pub(super) fn newton_for_form(
     newton_eliminating(problem, elimination, start, solver, options, progress)
 }
 
-/// A problem of which nothing is known but its equations.
+/// A problem with nothing known but its equations.
 pub(super) struct FormEquations<'a>(pub &'a mut dyn NonlinearProblem<Error = AssemblyError>);
 
 impl NonlinearProblem for FormEquations<'_> {

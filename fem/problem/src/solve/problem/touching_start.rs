@@ -15,7 +15,7 @@ use crate::solve::{Elimination, NewtonFailure};
 /// A gap below this part of the own facet's diameter is none, and not apart or overlapping by rounding.
 const TOUCHING: f64 = 1e-11;
 
-/// The overlap that is given to surfaces that touch, beside the own facet's diameter.
+/// The overlap that is given to surfaces that touch, relative to the own facet's diameter.
 const OVERLAP: f64 = 1e-9;
 
 /// The sum of the ways of a node and their number.

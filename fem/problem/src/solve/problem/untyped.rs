@@ -27,7 +27,7 @@ pub(in crate::solve) struct UntypedProblem<'a, const D: usize, const N: usize> {
     pub system: System<'a, D, N>,
     pub constraints: Vec<Cow<'a, Constraints<D>>>,
     pub start: Option<[&'a Field<D>; N]>,
-    /// The state from which a load step goes, of which the start is a prediction.
+    /// The state from which a load step goes; the start is its prediction.
     pub last_state: Option<[&'a Field<D>; N]>,
     pub solver: Solver<'a>,
     pub options: NewtonOptions,

@@ -1,4 +1,4 @@
-//! GMRES with the factor of a symmetric part, run until each equation holds beside its own terms.
+//! GMRES with the factor of a symmetric part, run until each equation holds relative to its own terms.
 
 use std::time::Instant;
 
@@ -76,7 +76,7 @@ impl TangentSolver {
         self.options.refresh_after.unwrap_or(estimate as usize)
     }
 
-    /// Runs GMRES, and again from its residual until each equation holds beside its own terms: the norm of the whole
+    /// Runs GMRES, and again from its residual until each equation holds relative to its own terms: the norm of the whole
     /// residual does not see those of small numbers.
     fn run_gmres_by_rows(
         &self,

@@ -1,4 +1,4 @@
-//! Limits of simplification: nodes that may be no number where all fields are finite are kept, and factors 1 + 0/x stand
+//! Limits of simplification: nodes that may be no number where all fields are finite are kept, and factors 1 + 0/x are kept
 //! for a divisor x that has cancelled. So no NaN is hidden: u/u is NaN where u is zero.
 
 use super::{Graph, Node, Scalar};
@@ -58,7 +58,7 @@ impl Graph {
         found
     }
 
-    /// Removes terms with a zero, but for those that are singular where no other term is.
+    /// Removes terms with a zero, except for those that are singular where no other term is.
     pub(super) fn drop_what_cancels(&self, terms: &mut Vec<(f64, Scalar)>) {
         let mut seen: Vec<Scalar> = Vec::new();
         for (_, term) in terms.iter().filter(|(coefficient, _)| *coefficient != 0.0) {
@@ -76,7 +76,7 @@ impl Graph {
         });
     }
 
-    /// Removes the factors 1 + 0/x of terms beside which another term divides by x.
+    /// Removes the factors 1 + 0/x of terms next to another term that divides by x.
     pub(super) fn drop_guards(&mut self, terms: &mut [(f64, Scalar)]) {
         if self.guards.is_empty() || terms.len() < 2 {
             return;

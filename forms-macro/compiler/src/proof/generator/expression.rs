@@ -6,14 +6,14 @@ use super::templates::{CONDITIONS, CONSTANTS, FACET_CONSTANTS, FREE, LINEAR, Tem
 use super::{Choices, Shape};
 use crate::check::builtins;
 
-/// The kinds of expressions that may stand at a place.
+/// The kinds of expressions that are allowed at a place.
 #[derive(Clone, Copy)]
 pub struct Limits {
-    /// About so many operators.
+    /// Approximate number of operators.
     pub size: usize,
     /// The highest derivative of a field that may be read.
     pub order: usize,
-    /// The expression is differentiated in space: nothing may stand in it that has no gradient.
+    /// The expression is differentiated in space: it contains nothing without a gradient.
     pub smooth: bool,
     /// Normals and the like exist.
     pub facets: bool,
@@ -28,7 +28,7 @@ impl Limits {
         Limits { test: None, ..self }
     }
 
-    /// Inside so many derivatives in space.
+    /// Number of derivatives in space around it.
     fn inside(self, derivatives: usize) -> Option<Self> {
         let order = self.order.checked_sub(derivatives)?;
         Some(Limits { order, smooth: self.smooth || derivatives > 0, ..self })
@@ -46,7 +46,7 @@ pub struct Name {
     pub shape: Shape,
     /// Its derivatives in space may be read.
     pub field: bool,
-    /// `derivative` and `diff` may name it, whether it stands in the expression or not.
+    /// `derivative` and `diff` may name it, whether it is in the expression or not.
     pub variable: bool,
     /// The highest derivative that its value reads, and whether it has a gradient.
     pub order: usize,
@@ -58,7 +58,7 @@ pub struct Callable {
     pub text: String,
     pub arguments: Vec<Shape>,
     pub result: Shape,
-    /// So many derivatives are taken of its arguments.
+    /// Number of derivatives that are taken of its arguments.
     pub order: usize,
 }
 
@@ -288,7 +288,7 @@ impl Writer<'_, '_> {
         Some(format!("{}({})", function.text, arguments.join(", ")))
     }
 
-    /// `{ let w = ..; .. }`, where w may stand in what follows.
+    /// `{ let w = ..; .. }`, where w may be used in what follows.
     fn block(&mut self, shape: Shape, limits: Limits) -> Option<String> {
         let inside = limits.smaller(2);
         let (name, value) = self.name_a_value(inside.free());

@@ -79,7 +79,7 @@ impl<'a> Choices<'a> {
         Choices { list, next: 0 }
     }
 
-    /// One of so many.
+    /// One of the given number.
     pub fn below(&mut self, count: usize) -> usize {
         let choice = self.list.get(self.next).copied().unwrap_or(0);
         self.next += 1;

@@ -118,7 +118,7 @@ fn integrals(writer: &mut Writer, order: usize) -> String {
         let limits = Limits { size: 14, order, smooth: false, facets, sideless, test };
         let density = writer.expression(Shape::Scalar, limits);
         let mut integral = format!("integral({region}, {density})");
-        // The measure moves, too; all that stands in the integral must have a derivative by the shape.
+        // The measure moves, too; everything in the integral must have a derivative by the shape.
         if writer.choices.below(4) == 1 && order >= 1 {
             let smooth = Limits { size: 8, order: order - 1, smooth: true, facets: false, sideless, test };
             let theta = Limits { size: 4, sideless: false, test: None, ..smooth };

@@ -33,7 +33,7 @@ impl Simplifier<'_, '_> {
                 }
             });
             let row = row.collect();
-            // The test function's direction stands first.
+            // The test function's direction comes first.
             let directions = [vec![row], directions].concat();
             return Some(self.simpler(
                 Operator::Named(Named::Call { function, arguments, directions }),

@@ -15,7 +15,7 @@ pub(super) fn least_angle(mesh: &Mesh<2>, cell: usize) -> f64 {
     (0..3).map(angle).fold(f64::INFINITY, f64::min)
 }
 
-/// The shape of a tetrahedron but for its size, place and handedness: squares of its edges, which are exact in meshes whose
+/// The shape of a tetrahedron except for its size, place and handedness: squares of its edges, which are exact in meshes whose
 /// nodes have coordinates of few binary digits.
 pub(super) fn similarity_class(x: &[[f64; 3]; 4]) -> Vec<u64> {
     let squared = |a: usize, b: usize| -> f64 { (0..3).map(|k| (x[a][k] - x[b][k]).powi(2)).sum() };

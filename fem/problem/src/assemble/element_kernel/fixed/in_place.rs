@@ -119,7 +119,7 @@ impl<L: SimdLane> BlockSink<L> for PlacedBlocks<'_> {
     }
 }
 
-/// Matrices of all lanes whose entries are numbers of pairs, of so many numbers each.
+/// Matrices of all lanes whose entries are numbers of pairs, each with the given number of them.
 pub(super) struct Numbers<'a> {
     pub target: &'a mut [f64],
     pub size: usize,
@@ -185,7 +185,7 @@ pub(super) fn write<L: SimdLane, const NUMBERS: usize>(
     target: &mut [f64],
 ) {
     let size = (nodes * components).pow(2);
-    // Written out: a loop of so many passes would look its places up.
+    // Written out: a loop would look its places up.
     macro_rules! four {
         ($($number:literal)*) => {
             $(if 4 * $number + 4 <= size {
@@ -212,7 +212,7 @@ pub(super) const fn in_space<K: BilinearKernel<D>, L: SimdLane, const D: usize>(
 #[inline(always)]
 pub(super) fn write_in_space<L: SimdLane>(blocks: &[L], symmetric: bool, target: &mut [f64]) {
     const SIZE: usize = 144;
-    // Written out: a loop of so many passes would look its places up.
+    // Written out: a loop would look its places up.
     macro_rules! four {
         ($($number:literal)*) => {
             $({

@@ -75,7 +75,7 @@ pub(super) struct FieldTables<const D: usize> {
     pub tables: Tables<D>,
 }
 
-/// The basis functions of a field: some stand in arrays already.
+/// The basis functions of a field: some are in arrays already.
 #[derive(Clone, Copy)]
 pub(super) enum FieldBasis {
     /// Those of the test function.

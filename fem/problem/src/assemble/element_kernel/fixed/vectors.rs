@@ -1,8 +1,15 @@
 //! Element vectors with loops of known lengths.
 //!
-//! What a kernel adds to a test function is linear in it: at each point the kernel is asked for the functions
-//! whose value, or whose derivative along one axis of the reference cell, is one, and each basis function
-//! combines these by its own tabulated values. All points come before the first basis function, so that its sums stay in registers.
+//! What a kernel adds to a test function is linear in its value and gradient. So the kernel is not called for each basis function, but
+//! at each point for D + 1 unit functions: one with value one, and one per axis of the reference cell with derivative one along it. A
+//! basis function combines the answers (`fluxes`) by its own tabulated value and derivatives.
+//!
+//! Example: on a quadratic tetrahedron with four points and ten basis functions the kernel is called 4 · (1 + 3) = 16 times, not
+//! 4 · 10 = 40, and the gradient of a basis function is never transformed to the physical cell. The rest is, per basis function and
+//! component, a sum over the points of up to four products.
+//!
+//! All points come before the first basis function, so that its two or three sums stay in registers. The lengths of all loops are
+//! constants ([`Sizes`]), so that rustc unrolls them; the sums leave through `order`, in the numbering of the caller.
 
 // Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
 // loops over lane values are plain.

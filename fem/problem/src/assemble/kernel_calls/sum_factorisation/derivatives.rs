@@ -1,4 +1,4 @@
-//! Reads of a basis function, and the functions that stand in for it at a point.
+//! Reads of a basis function, and the functions that replace it at a point.
 
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]

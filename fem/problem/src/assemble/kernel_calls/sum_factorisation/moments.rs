@@ -50,7 +50,7 @@ struct Squares {
     made: Vec<Made>,
 }
 
-/// A sum of squares that stands elsewhere, each with a factor.
+/// A sum of squares that is stored elsewhere, each with a factor.
 struct Made {
     place: usize,
     terms: Vec<(usize, f64)>,
@@ -184,7 +184,7 @@ const fn first_pairs(nodes: usize, symmetric: bool) -> usize {
     if symmetric { nodes * (nodes + 1) / 2 } else { nodes * nodes }
 }
 
-/// The squares for each pair of powers along the first of three axes; in the plane, of which all axes are the last two, there is one.
+/// The squares for each pair of powers along the first of three axes; in 2D, where all axes are the last two, there is one.
 fn squares<const D: usize>(nodes: usize, derivatives: Derivatives, symmetric: bool) -> Vec<Squares> {
     let (kinds, of_pair) = (derivatives.count::<D>(), nodes.pow(D as u32 - 2));
     let zeros = kinds * kinds * of_pair;

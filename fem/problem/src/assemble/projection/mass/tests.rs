@@ -1,4 +1,4 @@
-//! Products cell by cell beside those of the assembled matrix.
+//! Products cell by cell compared with those of the assembled matrix.
 
 use std::sync::Arc;
 

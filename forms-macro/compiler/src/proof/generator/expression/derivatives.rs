@@ -64,7 +64,7 @@ impl Writer<'_, '_> {
             let factor = self.factor_of(&name.text);
             return Some(format!("diff({factor} * {expression}, {})", name.text));
         }
-        // By the argument of a helper, or by a `let` name: these must stand in the expression.
+        // By the argument of a helper, or by a `let` name: these must be in the expression.
         let plain: Vec<Name> = self
             .names
             .iter()

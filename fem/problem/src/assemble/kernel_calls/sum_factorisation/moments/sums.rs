@@ -228,7 +228,7 @@ fn along_first<L: SimdLane, const N: usize>(lists: &mut [L], inner: usize, k: us
     }
 }
 
-/// The same of a symmetric matrix, of which only the lists of pairs in order are there: for a place in a list, and the place with indices
+/// The same of a symmetric matrix, where only the lists of pairs in order exist: for a place in a list, and the place with indices
 /// exchanged, where the numbers of the other pairs are.
 #[inline(always)]
 fn along_first_mirrored<L: SimdLane, const N: usize>(

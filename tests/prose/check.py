@@ -1,0 +1,106 @@
+"""The prose of pages and comments: counts the phrases that CONTRIBUTING.md replaces, and fails above a limit.
+
+    python3 tests/prose/check.py                    # the table; exit code 1 above a limit
+    python3 tests/prose/check.py --show NAME        # each place of one row
+
+The limits form a ratchet: they may only be lowered. Lower one when its count has fallen; the table says where. The goals are
+those of the project for pages and comments together. Text between the marks `<!-- prose: off -->` and `<!-- prose: on -->` is not counted.
+"""
+
+import subprocess
+import sys
+from fnmatch import fnmatch
+from pathlib import Path
+
+from prose import comments_of, long_sentences, outside_tables, paragraphs, phrases, without_code
+
+ROOT = Path(__file__).resolve().parents[2]
+
+# name: (limit in pages, limit in comments, goal for both together)
+LIMITS = {
+    "so many": (0, 0, 0),
+    "is told": (0, 1, 0),
+    "stand, stands": (0, 0, 59),
+    "beside": (0, 7, 79),
+    "of which, of whom": (0, 0, 19),
+    "nothing else running": (0, 0, 0),
+    "times of day": (0, 0, 0),
+}
+# Dates in user pages (README and docs without decisions), outside tables and code.
+DATES = (0, 0)
+# Sentences with more than 40 words in pages, per thousand sentences.
+LONG_SENTENCES = (9, 20)
+
+# Lines of a page, and characters of an entry in the changelog, which are two lines of a wide editor.
+PAGE_LINES = {"README.md": 150, "docs/decisions/*.md": 60}
+CHANGELOG_ENTRY = 240
+
+
+def tracked(*patterns):
+    """The files of the repository that match, new ones included."""
+    listed = subprocess.run(
+        ["git", "ls-files", "--cached", "--others", "--exclude-standard", "--", *patterns],
+        cwd=ROOT, capture_output=True, text=True, check=True,
+    )
+    return sorted(path for name in set(listed.stdout.splitlines()) if (path := ROOT / name).is_file())
+
+
+def is_user_page(path):
+    name = path.relative_to(ROOT).as_posix()
+    return name == "README.md" or (name.startswith("docs/") and not name.startswith("docs/decisions/"))
+
+
+def sizes(pages):
+    """The pages and the entries that are too long, a line each."""
+    for path, text in pages.items():
+        name = path.relative_to(ROOT).as_posix()
+        for pattern, most in PAGE_LINES.items():
+            if fnmatch(name, pattern) and name != "docs/decisions/README.md" and text.count("\n") > most:
+                yield f"{name} has {text.count(chr(10))} lines, more than {most}"
+    for entry in (ROOT / "CHANGELOG.md").read_text().splitlines():
+        if entry.startswith("- ") and len(entry) > CHANGELOG_ENTRY:
+            yield f"CHANGELOG.md: an entry has {len(entry)} characters, more than {CHANGELOG_ENTRY}: {entry[:60]}…"
+
+
+def main(arguments):
+    shown = arguments[1] if arguments[:1] == ["--show"] else None
+    pages = {path: path.read_text() for path in tracked("*.md")}
+    sources = {path: comments_of(path) for path in tracked("*.rs", "*.py", ".ci/run")}
+
+    counts = {name: [0, 0] for name in LIMITS}
+    dates = long = sentences = 0
+    for kind, texts in enumerate((pages, sources)):
+        for path, text in texts.items():
+            found = list(phrases(without_code(text) if kind == 0 else "\n\n".join(text)))
+            for name in LIMITS:
+                counts[name][kind] += sum(one == name for one, _ in found)
+            if kind == 0:
+                dated = [one for one in phrases(outside_tables(text)) if one[0] == "dates" and is_user_page(path)]
+                dates += len(dated)
+                found = [one for one in found if one[0] != "dates"] + dated
+                longer, number = long_sentences(paragraphs(text))
+                long, sentences = long + len(longer), sentences + number
+                found += [("long sentences", sentence) for sentence in longer]
+            if shown:
+                print("".join(f"{path.relative_to(ROOT)}: {excerpt}\n" for name, excerpt in found if name == shown), end="")
+    if shown:
+        return
+
+    rows = [(name, *counts[name], *LIMITS[name]) for name in LIMITS]
+    print(f"{'':22} {'pages':>7} {'limit':>6} {'comments':>9} {'limit':>6} {'goal':>5}")
+    failed = False
+    for name, in_pages, in_comments, page_limit, comment_limit, goal in rows:
+        failed |= in_pages > page_limit or in_comments > comment_limit
+        print(f"{name:22} {in_pages:7} {page_limit:6} {in_comments:9} {comment_limit:6} {goal:5}")
+    per_thousand = round(1000 * long / max(sentences, 1))
+    failed |= dates > DATES[0] or per_thousand > LONG_SENTENCES[0]
+    print(f"{'dates in user pages':22} {dates:7} {DATES[0]:6} {'':9} {'':6} {DATES[1]:5}")
+    print(f"{'long sentences, 1/1000':22} {per_thousand:7} {LONG_SENTENCES[0]:6} {'':9} {'':6} {LONG_SENTENCES[1]:5}")
+    print(f"{long} of {sentences} sentences in pages have more than 40 words")
+    too_long = list(sizes(pages))
+    print("\n".join(too_long))
+    if failed or too_long:
+        sys.exit("too long, or above a limit: `check.py --show NAME` lists the places; CONTRIBUTING.md says what to write instead")
+
+
+main(sys.argv[1:])
