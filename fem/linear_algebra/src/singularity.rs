@@ -6,7 +6,7 @@ use super::error::LinearAlgebraError;
 use super::lu::scale;
 use super::spectrum::irregular;
 
-/// A vector y of which every |(A y)_i| is below this part of the largest Σ|a_ij||y_j|, with the largest entries scaled to one,
+/// A vector y whose entries |(A y)_i| are all below this part of the largest Σ|a_ij||y_j|, with the largest entries scaled to one,
 /// is as good as a null vector: rounding of the entries moves a solution along it by a part in 10⁴. Floating bodies left
 /// 1e-16 to 1e-13; a chain of 10⁶ springs, whose condition is 10¹², leaves 1e-9.
 const NOTHING: f64 = 1e-12;

@@ -33,7 +33,7 @@ const STEP_ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// are thousands of times softer than others.
 const SOFTNESS: f64 = 100.0;
 
-/// A correction below this part of the unknowns themselves cannot be told from their rounding.
+/// A correction below this part of the unknowns themselves is as good as their rounding.
 const UNKNOWN_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Corrections that become shorter by less than this factor do not converge any more.
@@ -118,7 +118,7 @@ impl Iteration<'_> {
             true => self.correction(elimination, reduced_residual, solver)?,
             false => None,
         };
-        // A tangent that cannot be solved with is told by the next step.
+        // If the tangent cannot be solved with, the next step reports it.
         let Some(correction) = correction else { return progress.map(|()| Verdict::GoOn) };
         if !rows.hold {
             if self.stays() && self.is_small_everywhere(problem, &correction)? {
