@@ -52,13 +52,13 @@ pub struct StickSlip {
 }
 
 impl StickSlip {
-    /// That of P, κ and Q: c = a √(1 − Q/κP).
+    /// The contact of P, κ and Q: c = a √(1 − Q/κP).
     pub fn of_line(hertz: Hertz, force: f64, friction: f64, shear: f64) -> StickSlip {
         let stick = hertz.reach * (1.0 - shear / (friction * force)).sqrt();
         StickSlip { hertz, force, friction, shear, stick }
     }
 
-    /// That of P, κ and Q between balls: c = a ∛(1 − Q/κP).
+    /// The contact of P, κ and Q between balls: c = a ∛(1 − Q/κP).
     pub fn of_point(hertz: Hertz, force: f64, friction: f64, shear: f64) -> StickSlip {
         let stick = hertz.reach * (1.0 - shear / (friction * force)).cbrt();
         StickSlip { hertz, force, friction, shear, stick }

@@ -57,7 +57,7 @@ pub mod frictional {
     }
 }
 
-/// Of the consistent adjoint state (22) without N: η_T² = h²‖div σ(p) − F‖² + h‖½⟦σ(p)n⟧‖² + h‖σ(p)n‖² on Γ_N + h‖σ(p)n − T‖² on Γ_C, with
+/// Estimator of the consistent adjoint state (22) without N: η_T² = h²‖div σ(p) − F‖² + h‖½⟦σ(p)n⟧‖² + h‖σ(p)n‖² on Γ_N + h‖σ(p)n − T‖² on Γ_C, with
 /// T = (σ_n(p) − γp_n) n_y where u is in contact and 0 elsewhere.
 #[forms]
 pub mod consistent_adjoint {
@@ -93,7 +93,7 @@ pub mod dual_weighted {
     }
 }
 
-/// Of two bodies by [`two_bodies`](crate::laws::two_bodies): η_T² = h²‖f + div σ‖² + h‖½⟦σn⟧‖² + h‖σn − g_N‖² on Γ_N + h‖σn − T‖² on
+/// Estimator of two bodies by [`two_bodies`](crate::laws::two_bodies): η_T² = h²‖f + div σ‖² + h‖½⟦σn⟧‖² + h‖σn − g_N‖² on Γ_N + h‖σn − T‖² on
 /// the surfaces that may touch, T with its friction from the pairs' own side and −T on the opposite one, each with the h of its cells.
 /// Moduli are constant in each cell. Points without an opposite one belong to no term.
 #[forms]

@@ -34,7 +34,7 @@ pub enum Criterion {
     },
 }
 
-/// Which formula gives the derivative by the shape.
+/// The formula of the derivative by the shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GradientForm {
     /// The volume form of the whole discrete problem; with (21) the exact derivative of J_h.

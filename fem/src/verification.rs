@@ -162,7 +162,10 @@ impl TaylorReport {
         self.order(2)
     }
 
-    /// The same of a remainder without the second derivative's part, which falls with the third order; with the same errors.
+    /// The lowest order of a remainder without the second derivative's part, which falls with the third order.
+    ///
+    /// # Errors
+    /// [`TaylorFailure`]: a lower order, or a test that shows nothing.
     pub fn third_order(&self) -> Result<f64, TaylorFailure> {
         self.order(3)
     }

@@ -171,7 +171,7 @@ impl<const D: usize> Inputs<D> {
     }
 }
 
-/// Receives the integrals of a residual, or of a tangent's action.
+/// A receiver of the integrals of a residual, or of a tangent's action.
 pub trait LinearVisitor<const D: usize> {
     /// The error that stops the walk.
     type Error;
@@ -179,7 +179,7 @@ pub trait LinearVisitor<const D: usize> {
     fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Self::Error>;
 }
 
-/// Receives the integrals of a tangent.
+/// A receiver of the integrals of a tangent.
 pub trait BilinearVisitor<const D: usize> {
     /// The error that stops the walk.
     type Error;
@@ -187,7 +187,7 @@ pub trait BilinearVisitor<const D: usize> {
     fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Self::Error>;
 }
 
-/// Receives densities and derived fields.
+/// A receiver of densities and derived fields.
 pub trait ExpressionVisitor<const D: usize> {
     /// The error that stops the walk.
     type Error;

@@ -62,7 +62,7 @@ pub struct OppositePoint<L, const D: usize> {
 }
 
 impl<L: Lane, const D: usize> OppositePoint<L, D> {
-    /// That of a point which is not of a pair: zeros, which no form can ask for.
+    /// The opposite point of a point which is not of a pair: zeros, which no form can ask for.
     #[inline(always)]
     pub fn none() -> Self {
         let zero = L::splat(0.0);
@@ -107,7 +107,7 @@ impl<L: Lane, const D: usize> PointGeometry<L, D> {
     }
 }
 
-/// Which derivative of a field a kernel reads.
+/// The derivative of a field that a kernel reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
     /// The value: `components` numbers.

@@ -92,17 +92,17 @@ impl Pairing {
         self
     }
 
-    /// The same with opposite points found in another way.
+    /// This pairing with opposite points found in another way.
     pub fn by(self, projection: Projection) -> Self {
         Pairing { projection, ..self }
     }
 
-    /// The same at other quadrature points.
+    /// This pairing at other quadrature points.
     pub fn at(self, quadrature: PairQuadrature) -> Self {
         Pairing { quadrature, ..self }
     }
 
-    /// The same up to a distance \[length\].
+    /// This pairing up to a distance \[length\].
     pub fn within_reach(self, distance: f64) -> Self {
         Pairing { reach: Some(distance), ..self }
     }

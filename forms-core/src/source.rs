@@ -92,7 +92,7 @@ impl<V: FieldValue, const N: usize> FieldValue for [V; N] {
     }
 }
 
-/// The same value everywhere.
+/// Data with the same value everywhere.
 impl<const D: usize> From<f64> for Source<D> {
     fn from(value: f64) -> Self {
         Given::constant(value).into()
@@ -123,7 +123,7 @@ pub struct Given<V, const D: usize> {
 }
 
 impl<V: FieldValue, const D: usize> Given<V, D> {
-    /// The same value everywhere.
+    /// Data with the same value everywhere.
     pub fn constant(value: V) -> Self {
         let mut components = vec![0.0; V::COMPONENTS];
         value.write(&mut components);

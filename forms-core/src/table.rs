@@ -141,7 +141,7 @@ impl Table {
         Ok(Self::from_pieces(points, pieces.collect()))
     }
 
-    /// The same law, constant outside the range of its points: the derivatives are zero there.
+    /// This law, constant outside the range of its points: the derivatives are zero there.
     pub fn constant_outside(self) -> Self {
         let mut pieces = self.law.pieces.clone();
         let last = pieces.len() - 1;
@@ -156,7 +156,7 @@ impl Table {
         self.derivative(0, argument)
     }
 
-    /// Its derivative of some order; order 0 is the law itself.
+    /// The law's derivative of some order; order 0 is the law itself.
     pub fn derivative(&self, order: usize, argument: f64) -> f64 {
         let (piece, start) = self.piece(argument);
         let s = argument - start;

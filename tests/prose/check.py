@@ -1,4 +1,5 @@
-"""The prose of pages and comments: counts the phrases that CONTRIBUTING.md replaces, and fails above a limit.
+"""The prose of pages and comments: counts the phrases that CONTRIBUTING.md replaces, and first lines of documentation that do
+not name their item, and fails above a limit.
 
     python3 tests/prose/check.py                    # the table; exit code 1 above a limit
     python3 tests/prose/check.py --show NAME        # each place of one row
@@ -12,6 +13,7 @@ import sys
 from fnmatch import fnmatch
 from pathlib import Path
 
+from items import documented_items, first_line, is_riddle, is_verb_phrase, lacks_errors
 from prose import comments_of, long_sentences, outside_tables, paragraphs, phrases, without_code
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -30,6 +32,17 @@ LIMITS = {
 DATES = (0, 0)
 # Sentences with more than 40 words in pages, per thousand sentences.
 LONG_SENTENCES = (9, 20)
+
+# Public items of these directories with documentation: limits, a ratchet too. A function may begin with a verb, as Rust's own
+# documentation does; the count shows how many do.
+DOCUMENTED = ("fem/*.rs", "contact/*.rs", "forms-core/*.rs")
+NOT_DOCUMENTED = ("/tests/", "/tests.rs", "/benches/", "/examples/")
+ITEM_LIMITS = {
+    "first line refers or asks": 11,
+    "verb first, no function": 1,
+    "verb first, functions": 162,
+    "Result without # Errors": 59,
+}
 
 # Lines of a page, and characters of an entry in the changelog, which are two lines of a wide editor.
 PAGE_LINES = {"README.md": 150, "docs/decisions/*.md": 60}
@@ -62,6 +75,23 @@ def sizes(pages):
             yield f"CHANGELOG.md: an entry has {len(entry)} characters, more than {CHANGELOG_ENTRY}: {entry[:60]}…"
 
 
+def items_of_sources():
+    """The items with a fault: (row of `ITEM_LIMITS`, place, first line)."""
+    for path in tracked(*DOCUMENTED):
+        name = path.relative_to(ROOT).as_posix()
+        if any(part in f"/{name}" for part in NOT_DOCUMENTED):
+            continue
+        for number, kind, item, docs, signature in documented_items(path.read_text()):
+            faults = {
+                "first line refers or asks": is_riddle(docs),
+                "verb first, no function": kind != "fn" and is_verb_phrase(docs),
+                "verb first, functions": kind == "fn" and is_verb_phrase(docs),
+                "Result without # Errors": lacks_errors(kind, docs, signature),
+            }
+            for row in (row for row, fault in faults.items() if fault):
+                yield row, f"{name}:{number} {kind} {item}", first_line(docs)
+
+
 def main(arguments):
     shown = arguments[1] if arguments[:1] == ["--show"] else None
     pages = {path: path.read_text() for path in tracked("*.md")}
@@ -83,7 +113,9 @@ def main(arguments):
                 found += [("long sentences", sentence) for sentence in longer]
             if shown:
                 print("".join(f"{path.relative_to(ROOT)}: {excerpt}\n" for name, excerpt in found if name == shown), end="")
+    faults = list(items_of_sources())
     if shown:
+        print("".join(f"{place}: {line}\n" for row, place, line in faults if row == shown), end="")
         return
 
     rows = [(name, *counts[name], *LIMITS[name]) for name in LIMITS]
@@ -97,6 +129,10 @@ def main(arguments):
     print(f"{'dates in user pages':22} {dates:7} {DATES[0]:6} {'':9} {'':6} {DATES[1]:5}")
     print(f"{'long sentences, 1/1000':22} {per_thousand:7} {LONG_SENTENCES[0]:6} {'':9} {'':6} {LONG_SENTENCES[1]:5}")
     print(f"{long} of {sentences} sentences in pages have more than 40 words")
+    for row, limit in ITEM_LIMITS.items():
+        count = sum(one == row for one, _, _ in faults)
+        failed |= count > limit
+        print(f"{row:30} {'':9} {count:9} {limit:6}")
     too_long = list(sizes(pages))
     print("\n".join(too_long))
     if failed or too_long:

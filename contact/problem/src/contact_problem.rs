@@ -80,7 +80,7 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
         Ok(ContactProblem { assembler, space, law, constraints, pattern, split: None })
     }
 
-    /// The same with the facets of Γ_C split at the zeros of the law's indicator at each iterate, so that \[·\]₋ and
+    /// This problem with the facets of Γ_C split at the zeros of the law's indicator at each iterate, so that \[·\]₋ and
     /// Heaviside's function of it are integrated as exactly as what is smooth: an attribute of the integrals over Γ_C, for all
     /// states and the shape gradient. For (14) the integrand vanishes where a facet is split, so that its tangent, (21)
     /// and the shape derivative need no further term. Newton's method then stops on the residual, not on an active set.

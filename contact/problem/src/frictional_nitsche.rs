@@ -120,7 +120,7 @@ pub mod frictional_nitsche {
         continuous_adjoint(u, p, q, 0)
     }
 
-    /// The same as (41): with the law's derivative where the pressure is less by ξ = C √h_T.
+    /// The extended adjoint, as (41): with the law's derivative where the pressure is less by ξ = C √h_T.
     pub fn extended_adjoint(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
         continuous_adjoint(u, p, q, extension * sqrt(h))
     }

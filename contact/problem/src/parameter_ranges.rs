@@ -76,7 +76,7 @@ impl<const D: usize> Bounded for Given<f64, D> {
 /// Rounding of a product of many rotations: entries of QᵀQ − I, and of det Q − 1, below this are none.
 const ROTATION: f64 = 1e-9;
 
-/// That a matrix is a rotation, QᵀQ = I and det Q = 1. What is not finite is named when a form is bound to its data.
+/// The check that a matrix is a rotation, QᵀQ = I and det Q = 1. What is not finite is named when a form is bound to its data.
 ///
 /// # Errors
 /// [`AssemblyError::NoRotation`].

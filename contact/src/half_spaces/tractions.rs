@@ -37,7 +37,7 @@ impl<const D: usize> Tractions<D>
 where
     Dim: Dimension<D>,
 {
-    /// Those of a displacement.
+    /// The tractions of a displacement.
     ///
     /// # Errors
     /// Data that do not fit.

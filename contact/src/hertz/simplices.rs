@@ -95,7 +95,7 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// Of a displacement of half the cylinder, or of a quarter of ball or block.
+    /// Measurements of a displacement of half the cylinder, or of a quarter of ball or block.
     ///
     /// # Errors
     /// A displacement of another mesh.

@@ -22,6 +22,9 @@ pub(crate) struct Costs<'a> {
 
 impl Costs<'_> {
     /// The sum added to the criterion, and the constraint's value.
+    ///
+    /// # Errors
+    /// Those of the perimeter and of the volume.
     pub fn values<const D: usize>(&self, mesh: &Arc<Mesh<D>>) -> Result<(f64, Option<f64>), Failure>
     where
         Dim: Dimension<D>,
@@ -34,6 +37,9 @@ impl Costs<'_> {
     }
 
     /// Adds the derivatives of what is added to the criterion; that of the constraint.
+    ///
+    /// # Errors
+    /// Those of the derivatives of the perimeter and of the volume.
     pub fn add_derivatives<const D: usize>(
         &self,
         movements: &Arc<Space<D>>,

@@ -54,7 +54,7 @@ impl Analysis {
         Self::of_symmetric_with_last(matrix, ordering, &[])
     }
 
-    /// The same with an order that ends with some unknowns, as [`Ordering::choose_with_last`] has it.
+    /// The analysis with an order that ends with some unknowns, as [`Ordering::choose_with_last`] has it.
     ///
     /// # Errors
     /// As there, and as [`Analysis::of_symmetric`].

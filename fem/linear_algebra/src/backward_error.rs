@@ -23,6 +23,9 @@ pub struct Residual {
 
 impl Residual {
     /// The residual of x.
+    ///
+    /// # Errors
+    /// Those of [`Equations::residual`].
     pub fn of(
         equations: &impl Equations,
         threads: Threads,
@@ -53,6 +56,9 @@ impl Residual {
 
     /// Fails unless each equation holds up to a part of its terms. An equation all of whose terms are rounding of other
     /// ones, as that of a flow that rests under a pressure, is scaled by the terms of neighbouring rows.
+    ///
+    /// # Errors
+    /// [`LinearAlgebraError::Inaccurate`] with the equation that is off by more.
     pub fn check(
         &self,
         equations: &impl Equations,
@@ -113,6 +119,9 @@ pub struct Refinement<'a, E> {
 
 impl<'a, E: Equations> Refinement<'a, E> {
     /// A first solution with its residual.
+    ///
+    /// # Errors
+    /// Those of [`Residual::of`].
     pub fn new(
         equations: &'a E,
         threads: Threads,
@@ -124,6 +133,9 @@ impl<'a, E: Equations> Refinement<'a, E> {
     }
 
     /// Goes on from the residual: `solve` replaces it by A⁻¹ times it. [`Refinement::next`] is the residual that is left.
+    ///
+    /// # Errors
+    /// Those of `solve` and of the residual.
     pub fn step<F: From<LinearAlgebraError>>(
         &mut self,
         solve: impl FnOnce(&mut Vec<f64>) -> Result<(), F>,
@@ -133,7 +145,10 @@ impl<'a, E: Equations> Refinement<'a, E> {
         Ok(self.add_candidate()?)
     }
 
-    /// The same with a method that solves from zero, and reports.
+    /// A step of refinement with a method that solves from zero, and reports.
+    ///
+    /// # Errors
+    /// Those of `further` and of the residual.
     pub fn go_on<R, F: From<LinearAlgebraError>>(
         &mut self,
         further: impl FnOnce(&[f64], &mut [f64]) -> Result<R, F>,
@@ -162,6 +177,9 @@ impl<'a, E: Equations> Refinement<'a, E> {
     }
 
     /// Fails unless each equation holds up to a part of its terms, as [`Residual::check`].
+    ///
+    /// # Errors
+    /// Those of [`Residual::check`].
     pub fn check(&self, level: f64) -> Result<(), LinearAlgebraError> {
         self.residual.check(self.equations, (&self.x, self.b), level)
     }

@@ -192,7 +192,7 @@ impl BlockMatrix {
         Ok(asymmetry.most)
     }
 
-    /// The same matrix with an index per entry; all such matrices share one pattern.
+    /// This matrix with an index per entry; all such matrices share one pattern.
     pub fn to_csr(&self) -> CsrMatrix {
         let mut values = Vec::with_capacity(self.values.len());
         for row in 0..self.rows() {
@@ -203,7 +203,7 @@ impl BlockMatrix {
         CsrMatrix::of_checked(self.sparsity.pattern(), values)
     }
 
-    /// The same; where all blocks are single entries of one pair of spaces, without a copy.
+    /// This matrix with an index per entry; where all blocks are single entries of one pair of spaces, without a copy.
     pub fn into_csr(self) -> CsrMatrix {
         let scalar = |sets: &[NodeSet]| matches!(sets, [NodeSet { components: 1, .. }]);
         if scalar(self.sparsity.row_sets()) && scalar(self.sparsity.column_sets()) {

@@ -53,7 +53,7 @@ impl BlockSparsity {
         Self::of_checked(rows, columns, pairs)
     }
 
-    /// The same from blocks that are known to fit: as many pairs as sets, rows strictly ascending.
+    /// Positions from blocks that are known to fit: as many pairs as sets, rows strictly ascending.
     ///
     /// # Errors
     /// If sizes pass 32 bits.
@@ -81,7 +81,7 @@ impl BlockSparsity {
         Ok(sparsity)
     }
 
-    /// The same positions with the cells whose unknowns they couple.
+    /// These positions with the cells whose unknowns they couple.
     ///
     /// # Errors
     /// If a cell has an unknown that is none of the rows or columns.
@@ -90,7 +90,7 @@ impl BlockSparsity {
         Ok(self.with_cells_made_by(move || cells))
     }
 
-    /// The same with cells that are made when they are first asked for: only orderings read them. All of their unknowns must be
+    /// These positions with cells that are made when they are first asked for: only orderings read them. All of their unknowns must be
     /// rows and columns.
     #[doc(hidden)]
     pub fn with_cells_made_by(self, make: impl FnOnce() -> Cells + Send + Sync + 'static) -> Self {
@@ -263,7 +263,7 @@ impl BlockSparsity {
         Some(block + row_component * self.columns[column_set].components + column_component)
     }
 
-    /// The same positions as a pattern of scalars. Made at the first call.
+    /// These positions as a pattern of scalars. Made at the first call.
     pub fn pattern(&self) -> &Arc<SparsityPattern> {
         self.pattern.get_or_init(|| {
             let mut pointers = Vec::with_capacity(self.row_count() + 1);

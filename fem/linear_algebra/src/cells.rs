@@ -21,7 +21,7 @@ impl Cells {
         self.add_by(centre, |own| own.extend(unknowns));
     }
 
-    /// The same with a function that appends the cell's unknowns to those of all cells before it.
+    /// Adds a cell by a function that appends the cell's unknowns to those of all cells before it.
     #[doc(hidden)]
     #[inline]
     pub fn add_by(&mut self, centre: [f64; 3], append: impl FnOnce(&mut Vec<u32>)) {
@@ -52,7 +52,7 @@ impl Cells {
         &self.unknowns[start..self.ends[cell]]
     }
 
-    /// The same cells with other numbers for their unknowns: `visit` is called with an unknown and with a function that takes
+    /// These cells with other numbers for their unknowns: `visit` is called with an unknown and with a function that takes
     /// each number in its place; there may be several or none.
     pub fn renumbered(&self, numbers: impl Fn(u32, &mut dyn FnMut(u32))) -> Self {
         let mut cells = Cells { centres: self.centres.clone(), ..Cells::default() };

@@ -58,7 +58,7 @@ impl SymmetricFactor {
         Self::cholesky_on(Threads::ONE, analysis, matrix, storage)
     }
 
-    /// The same on several threads, with the same bits for any number of them.
+    /// The factor LLᵀ on several threads, with the same bits for any number of them.
     ///
     /// # Errors
     /// As [`SymmetricFactor::cholesky`].
@@ -192,7 +192,7 @@ impl SymmetricFactor {
         Self::cholesky_or_indefinite_on(Threads::ONE, analysis, matrix, storage)
     }
 
-    /// The same, LLᵀ on several threads and LBLᵀ on one.
+    /// The factor LLᵀ or LBLᵀ, LLᵀ on several threads and LBLᵀ on one.
     ///
     /// # Errors
     /// As [`SymmetricFactor::indefinite`].
@@ -246,7 +246,7 @@ impl SymmetricFactor {
         self.seconds
     }
 
-    /// The same factor without what only a further factorisation on its analysis needs, if no other factor shares that.
+    /// This factor without what only a further factorisation on its analysis needs, if no other factor shares that.
     pub fn for_solves(self) -> Self {
         let analysis = match Arc::try_unwrap(self.analysis) {
             Ok(own) => Arc::new(own.for_solves()),

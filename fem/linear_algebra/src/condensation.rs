@@ -66,7 +66,7 @@ impl DenseFactor {
 }
 
 impl Condensation {
-    /// Of a factor whose last `count` unknowns are c.
+    /// A condensation of a factor whose last `count` unknowns are c.
     pub fn new(factor: SymmetricFactor, count: usize) -> Self {
         let order = factor.analysis().elimination_order();
         let unknowns = order[order.len() - count..].to_vec();
@@ -79,7 +79,7 @@ impl Condensation {
         Condensation { factor, unknowns, places, lower, schur }
     }
 
-    /// That of K.
+    /// The factor of K.
     pub fn factor(&self) -> &SymmetricFactor {
         &self.factor
     }

@@ -160,6 +160,9 @@ impl CsrMatrix {
     }
 
     /// The place of an entry in the list of values.
+    ///
+    /// # Errors
+    /// [`LinearAlgebraError::PatternMismatch`] if the entry is not stored.
     #[doc(hidden)]
     pub fn find_stored(&self, row: u32, column: u32) -> Result<usize, LinearAlgebraError> {
         let place = self.pattern.find(row as usize, column as usize);

@@ -142,7 +142,7 @@ impl<'a> Side<'a> {
         Side::plain(matrix)
     }
 
-    /// The same with additions to entries of the matrix whose `transpose`d side this is.
+    /// This side with additions to entries of the matrix whose `transpose`d side this is.
     pub fn with_additions(mut self, additions: &[Entry], transpose: Transpose) -> Self {
         let turned = |entry: &Entry| match transpose {
             Transpose::No => *entry,

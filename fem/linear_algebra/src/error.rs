@@ -110,12 +110,18 @@ pub enum LinearAlgebraError {
 }
 
 /// Fails unless `found` equals `expected`.
+///
+/// # Errors
+/// [`LinearAlgebraError::SizeMismatch`].
 #[doc(hidden)]
 pub fn check_size(what: &'static str, expected: usize, found: usize) -> Result<(), LinearAlgebraError> {
     if expected == found { Ok(()) } else { Err(LinearAlgebraError::SizeMismatch { what, expected, found }) }
 }
 
 /// Fails at the first entry that is NaN or infinite.
+///
+/// # Errors
+/// [`LinearAlgebraError::VectorNotFinite`].
 #[doc(hidden)]
 pub fn check_finite(what: &'static str, values: &[f64]) -> Result<(), LinearAlgebraError> {
     match first_not_finite(values) {

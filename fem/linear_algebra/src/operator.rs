@@ -158,7 +158,7 @@ impl Preconditioner for Identity {
 pub struct Jacobi(Vec<f64>);
 
 impl Jacobi {
-    /// Of a matrix without a zero on its diagonal.
+    /// The preconditioner of a matrix without a zero on its diagonal.
     ///
     /// # Errors
     /// A zero, or what is not finite, on the diagonal; the error names the unknown.
@@ -166,7 +166,7 @@ impl Jacobi {
         Jacobi::of_diagonal(matrix.diagonal())
     }
 
-    /// Of a matrix with this diagonal.
+    /// The preconditioner of a matrix with this diagonal.
     ///
     /// # Errors
     /// As [`Jacobi::of`].

@@ -76,7 +76,7 @@ impl Ordering {
         Ok(self.choose(pattern)?.order)
     }
 
-    /// The same, with the orderings that were compared.
+    /// The best ordering, with the orderings that were compared.
     ///
     /// # Errors
     /// As [`Ordering::elimination_order`].

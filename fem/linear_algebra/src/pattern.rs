@@ -74,7 +74,7 @@ impl SparsityPattern {
         Ok(Self::of_checked(rows, columns, row_pointers, column_indices, None))
     }
 
-    /// The same pattern with the cells whose unknowns it couples; none where they are not known.
+    /// This pattern with the cells whose unknowns it couples; none where they are not known.
     ///
     /// # Errors
     /// If a cell has an unknown that is none of the rows or columns.

@@ -50,7 +50,7 @@ impl Restriction {
         Self::sharing(source, rows, columns, None)
     }
 
-    /// The same with a pattern of the submatrices that is known from elsewhere, which is shared if it is theirs.
+    /// This restriction with a pattern of the submatrices that is known from elsewhere, which is shared if it is theirs.
     ///
     /// # Errors
     /// As [`Restriction::new`].

@@ -49,7 +49,7 @@ pub fn rigid_motions<const D: usize>(positions: &[[f64; D]]) -> Vec<Vec<f64>> {
 /// Length, relative to a motion's, below which what hinders it is rounding. A body held at one node of 10⁶ leaves more than 1e-4.
 const NOTHING: f64 = 1e-11;
 
-/// Makes one vector of a motion and of its forces; see [`free_motions`].
+/// A function that makes one vector of a motion and of its forces; see [`free_motions`].
 pub type Hindrance<'a> = dyn Fn(&[f64], &[f64]) -> Result<Vec<f64>, LinearAlgebraError> + 'a;
 
 /// The rigid motions that a matrix does not resist and that constraints allow, each in words:

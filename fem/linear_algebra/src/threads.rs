@@ -18,7 +18,7 @@ impl Threads {
     /// The calling thread alone.
     pub const ONE: Threads = Threads(NonZeroUsize::MIN);
 
-    /// This many threads; zero counts as one.
+    /// The given number of threads; zero counts as one.
     pub fn new(count: usize) -> Self {
         Threads(NonZeroUsize::new(count).unwrap_or(NonZeroUsize::MIN))
     }

@@ -26,7 +26,7 @@ pub const INSIDE: f64 = 1e-10;
 const FIRST_REACH: f64 = 4096.0;
 const GROWTH: f64 = 8.0;
 
-/// Finds cells by position.
+/// A search for cells by position.
 #[derive(Clone, Debug)]
 pub struct Locator<const D: usize> {
     mesh: Arc<Mesh<D>>,

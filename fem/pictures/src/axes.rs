@@ -47,6 +47,9 @@ pub struct Ticks {
 
 impl Axis {
     /// Checks that the range can be drawn.
+    ///
+    /// # Errors
+    /// [`PictureError::Range`]: a range that is empty or not finite, or not positive on a logarithmic axis.
     pub fn new(label: &str, scale: Scale, range: [f64; 2]) -> Result<Axis, PictureError> {
         let [low, high] = range;
         let usable = low.is_finite() && high.is_finite() && low < high && high - low > 1e-12 * high.abs();

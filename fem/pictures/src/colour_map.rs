@@ -25,7 +25,7 @@ impl Colour {
         Colour { rgb: [level; 3], opacity: 1.0 }
     }
 
-    /// The same colour with another opacity.
+    /// This colour with another opacity.
     pub const fn with_opacity(self, opacity: f32) -> Colour {
         Colour { opacity, ..self }
     }

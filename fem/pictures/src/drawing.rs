@@ -103,6 +103,9 @@ impl Drawing {
     }
 
     /// An empty page of a size \[pt\].
+    ///
+    /// # Errors
+    /// [`PictureError::Size`], and a typeface that cannot be read.
     #[doc(hidden)]
     pub fn new(size: [f64; 2]) -> Result<Drawing, PictureError> {
         if !size.iter().all(|&length| length.is_finite() && (1.0..=20_000.0).contains(&length)) {

@@ -31,6 +31,9 @@ pub struct Layout<'a> {
 
 impl Layout<'_> {
     /// The page and the frame for the body.
+    ///
+    /// # Errors
+    /// [`PictureError`]: a range or a size that cannot be drawn.
     pub fn begin(&self) -> Result<(Drawing, Frame), PictureError> {
         let [low, high] = self.window;
         let label = |name: &str| match self.unit {

@@ -8,6 +8,9 @@ use super::drawing::{Drawing, Item, Rectangle, Segment, Stroke};
 use super::shading::Pixels;
 
 /// The bytes of a PNG file of the drawing, with its size in print noted in the file.
+///
+/// # Errors
+/// [`PictureError::Size`] of too many or no pixels; a failure of the encoder.
 pub fn encode(drawing: &Drawing, dots_per_inch: f64) -> Result<Vec<u8>, PictureError> {
     let scale = dots_per_inch / 72.0;
     let [width, height] = drawing.size.map(|length| (length * scale).round());
@@ -48,6 +51,9 @@ pub fn encode(drawing: &Drawing, dots_per_inch: f64) -> Result<Vec<u8>, PictureE
 }
 
 /// The bytes of a PNG file with transparency, for embedding.
+///
+/// # Errors
+/// A failure of the encoder.
 pub fn encode_surface(pixels: &Pixels) -> Result<Vec<u8>, PictureError> {
     encode_pixels(&pixels.rgba, pixels.size.map(|length| length as u32), png::ColorType::Rgba, None)
 }

@@ -13,6 +13,9 @@ use forms_mesh::files::base64;
 const SURFACE_SCALE: f64 = 4.0;
 
 /// The text of an SVG file of the drawing.
+///
+/// # Errors
+/// A failure of the encoder of embedded pictures.
 pub fn encode(drawing: &Drawing) -> Result<String, PictureError> {
     let mut text = String::new();
     write_elements(&mut text, drawing)?;

@@ -198,7 +198,7 @@ impl<const D: usize> Constraints<D> {
         }
     }
 
-    /// The same unknowns with zero values: for increments and adjoint states.
+    /// These constraints with zero values: for increments and adjoint states.
     #[inline(never)]
     pub fn homogeneous(&self) -> Self {
         let mut same = self.clone();

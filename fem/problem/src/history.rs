@@ -170,11 +170,17 @@ impl<const D: usize> PointStorage<D> {
     }
 
     /// The storage behind a source.
+    ///
+    /// # Errors
+    /// [`HistoryMismatch::Foreign`]: a source that is no history of this dimension.
     pub fn of(source: &dyn QuadratureValues) -> Result<&Self, HistoryMismatch> {
         source.as_any().downcast_ref().ok_or(HistoryMismatch::Foreign { dimension: D })
     }
 
     /// The values that forms read now.
+    ///
+    /// # Errors
+    /// [`HistoryMismatch::Mesh`]: a history of another mesh.
     #[inline(never)]
     pub fn snapshot(&self, mesh: &Arc<Mesh<D>>) -> Result<Snapshot<'_, D>, HistoryMismatch> {
         if !Arc::ptr_eq(&self.mesh, mesh) {
@@ -207,6 +213,9 @@ impl<const D: usize> PointStorage<D> {
 
 impl<const D: usize> Snapshot<'_, D> {
     /// The components at the q-th point of a cell, or of a cell's local facet.
+    ///
+    /// # Errors
+    /// [`HistoryMismatch`]: an entity or a point where the history has no values.
     pub fn at(&self, cell: u32, facet: Option<u8>, q: usize) -> Result<&[f64], HistoryMismatch> {
         let storage = self.storage;
         let index = match (storage.entity, facet) {

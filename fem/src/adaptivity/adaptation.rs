@@ -88,7 +88,7 @@ impl<const D: usize> AdaptiveSolution<D> {
         AdaptiveSolution { field, estimate, goal: None }
     }
 
-    /// The same with the value of the goal, for the table.
+    /// This solution with the value of the goal, for the table.
     pub fn with_goal(self, goal: f64) -> Self {
         AdaptiveSolution { goal: Some(goal), ..self }
     }

@@ -115,7 +115,7 @@ impl ErrorEstimate {
         Ok(ErrorEstimate { value: shares.iter().sum(), indicators: handed_to_cells(&hats, &shares) })
     }
 
-    /// The same estimated error with the indicators of two estimates on one mesh, each over its sum: cells are marked for both. A goal's η is
+    /// This estimated error with the indicators of two estimates on one mesh, each over its sum: cells are marked for both. A goal's η is
     /// as good as its adjoint state, so that a mesh for a goal is marked for the error of that state, too, where η is to be relied on.
     ///
     /// # Errors

@@ -17,7 +17,7 @@ impl Bounds {
         Bounds { lower: vec![f64::NEG_INFINITY; count], upper: vec![f64::INFINITY; count] }
     }
 
-    /// The same bounds for all.
+    /// Equal bounds for all controls.
     pub fn between(count: usize, lower: f64, upper: f64) -> Self {
         Bounds { lower: vec![lower; count], upper: vec![upper; count] }
     }

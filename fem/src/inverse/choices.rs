@@ -52,13 +52,13 @@ macro_rules! choices_of {
                 self
             }
 
-            /// Another assembler than the default one: for its quadrature, its threads.
+            /// An assembler in place of the default one: for its quadrature, its threads.
             pub fn assembler(mut self, assembler: &Assembler<D>) -> Self {
                 self.equations.assembler = assembler.clone();
                 self
             }
 
-            /// Another linear solver than a [`TangentSolver`](crate::solve::TangentSolver), for the steps and their adjoints.
+            /// A linear solver in place of a [`TangentSolver`](crate::solve::TangentSolver), for the steps and their adjoints.
             pub fn solver(mut self, solver: &'a mut dyn LinearSolver) -> Self {
                 self.equations.lend(solver);
                 self

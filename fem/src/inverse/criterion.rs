@@ -41,6 +41,9 @@ impl<'a, const D: usize> Criterion<'a, D> {
     }
 
     /// Whether there is something of a history's states in it.
+    ///
+    /// # Errors
+    /// [`HistoryFailure::Missing`].
     pub fn exists(&self) -> Result<(), HistoryFailure> {
         if self.energy.is_none() && self.observations.is_empty() {
             return Err(HistoryFailure::Missing("criterion"));
@@ -49,6 +52,9 @@ impl<'a, const D: usize> Criterion<'a, D> {
     }
 
     /// Whether it is one of states on the space of a history with the given number of steps.
+    ///
+    /// # Errors
+    /// [`HistoryFailure::ObservedLater`], [`HistoryFailure::ObservedElsewhere`].
     pub fn check(&self, space: &Arc<Space<D>>, steps: usize) -> Result<(), HistoryFailure> {
         if let Some(step) = self.observations.keys().find(|step| **step >= steps) {
             return Err(HistoryFailure::ObservedLater { step: *step, steps });
@@ -61,6 +67,9 @@ impl<'a, const D: usize> Criterion<'a, D> {
     }
 
     /// Contribution of a step.
+    ///
+    /// # Errors
+    /// Those of the energy.
     pub fn value(
         &self,
         at: &At<D>,

@@ -16,7 +16,7 @@ pub struct Observations<const D: usize> {
 }
 
 impl<const D: usize> Observations<D> {
-    /// Nothing measured yet, of states on a space.
+    /// Empty observations of states on a space.
     pub fn new(space: &Arc<Space<D>>) -> Self {
         Observations { readings: Readings::new(space), measured: vec![] }
     }

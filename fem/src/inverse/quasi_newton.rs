@@ -28,7 +28,7 @@ pub(super) struct Model {
 }
 
 impl Model {
-    /// Nothing known but a scale.
+    /// A model with nothing known except a scale.
     pub fn new(most: usize, scale: f64) -> Self {
         Model { most: most.max(1), scale, changes: VecDeque::new(), terms: vec![] }
     }

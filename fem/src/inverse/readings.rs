@@ -16,7 +16,7 @@ pub struct Readings<const D: usize> {
 }
 
 impl<const D: usize> Readings<D> {
-    /// Nothing read yet, of states on a space.
+    /// Empty readings of states on a space.
     pub fn new(space: &Arc<Space<D>>) -> Self {
         Readings { space: Arc::clone(space), rows: vec![] }
     }

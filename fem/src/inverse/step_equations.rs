@@ -68,6 +68,9 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     }
 
     /// The space of constants per cell.
+    ///
+    /// # Errors
+    /// Those of the space.
     pub fn constants(&mut self) -> Result<Arc<Space<D>>, HistoryFailure> {
         if let Some(known) = &self.constants {
             return Ok(Arc::clone(known));
@@ -92,6 +95,9 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     }
 
     /// The solution of a form from a start.
+    ///
+    /// # Errors
+    /// A form that reads a history, and those of the solution.
     #[inline(never)]
     pub fn solve(
         &mut self,
@@ -112,6 +118,9 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     }
 
     /// The tangent of a form at a field.
+    ///
+    /// # Errors
+    /// Those of the assembly.
     pub fn tangent(&mut self, form: &dyn AnyForm<D>, at: &Field<D>) -> Result<BlockMatrix, HistoryFailure> {
         let pattern = self.pattern(form, at)?;
         let mut matrix = BlockMatrix::zero(pattern.sparsity());
@@ -164,6 +173,9 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     }
 
     /// Kᵀ p with the tangent K of a form at a solution.
+    ///
+    /// # Errors
+    /// Those of the assembly.
     #[inline(never)]
     pub fn transposed(
         &mut self,

@@ -64,7 +64,7 @@ pub fn gradient_of<V: Evolution + ?Sized>(evolution: &mut V, stored: usize) -> R
     })
 }
 
-/// The same with the states on disk, except for the last one, and as many as are allowed.
+/// The gradient with the states on disk, except for the last one, and as many as are allowed.
 ///
 /// # Errors
 /// [`SweepFailure`]: those of the steps, and of the files.

@@ -34,7 +34,7 @@ pub mod movement_product {
     /// The body.
     #[cells]
     pub struct Omega;
-    /// Its boundary.
+    /// The boundary of the body.
     #[facets]
     pub struct Boundary;
 
@@ -83,7 +83,7 @@ impl InnerProduct {
         }
     }
 
-    /// That of an elastic body with Young's modulus 1 and a Poisson's ratio in (−1, 1/2): keeps cells in shape better.
+    /// The inner product of an elastic body with Young's modulus 1 and a Poisson's ratio in (−1, 1/2): keeps cells in shape better.
     pub fn elasticity(poisson: f64) -> Self {
         let shear = 0.5 / (1.0 + poisson);
         let dilation = poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));

@@ -21,7 +21,7 @@ pub mod perimeter_form {
     pub fn measure() -> Functional {
         integral(Boundary, 1)
     }
-    /// Its derivative by the shape.
+    /// The derivative of the perimeter by the shape.
     pub fn gradient(Theta: Test<Vector>) -> Form {
         derivative(measure(), shape, Theta)
     }
@@ -44,7 +44,7 @@ where
     assembler(mesh).functional(&perimeter_form::measure(&perimeter_form::Boundary::on(region)))
 }
 
-/// Its derivative by the movement of each node \[length^(D−2)\].
+/// The derivative of the perimeter by the movement of each node \[length^(D−2)\].
 ///
 /// # Errors
 /// A region that does not exist.

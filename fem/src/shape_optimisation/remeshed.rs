@@ -56,6 +56,9 @@ where
     Dim: Dimension<D>,
 {
     /// The mesh of a state: that of the start, or one that was made since.
+    ///
+    /// # Errors
+    /// Those of a stored mesh that cannot be made again.
     pub fn of(
         state: &DescentState,
         initial: &Arc<Mesh<D>>,

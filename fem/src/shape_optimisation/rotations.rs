@@ -53,7 +53,7 @@ impl<const D: usize> Rotations<D> {
         Ok(Rotations { images, turns, centre })
     }
 
-    /// The same rotations of another mesh.
+    /// These rotations of another mesh.
     ///
     /// # Errors
     /// As [`Rotations::new`].

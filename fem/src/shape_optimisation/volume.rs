@@ -20,7 +20,7 @@ pub mod volume_form {
     pub fn measure() -> Functional {
         integral(Omega, 1)
     }
-    /// Its derivative by the shape.
+    /// The derivative of the volume by the shape.
     pub fn gradient(Theta: Test<Vector>) -> Form {
         derivative(measure(), shape, Theta)
     }
@@ -61,7 +61,7 @@ impl Volume {
         Ok((measured_volume(mesh)? - self.target) / self.target)
     }
 
-    /// Its derivative by the movement of each node \[1/length\].
+    /// The derivative of the volume by the movement of each node \[1/length\].
     ///
     /// # Errors
     /// As [`Assembler::residual`].

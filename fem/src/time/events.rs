@@ -97,7 +97,7 @@ type Values = (f64, Vec<f64>);
 const SECANTS: usize = 2;
 
 impl<'a, const D: usize> Events<'a, D> {
-    /// Nothing to be watched yet.
+    /// An empty list of events.
     pub fn new() -> Self {
         Events { watched: vec![], within: None }
     }

@@ -100,13 +100,13 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         self
     }
 
-    /// Another assembler than the default one: for its quadrature, its threads.
+    /// An assembler in place of the default one: for its quadrature, its threads.
     pub fn assembler(mut self, assembler: &Assembler<D>) -> Self {
         self.assembler = assembler.clone();
         self
     }
 
-    /// Another linear solver than a [`TangentSolver`](crate::solve::TangentSolver).
+    /// A linear solver in place of a [`TangentSolver`](crate::solve::TangentSolver).
     pub fn solver(mut self, solver: &'a mut dyn LinearSolver) -> Self {
         self.solver = LentSolver::Lent(solver);
         self

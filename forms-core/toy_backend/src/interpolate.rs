@@ -8,7 +8,7 @@ pub fn value<const D: usize>(element: &Element<D>, point: usize, field: &Nodal, 
     let nodes = element.nodes.iter().zip(&element.points[point].basis);
     nodes.map(|(node, basis)| basis.value * field.values[node * field.components + component]).sum()
 }
-/// Its derivative along an axis.
+/// The derivative along an axis.
 pub fn slope<const D: usize>(
     element: &Element<D>,
     point: usize,

@@ -49,7 +49,7 @@ impl<const D: usize> Mesh<D> {
         Mesh::cut_cube(random, false)
     }
 
-    /// The same mesh with quadratic basis functions: a node per vertex and per edge.
+    /// A mesh of the cube with quadratic basis functions: a node per vertex and per edge.
     pub fn quadratic_cube(random: &mut Random) -> Self {
         Mesh::cut_cube(random, true)
     }
@@ -75,7 +75,7 @@ impl<const D: usize> Mesh<D> {
         Mesh::new(nodes, orders.iter().map(path).collect(), quadratic)
     }
 
-    /// The same mesh where each cell has nodes of its own: functions may jump.
+    /// This mesh where each cell has nodes of its own: functions may jump.
     pub fn broken(mut self) -> Self {
         let before: Vec<Vec<usize>> = self.cells.iter().map(|cell| cell.nodes.clone()).collect();
         self.nodes = before.iter().flatten().map(|node| self.nodes[*node]).collect();

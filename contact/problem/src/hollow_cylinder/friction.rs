@@ -57,6 +57,9 @@ pub(super) enum Law {
 
 impl Law {
     /// The settings' law with the mesh, the data and the regions of the frictionless problem.
+    ///
+    /// # Errors
+    /// Those of [`ContactProblem::new`].
     pub fn of(settings: &Settings, problem: &ContactProblem<2>) -> Result<Law, CylinderError> {
         let (slip_stress, friction) = match settings.friction {
             Friction::None => return Ok(Law::Frictionless(Box::new(problem.clone()))),
@@ -77,6 +80,9 @@ impl Law {
     }
 
     /// Solves the direct problem from the state before, with u_D on the inner circle.
+    ///
+    /// # Errors
+    /// [`CylinderError`]: those of the constraints and of the solution.
     pub fn step(
         &mut self,
         push: [f64; 2],
@@ -100,6 +106,9 @@ impl Law {
     }
 
     /// An adjoint state at the displacement of the last step.
+    ///
+    /// # Errors
+    /// [`CylinderError`]: those of the solution.
     pub fn adjoint(
         &self,
         which: Adjoint,
@@ -120,6 +129,9 @@ impl Law {
     }
 
     /// Force and lengths of friction at the displacement of the last step.
+    ///
+    /// # Errors
+    /// [`CylinderError`]: those of the assembly.
     pub fn friction(&self, u: &Field<2>) -> Result<Option<FrictionResults>, CylinderError> {
         let Law::Frictional(problem) = self else { return Ok(None) };
         let (assembler, law) = (&problem.assembler, &problem.law);

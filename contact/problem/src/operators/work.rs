@@ -43,7 +43,7 @@ pub mod loads {
 /// A criterion that is linear in the displacement.
 #[forms]
 pub mod linear_criterion {
-    /// Nothing is weighed unless it is given.
+    /// The weight of the displacement, zero unless it is given.
     pub struct Data {
         /// F, the weight of the displacement in the criterion: ∫ F·u.
         #[doc(alias = "F")]

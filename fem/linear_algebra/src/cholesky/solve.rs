@@ -98,7 +98,7 @@ impl SymmetricFactor {
         self.solve_side_refined(&Side::plain(matrix), Threads::ONE, matrix.row_sum_norm(), b, max_steps)
     }
 
-    /// The same for a matrix, or its transposed, whose ‖A‖∞ is known.
+    /// A refined solution for a matrix, or its transposed, whose ‖A‖∞ is known.
     #[doc(hidden)]
     pub fn solve_side_refined(
         &self,

@@ -61,6 +61,9 @@ impl<'a> KrylovSpace<'a> {
     }
 
     /// Adds vectors without a pattern.
+    ///
+    /// # Errors
+    /// Those of the solution with the shifted matrix.
     pub fn add_irregular(&mut self, count: usize) -> Result<(), EigenError> {
         for _ in 0..count {
             let vector: Vec<f64> = irregular_from(self.seed, self.pencil.size()).collect();
@@ -73,6 +76,9 @@ impl<'a> KrylovSpace<'a> {
     }
 
     /// Sends vectors through the operator until the given number have been, or the space is exhausted.
+    ///
+    /// # Errors
+    /// Those of the solution with the shifted matrix.
     pub fn grow_to(&mut self, count: usize) -> Result<(), EigenError> {
         while self.images.len() < count {
             if self.images.len() == self.basis.len() {

@@ -135,6 +135,9 @@ pub(super) struct Shifted {
 
 impl Shifted {
     /// (A − σ B)⁻¹ B x.
+    ///
+    /// # Errors
+    /// A vector of another size, or a solution that is not accurate.
     pub fn apply(&self, pencil: &SymmetricPencil, x: &[f64]) -> Result<Vec<f64>, EigenError> {
         let load = pencil.second.multiply(x)?;
         Ok(self.factor.solve_refined(&self.matrix, &load, REFINEMENTS)?.solution)

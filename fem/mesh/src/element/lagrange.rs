@@ -315,7 +315,7 @@ impl Lagrange {
         self.segment(t)[..=self.degree].iter().map(|[value, slope, _]| [*value, *slope]).collect()
     }
 
-    /// Which of these functions is each node's factor along each axis; `None` where basis functions are no products.
+    /// The number of the function that is each node's factor along each axis; `None` where basis functions are no products.
     #[doc(hidden)]
     pub fn grid_steps<const D: usize>(&self) -> Option<Vec<[usize; D]>> {
         if self.shape.is_simplex() || self.degree == 0 || self.shape.dimension() != D {

@@ -27,7 +27,7 @@ pub fn inside_triangle(degree: usize) -> impl Iterator<Item = [usize; 2]> {
     (1..degree).flat_map(move |second| (1..degree - second).map(move |first| [first, second]))
 }
 
-/// The same inside the quadrilateral with corners 0 to 3: steps towards 1 and 3.
+/// Points strictly inside the quadrilateral with corners 0 to 3: steps towards 1 and 3.
 #[doc(hidden)]
 pub fn inside_quadrilateral(degree: usize) -> impl Iterator<Item = [usize; 2]> {
     (1..degree).flat_map(move |second| (1..degree).map(move |first| [first, second]))

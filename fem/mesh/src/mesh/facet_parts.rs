@@ -138,7 +138,10 @@ impl<const D: usize> Mesh<D> {
         }
     }
 
-    /// The same of one region, of whatever kind.
+    /// Whether no facet of one region, of whatever kind, is a part of a larger one across it.
+    ///
+    /// # Errors
+    /// [`MeshError::FacetParts`] with both facets.
     #[doc(hidden)]
     pub fn without_facet_parts_in(&self, region: &str, what: &'static str) -> Result<(), MeshError> {
         let facets = self.interior_facet_region(region).unwrap_or_default();

@@ -115,6 +115,9 @@ impl<const D: usize> Mesh<D> {
     }
 
     /// The sides of each facet of an exterior or interior facet region: one or two.
+    ///
+    /// # Errors
+    /// [`MeshError::UnknownRegion`].
     #[doc(hidden)]
     pub fn sides_of(&self, region: &str) -> Result<Vec<Vec<Facet>>, MeshError> {
         if let Ok(facets) = self.facet_region(region) {

@@ -159,7 +159,7 @@ impl<const D: usize> Mesh<D> {
         Ok(mesh)
     }
 
-    /// As [`Mesh::from_blocks`], of cells that may touch in other ways than by sharing facets: with hanging nodes, as where
+    /// A mesh like that of [`Mesh::from_blocks`], of cells that may touch in other ways than by sharing facets: with hanging nodes, as where
     /// bodies touch or coarse cells meet fine ones. Nothing holds the two sides together there, unless a form does:
     /// the facets are exterior. [`Mesh::conformity`] lists what touches.
     ///

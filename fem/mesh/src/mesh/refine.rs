@@ -33,7 +33,7 @@ impl<const D: usize> Mesh<D> {
         self.refined_onto(&[])
     }
 
-    /// As [`Mesh::refined`], and then the nodes on the facets of each region are moved by its map, for example onto the
+    /// The mesh of [`Mesh::refined`] where the nodes on the facets of each region are moved by its map, for example onto the
     /// circle that the region approximates. Where regions meet, their maps follow each other in the order given.
     ///
     /// ```

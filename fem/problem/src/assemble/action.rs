@@ -118,12 +118,12 @@ impl<'a, F: Form<D>, const D: usize> TangentAction<'a, F, D> {
         TangentAction { assembler, form, unknowns, parts: Parts::ALL, prescribed: vec![], relations: vec![] }
     }
 
-    /// The same with some of the integrals only.
+    /// This action with some of the integrals only.
     pub fn with_parts(self, parts: Parts) -> Self {
         TangentAction { parts, ..self }
     }
 
-    /// The same on the free unknowns, and the identity on the prescribed ones; constraints in the order of the
+    /// This action on the free unknowns, and the identity on the prescribed ones; constraints in the order of the
     /// unknowns.
     pub fn with_constraints(self, constraints: &[&Constraints<D>]) -> Self {
         let mut prescribed = Vec::new();

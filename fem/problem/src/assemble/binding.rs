@@ -136,7 +136,7 @@ impl<'a, const D: usize> Binding<'a, D> {
         Ok(binding)
     }
 
-    /// The same for integrals over the cells that an assembler owns, with its contact pairs.
+    /// This binding for integrals over the cells that an assembler owns, with its contact pairs.
     #[inline(never)]
     pub fn assembled_by(mut self, assembler: &'a Assembler<D>) -> Self {
         self.owned = assembler.owned.as_deref();
@@ -268,6 +268,9 @@ impl<'a, const D: usize> Binding<'a, D> {
     }
 
     /// Checks the spaces of the test functions against the form.
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: a space that does not fit its test function.
     #[inline(never)]
     pub fn check_tests(&self, tests: &[&Arc<Space<D>>], mesh: &Arc<Mesh<D>>) -> Result<(), AssemblyError> {
         let declared: Vec<&FieldDescription> =

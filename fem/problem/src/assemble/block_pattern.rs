@@ -115,6 +115,9 @@ impl<const D: usize> BlockPattern<D> {
     }
 
     /// The pattern of the part of a form's tangent that an assembler assembles.
+    ///
+    /// # Errors
+    /// Those of [`Self::at_iterate`].
     #[doc(hidden)]
     pub fn for_cells_of(
         form: &Outline<D>,
@@ -125,7 +128,10 @@ impl<const D: usize> BlockPattern<D> {
         Self::at_iterate(form, tests, &without_coefficients(trials), assembler)
     }
 
-    /// The same with the pairs of displaced surfaces that there are at an iterate.
+    /// The pattern with the pairs of displaced surfaces that there are at an iterate.
+    ///
+    /// # Errors
+    /// Those of the regions and of the search for contact pairs.
     #[doc(hidden)]
     pub fn at_iterate(
         form: &Outline<D>,
@@ -138,6 +144,9 @@ impl<const D: usize> BlockPattern<D> {
     }
 
     /// Whether everything that a form's pairs of displaced surfaces couple at an iterate has its place.
+    ///
+    /// # Errors
+    /// Those of the search for contact pairs.
     #[doc(hidden)]
     pub fn covers(&self, form: &Outline<D>, unknowns: &[FieldView<D>]) -> Result<bool, AssemblyError> {
         let tests: Vec<&Arc<Space<D>>> = self.tests.iter().collect();

@@ -67,7 +67,7 @@ use crate::pairs::KnownPairs;
 use crate::quadrature::Quadrature;
 use crate::threads::Threads;
 
-/// Runs kernels on a mesh with a choice of quadrature.
+/// A mesh with a choice of quadrature, on which kernels run.
 ///
 /// A form's unknowns are given as fields, in the order of its arguments; vectors and matrices over
 /// several unknowns have them one after the other.
@@ -95,7 +95,7 @@ impl<const D: usize> From<Assembler<D>> for Cow<'_, Assembler<D>> {
     }
 }
 
-/// Which integrals to assemble, by their dependence on the unknowns.
+/// The integrals to assemble, by their dependence on the unknowns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parts {
     /// Loads.
@@ -145,18 +145,18 @@ impl<const D: usize> Assembler<D> {
         }
     }
 
-    /// The same with another choice of quadrature.
+    /// This assembler with another choice of quadrature.
     pub fn with_quadrature(self, quadrature: Quadrature<D>) -> Self {
         Assembler { quadrature, ..self }
     }
 
-    /// The same with kernels of a certain set of instructions; of the best that is available where that one is not. Without
+    /// This assembler with kernels of a certain set of instructions; of the best that is available where that one is not. Without
     /// this the best set is taken.
     pub fn with_instructions(self, instructions: InstructionSet) -> Self {
         Assembler { instructions, ..self }
     }
 
-    /// The same on another number of threads. Matrices, vectors and numbers are the same to the last bit, whatever
+    /// This assembler on another number of threads. Matrices, vectors and numbers are the same to the last bit, whatever
     /// the number (but not for different instruction sets).
     pub fn with_threads(self, threads: Threads) -> Self {
         Assembler { threads, ..self }

@@ -106,6 +106,9 @@ impl<const D: usize> Group<D> {
     }
 
     /// The index of a side.
+    ///
+    /// # Errors
+    /// [`AssemblyError::NeedsInteriorFacet`] where there is no other side.
     pub fn side(&self, form: &'static str, side: Side) -> Result<usize, AssemblyError> {
         match side {
             Side::This => Ok(0),
@@ -115,6 +118,9 @@ impl<const D: usize> Group<D> {
     }
 
     /// Checks that a space on facets has nodes on all of this; of contact pairs, on one side.
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: a facet where the space has no nodes.
     #[inline(never)]
     pub fn check_support(
         &self,

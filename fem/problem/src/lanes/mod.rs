@@ -319,12 +319,12 @@ impl InstructionSet {
         *BEST.get_or_init(|| Self::available().into_iter().next_back().unwrap_or(InstructionSet::Plain))
     }
 
-    /// Those of this machine that were compiled, from the plain one to the best.
+    /// The instruction sets of this machine that were compiled, from the plain one to the best.
     pub fn available() -> Vec<Self> {
         Self::ALL.into_iter().filter(|set| set.is_available()).collect()
     }
 
-    /// Those that were compiled: the best of the machine of the build, all of the target where `FORMS_ALL_INSTRUCTION_SETS` is
+    /// The instruction sets that were compiled: the best of the machine of the build, all of the target where `FORMS_ALL_INSTRUCTION_SETS` is
     /// set in the environment of the build.
     pub fn compiled() -> Vec<Self> {
         Self::ALL.into_iter().filter(|set| set.is_compiled()).collect()

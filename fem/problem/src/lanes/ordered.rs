@@ -26,7 +26,7 @@ impl Order {
         Order { distances, bytes, values }
     }
 
-    /// Which value each entry is.
+    /// The value that each entry is.
     pub fn places(&self) -> impl Iterator<Item = u32> {
         self.distances.iter().map(|distance| distance / self.bytes as u32)
     }

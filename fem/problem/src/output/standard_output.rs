@@ -17,7 +17,7 @@ pub struct StandardOutput {
 }
 
 impl StandardOutput {
-    /// Nothing printed yet.
+    /// An output with nothing printed yet.
     pub fn new() -> Self {
         StandardOutput::default()
     }

@@ -127,7 +127,7 @@ pub(super) struct Candidates<const D: usize> {
 }
 
 impl<const D: usize> Candidates<D> {
-    /// Those among opposite facets, with lists that an earlier iterate had.
+    /// The candidates among opposite facets, with lists that an earlier iterate had.
     pub fn new(
         own: &[SurfaceFacet<D>],
         opposite: &[SurfaceFacet<D>],

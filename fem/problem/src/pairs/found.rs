@@ -128,7 +128,7 @@ impl<const D: usize> Found<D> {
         &mut self.counts[last]
     }
 
-    /// Where the next point begins.
+    /// The place where the next point begins.
     pub fn next_point(&self) -> FirstPoint {
         FirstPoint { numbers: self.points.len(), rigid_normals: self.rigid_normals.len() }
     }

@@ -94,7 +94,7 @@ impl NodesOfFacets {
         NodesOfFacets { numbers, stride }
     }
 
-    /// Those of a facet, by its place in the region.
+    /// The nodes of a facet, by its place in the region.
     #[inline]
     pub fn of(&self, facet: usize) -> &[u32] {
         &self.numbers[facet * self.stride..][..self.stride]

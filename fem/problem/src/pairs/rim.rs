@@ -12,7 +12,7 @@ pub(super) struct Rim {
 }
 
 impl Rim {
-    /// That of some facets; each is listed once.
+    /// The rim of some facets; each is listed once.
     pub fn of<const D: usize>(facets: &[SurfaceFacet<D>]) -> Self {
         let mut rim = Rim::default();
         for facet in facets {

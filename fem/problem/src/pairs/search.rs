@@ -152,7 +152,7 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
         self.reach_of(own.diameter)
     }
 
-    /// The same by the facet's diameter.
+    /// The distance at which points of a facet with this diameter have partners.
     pub fn reach_of(&self, diameter: f64) -> f64 {
         self.reach.unwrap_or(2.0 * diameter)
     }

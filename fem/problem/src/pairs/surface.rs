@@ -267,7 +267,7 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         self.vertices.into_iter().take(self.parameters().len())
     }
 
-    /// Its corners on its own reference cell.
+    /// The corners of the facet on its own reference cell.
     pub fn parameters(&self) -> &'static [[f64; 2]] {
         match (D, self.triangle) {
             (2, _) => &[[0.0, 0.0], [1.0, 0.0]],

@@ -43,7 +43,7 @@ pub(super) fn names(pairing: &Pairing) -> Vec<&str> {
 }
 
 impl<'m, const D: usize> Surfaces<'m, D> {
-    /// Those of a pairing, displaced, from what is known of them at rest.
+    /// The surfaces of a pairing, displaced, from what is known of them at rest.
     pub fn new(
         mesh: &'m Mesh<D>,
         pairing: &Pairing,

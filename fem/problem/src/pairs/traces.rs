@@ -12,14 +12,14 @@ pub(super) struct Coefficients<const D: usize>([[[f64; D]; D]; D]);
 impl<const D: usize> Coefficients<D> {
     pub const ZERO: Self = Coefficients([[[0.0; D]; D]; D]);
 
-    /// That of sⁱtʲ; j is zero in the plane.
+    /// The coefficient of sⁱtʲ; j is zero in the plane.
     #[inline(always)]
     pub fn of(&self, i: usize, j: usize) -> &[f64; D] {
         let [row, column] = Self::place(i, j);
         &self.0[row][column]
     }
 
-    /// The same, to be changed.
+    /// The coefficient of sⁱtʲ, to be changed.
     #[inline(always)]
     pub fn of_mut(&mut self, i: usize, j: usize) -> &mut [f64; D] {
         let [row, column] = Self::place(i, j);

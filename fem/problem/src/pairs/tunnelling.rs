@@ -173,6 +173,9 @@ pub(crate) struct Follower<'a, const D: usize> {
 
 impl<const D: usize> Follower<'_, D> {
     /// Follows the motion from one displacement of a space to another one, both by their coefficients.
+    ///
+    /// # Errors
+    /// [`PairError`]: surfaces that are missing or do not fit, a reach that is no length.
     pub fn follow(&self, space: &Space<D>, ends: [&[f64]; 2]) -> Result<FollowedMotion<D>, PairError> {
         let Follower { mesh, pairing, quadrature, degree, known, threads } = *self;
         if pairing.surfaces.is_empty() {

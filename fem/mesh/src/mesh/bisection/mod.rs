@@ -112,7 +112,7 @@ impl<const D: usize> BisectedMesh<D> {
         self.refined_onto(marked, &[])
     }
 
-    /// As [`BisectedMesh::refined`], and the new nodes on the facets of each region are moved by its map, for example onto the circle that the
+    /// The mesh of [`BisectedMesh::refined`] whose new nodes on the facets of each region are moved by its map, for example onto the circle that the
     /// region approximates. Where regions meet, their maps follow each other in the order given.
     ///
     /// ```

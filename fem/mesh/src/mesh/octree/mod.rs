@@ -109,7 +109,7 @@ impl<const D: usize> OctreeMesh<D> {
         self.refined_onto(marked, &[])
     }
 
-    /// As [`OctreeMesh::refined`], and the new nodes on the facets of each region are moved by its map, for example onto the circle that the
+    /// The mesh of [`OctreeMesh::refined`] whose new nodes on the facets of each region are moved by its map, for example onto the circle that the
     /// region approximates. Where regions meet, their maps follow each other in the order given. A node that hangs stays on the larger cell, and
     /// is moved by the refinement after which it does not hang any more.
     ///

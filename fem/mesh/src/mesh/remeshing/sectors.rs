@@ -46,6 +46,9 @@ impl Sectors {
     }
 
     /// The first sector of an outline.
+    ///
+    /// # Errors
+    /// [`RemeshingError::AcrossSectors`] with the position.
     pub fn first(&self, outline: &Outline) -> Result<Sector, RemeshingError> {
         let (mut whole, mut across) = (vec![], vec![]);
         for arcs in &outline.loops {

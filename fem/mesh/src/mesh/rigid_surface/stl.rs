@@ -44,7 +44,7 @@ impl RigidSurface<3> {
         }
     }
 
-    /// The same from a file.
+    /// A surface from an STL file.
     ///
     /// # Errors
     /// [`RigidSurfaceError::Read`]; those of [`RigidSurface::from_stl`].

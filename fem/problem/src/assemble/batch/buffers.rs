@@ -50,6 +50,9 @@ impl<L: SimdLane, const D: usize> Default for BatchBuffers<L, D> {
 
 impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
     /// Checks that the kernel finds what it reads, and makes room for it.
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: something that the kernel reads and the group does not have.
     #[inline(never)]
     pub fn prepare(
         &mut self,

@@ -18,8 +18,11 @@ use crate::pairs::PairGroup;
 const SAME_PLACE: f64 = 1e-10;
 
 impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
-    /// That the weights of all points so far were positive; `range` holds the group's entities that have been loaded. A
+    /// The check that the weights of all points so far were positive; `range` holds the group's entities that have been loaded. A
     /// mesh has proved it of its cells; cells that a caller lists are taken as they are.
+    ///
+    /// # Errors
+    /// A weight that is not positive, with its entity.
     pub fn check_weights(&self, range: Range<usize>) -> Result<(), AssemblyError> {
         let mut least = [f64::INFINITY; WIDEST];
         self.least.store(&mut least);

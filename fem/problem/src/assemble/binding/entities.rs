@@ -18,7 +18,7 @@ pub(in crate::assemble) enum Entities<'a> {
 }
 
 impl<'a> Entities<'a> {
-    /// Those of a form's region.
+    /// The entities of a form's region.
     #[inline(never)]
     pub fn of<const D: usize>(
         mesh: &'a Mesh<D>,

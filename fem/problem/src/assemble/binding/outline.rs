@@ -55,7 +55,7 @@ impl<'a, const D: usize> Described<'a, D> {
     }
 }
 
-/// The same with what the tangents of some of its integrals couple.
+/// A form's description with what the tangents of some of its integrals couple.
 #[doc(hidden)]
 pub struct Outline<'a, const D: usize> {
     described: Described<'a, D>,
@@ -109,7 +109,7 @@ impl Coupling {
         key(self) == key(other) && self.sides == other.sides
     }
 
-    /// Of contact pairs the nodes that the kernel sees, test and trial, at the sides on which the functions live: what its tangents write.
+    /// The nodes of contact pairs that the kernel sees, test and trial, at the sides on which the functions live: what its tangents write.
     /// None elsewhere, and where the spaces differ, so that all nodes count.
     pub fn seen_on_pairs<const D: usize>(
         &self,

@@ -68,7 +68,7 @@ impl<const D: usize> Assembler<D> {
         self.owned.as_ref().is_none_or(|owned| owned.owns(cell))
     }
 
-    /// The same on some of the mesh's cells: integrals over cells and facets are taken over those that are owned, an exterior
+    /// This assembler on some of the mesh's cells: integrals over cells and facets are taken over those that are owned, an exterior
     /// facet with its cell, an interior one with the cell of its first side. Vectors, matrices, actions, functionals and
     /// active sets become partial: over assemblers whose cells are a partition of the mesh's they add up to the whole. A
     /// problem made with it has the positions of its part alone. Values at points and projections stay those of the whole.

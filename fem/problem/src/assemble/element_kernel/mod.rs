@@ -80,7 +80,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
         Self::with_instructions(form, layout, quadrature, InstructionSet::best())
     }
 
-    /// The same with kernels of a certain set of instructions; of the best that is available where that one is not.
+    /// An element kernel in a certain set of instructions; of the best that is available where that one is not.
     ///
     /// # Errors
     /// As [`ElementKernel::with_sizes`].
@@ -184,7 +184,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
         self.tables.layout.rows.len()
     }
 
-    /// That the Jacobian determinants of listed cells are positive everywhere in them. The kernels take the caller's cells as
+    /// The check that the Jacobian determinants of listed cells are positive everywhere in them. The kernels take the caller's cells as
     /// they are: to look at each again would cost as much as a small kernel itself.
     ///
     /// # Errors

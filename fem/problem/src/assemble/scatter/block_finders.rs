@@ -73,7 +73,7 @@ pub(in crate::assemble) struct ChosenPairs {
 }
 
 impl ChosenPairs {
-    /// Those of the nodes at some places among a cell's `all`; where there is no list, of every node. None if all are chosen.
+    /// The pairs of the nodes at some places among a cell's `all`; where there is no list, of every node. None if all are chosen.
     pub fn new(chosen: [Option<&[usize]>; 2], all: [usize; 2]) -> Option<Self> {
         if chosen == [None; 2] {
             return None;

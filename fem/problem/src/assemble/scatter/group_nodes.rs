@@ -75,7 +75,7 @@ pub(in crate::assemble) enum Reading {
 }
 
 impl Reading {
-    /// Of the test and of the trial functions.
+    /// The nodes of the test and of the trial functions.
     pub fn of_arguments(requirements: &Requirements) -> [Self; 2] {
         [requirements.test_derivatives, requirements.trial_derivatives]
             .map(|derivatives| if derivatives { Reading::Derivatives } else { Reading::Values })

@@ -159,7 +159,7 @@ impl<const D: usize> Assembler<D> {
         Ok(self.pairs_of(pairing, degree)?.report)
     }
 
-    /// The same with surfaces that a field displaces: open and rejected points, gaps and overlaps of sliding pairs at an iterate.
+    /// The report on pairs with surfaces that a field displaces: open and rejected points, gaps and overlaps of sliding pairs at an iterate.
     ///
     /// # Errors
     /// As [`Assembler::pairs`], and if the field is none on cells of this mesh with as many components as there are dimensions.

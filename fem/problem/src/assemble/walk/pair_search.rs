@@ -44,7 +44,7 @@ impl<const D: usize> Default for PairSearch<D> {
 }
 
 impl<const D: usize> PairSearch<D> {
-    /// That of an assembler.
+    /// The search of an assembler.
     #[inline(never)]
     pub fn of(assembler: &Assembler<D>) -> Self {
         let Assembler { known_pairs, quadrature, threads, .. } = assembler;
@@ -53,6 +53,9 @@ impl<const D: usize> PairSearch<D> {
     }
 
     /// The cells or facets of a form's region; pairs count as facets with two sides.
+    ///
+    /// # Errors
+    /// Those of the regions and of the search for contact pairs.
     #[inline(never)]
     pub fn entities<'a>(
         &self,

@@ -15,7 +15,7 @@ use crate::field::Field;
 use crate::mesh::Mesh;
 use crate::output::lives_on;
 
-/// Which scalar of a field is shown.
+/// The scalar of a field that is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown {
     /// A component by its number; tensors are numbered row by row.

@@ -50,7 +50,7 @@ impl Destination {
         }
     }
 
-    /// Of matrices whose entries are computed in the caller's order.
+    /// A destination of matrices whose entries are computed in the caller's order.
     pub fn in_order(room: usize) -> Self {
         Destination { scratch: vec![0.0; room], ..Self::default() }
     }
