@@ -41,7 +41,7 @@ ITEM_LIMITS = {
     "first line refers or asks": 11,
     "verb first, no function": 1,
     "verb first, functions": 162,
-    "Result without # Errors": 59,
+    "Result without # Errors": 33,
 }
 
 # Lines of a page, and characters of an entry in the changelog, which are two lines of a wide editor.

@@ -182,6 +182,9 @@ impl CsrMatrix {
     }
 
     /// The sum with some entries, which need not be stored here.
+    ///
+    /// # Errors
+    /// An entry outside of the matrix.
     #[doc(hidden)]
     pub fn plus(&self, additions: &[Entry]) -> Result<Self, LinearAlgebraError> {
         let stored = additions.iter().map(|entry| self.find_stored(entry.row, entry.column));

@@ -85,6 +85,9 @@ impl<'a, const D: usize> Criterion<'a, D> {
     }
 
     /// Adds the slope of that by the state after the step.
+    ///
+    /// # Errors
+    /// Those of the energy.
     pub fn add_slope(
         &self,
         at: &At<D>,
@@ -101,6 +104,9 @@ impl<'a, const D: usize> Criterion<'a, D> {
     }
 
     /// Adds the second derivative of that by the state along a change of it.
+    ///
+    /// # Errors
+    /// Those of the energy.
     pub fn add_curvature(
         &self,
         at: &At<D>,
@@ -118,6 +124,9 @@ impl<'a, const D: usize> Criterion<'a, D> {
 
     /// J, gradient and Hessian along a direction, from the sweep of second order over the steps, whose gradient contains them one after
     /// the other.
+    ///
+    /// # Errors
+    /// [`HistoryFailure::Missing`] if the cost of the controls has no curvature; those of [`Self::add_cost_of_controls`].
     pub fn hessian(
         &self,
         mut found: Gradient,
@@ -152,6 +161,9 @@ impl<'a, const D: usize> Criterion<'a, D> {
     }
 
     /// Contribution of the controls alone.
+    ///
+    /// # Errors
+    /// Those of [`Self::add_cost_of_controls`].
     pub fn cost_of_controls(&self, m: &[f64]) -> Result<f64, HistoryFailure> {
         let mut alone = Gradient { value: 0.0, gradient: vec![0.0; m.len()], work: Work::default() };
         self.add_cost_of_controls(m, &mut alone)?;
@@ -159,6 +171,9 @@ impl<'a, const D: usize> Criterion<'a, D> {
     }
 
     /// Adds that to a value with its gradient.
+    ///
+    /// # Errors
+    /// A gradient of another length than that of the controls.
     pub fn add_cost_of_controls(&self, m: &[f64], found: &mut Gradient) -> Result<(), HistoryFailure> {
         let Some(of_controls) = &self.of_controls else { return Ok(()) };
         let (value, gradient) = of_controls(m);

@@ -80,6 +80,9 @@ impl Interval {
     }
 
     /// The step as a form reads it, from the row before.
+    ///
+    /// # Errors
+    /// Values that do not fit the space.
     pub fn step_from<const D: usize>(
         &self,
         space: &Arc<Space<D>>,
@@ -134,6 +137,9 @@ impl Interval {
 
     /// The step's unknown from the rows at its ends: from that of value, rate and second rate which is the unknown, or else from the
     /// first that contains it.
+    ///
+    /// # Errors
+    /// Values that do not fit the space.
     pub fn unknown_of<const D: usize>(
         &self,
         space: &Arc<Space<D>>,

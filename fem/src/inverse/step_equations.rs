@@ -130,6 +130,9 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     }
 
     /// p with R_uᵀ p = −slope, zero where the solution is prescribed.
+    ///
+    /// # Errors
+    /// Those of [`Self::linearised`].
     #[inline(never)]
     pub fn adjoint(
         &mut self,
@@ -143,6 +146,9 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     }
 
     /// x with R_u x = −load, or R_uᵀ x = −load, zero where the solution is prescribed. The factor stays for further ones.
+    ///
+    /// # Errors
+    /// Those of the assembly and of the solution.
     #[inline(never)]
     pub fn linearised(
         &mut self,

@@ -99,6 +99,9 @@ impl SymmetricFactor {
     }
 
     /// A refined solution for a matrix, or its transposed, whose ‖A‖∞ is known.
+    ///
+    /// # Errors
+    /// Those of [`SymmetricFactor::solve_refined`].
     #[doc(hidden)]
     pub fn solve_side_refined(
         &self,

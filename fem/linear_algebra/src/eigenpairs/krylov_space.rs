@@ -124,6 +124,9 @@ impl<'a> KrylovSpace<'a> {
     }
 
     /// The positive Ritz values, in descending order: eigenvalues above the shift in ascending order.
+    ///
+    /// # Errors
+    /// A projected problem that is not finite.
     pub fn ritz_values(&mut self) -> Result<Vec<Ritz>, EigenError> {
         let size = self.images.len();
         let coefficient = |image: usize, row: usize| self.images[image].get(row).copied().unwrap_or(0.0);

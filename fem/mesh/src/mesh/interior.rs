@@ -141,6 +141,9 @@ impl<const D: usize> Mesh<D> {
     }
 
     /// Correspondence of the vertices of the two sides.
+    ///
+    /// # Errors
+    /// [`MeshError::TwistedFacet`] with both cells.
     #[doc(hidden)]
     pub fn facing(&self, sides: &[Facet; 2]) -> Result<Facing, MeshError> {
         if let Some(in_part) = self.facing_in_part(sides) {

@@ -220,6 +220,9 @@ impl<const D: usize> Quadrature<D> {
     }
 
     /// The rule on the cells of one of a mesh's shapes.
+    ///
+    /// # Errors
+    /// [`QuadratureError`]: a rule that is given explicitly, on a mesh of several shapes.
     #[doc(hidden)]
     pub fn rule_on_cells(
         &self,

@@ -69,6 +69,9 @@ struct AffineGeometry<L, const D: usize> {
 
 impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
     /// A loop over a group. `arguments` are the test and trial functions whose basis the kernel reads.
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: something that the kernel reads and the group does not have.
     #[inline]
     pub fn new(
         binding: &'a Binding<'a, D>,

@@ -145,6 +145,9 @@ impl<'a, const D: usize> Binding<'a, D> {
     }
 
     /// Binds the directions of an action, one per unknown and on its space.
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: another number of directions, or one that does not fit its unknown.
     #[inline(never)]
     pub fn bind_directions(
         &mut self,
@@ -190,6 +193,9 @@ impl<'a, const D: usize> Binding<'a, D> {
     }
 
     /// The source of the values of a field that is no unknown and no test function.
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: a source that does not fit its field, or values that are not finite.
     #[inline(never)]
     pub fn resolve(
         &mut self,
@@ -320,6 +326,9 @@ impl<'a, const D: usize> Binding<'a, D> {
     }
 
     /// The cells or facets of a region of the form, those that are owned.
+    ///
+    /// # Errors
+    /// Those of the region.
     #[inline(never)]
     pub fn entities(&self, region: usize) -> Result<Entities<'a>, AssemblyError> {
         let all = Entities::of(self.mesh, self.name, &self.regions[region])?;
@@ -327,6 +336,9 @@ impl<'a, const D: usize> Binding<'a, D> {
     }
 
     /// The contact pairs of a region of the form; `displacement` are the fields whose sum displaces their surfaces.
+    ///
+    /// # Errors
+    /// [`AssemblyError`] with a [`PairError`] of the search.
     #[inline(never)]
     pub fn pairs(
         &self,

@@ -74,6 +74,9 @@ pub(super) struct Outline {
 
 impl Outline {
     /// The outline of a mesh.
+    ///
+    /// # Errors
+    /// [`RemeshingError`]: an outline that is not closed.
     pub fn of(mesh: &Mesh<2>) -> Result<Self, RemeshingError> {
         let mut names: BTreeMap<Facet, Vec<String>> = BTreeMap::new();
         for name in mesh.facet_region_names().filter(|name| *name != BOUNDARY) {

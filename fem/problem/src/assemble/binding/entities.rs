@@ -19,6 +19,9 @@ pub(in crate::assemble) enum Entities<'a> {
 
 impl<'a> Entities<'a> {
     /// The entities of a form's region.
+    ///
+    /// # Errors
+    /// [`AssemblyError::Region`], and pairs that are not bound to a pairing.
     #[inline(never)]
     pub fn of<const D: usize>(
         mesh: &'a Mesh<D>,

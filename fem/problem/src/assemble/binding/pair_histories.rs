@@ -8,6 +8,9 @@ use crate::compiled_here::compiled_here;
 
 impl<const D: usize> Binding<'_, D> {
     /// Whether the histories that a kernel reads on contact pairs belong to these, and how many there are.
+    ///
+    /// # Errors
+    /// [`AssemblyError::History`]: a history of other pairs.
     #[inline(never)]
     pub fn histories_on_pairs(
         &self,

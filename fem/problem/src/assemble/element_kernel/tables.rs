@@ -68,6 +68,9 @@ impl<const D: usize> ElementTables<D> {
     }
 
     /// A group's tables as arrays, whose lengths must be the group's.
+    ///
+    /// # Errors
+    /// [`AssemblyError::Layout`]: tables of other lengths.
     pub fn fixed<S: Sizes>(
         &self,
         form: &'static str,

@@ -95,6 +95,9 @@ impl<const D: usize> PairSearch<D> {
     }
 
     /// The facets of all surfaces of a coupling's pairs.
+    ///
+    /// # Errors
+    /// [`AssemblyError`] with a [`PairError`] of a surface.
     #[inline(never)]
     pub fn surfaces(
         &self,
@@ -113,6 +116,9 @@ impl<const D: usize> PairSearch<D> {
     }
 
     /// Lets sliding pairs couple what they do at an iterate, and their neighbours.
+    ///
+    /// # Errors
+    /// [`AssemblyError`] with a [`PairError`] of the search.
     #[inline(never)]
     pub fn slide_to(
         &mut self,
@@ -144,6 +150,9 @@ impl<const D: usize> PairSearch<D> {
     }
 
     /// Whether everything that sliding pairs couple at an iterate has its place.
+    ///
+    /// # Errors
+    /// [`AssemblyError`] with a [`PairError`] of the search.
     #[inline(never)]
     pub fn covers(
         &self,
