@@ -92,6 +92,13 @@ impl LuFactor {
         self.smallest_ratio
     }
 
+    /// The largest entry of a solution of A x = b, or of the transposed system, in the scaled system's units: fields of different
+    /// units, and parts of different stiffness, count alike.
+    pub fn largest_scaled(&self, x: &[f64], transpose: Transpose) -> f64 {
+        let scale = if transpose == Transpose::Yes { &self.row_scale } else { &self.column_scale };
+        x.iter().zip(scale).fold(0.0, |most, (x, scale)| most.max((x / scale).abs()))
+    }
+
     /// The unknown (row number of the matrix) that the matrix determines least.
     pub fn least_determined(&self) -> usize {
         self.least_determined

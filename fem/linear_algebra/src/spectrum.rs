@@ -60,7 +60,8 @@ pub fn spectrum(
 }
 
 /// Numbers between −1 and 1 without a pattern, the same in every run.
-pub(super) fn irregular(size: usize) -> impl Iterator<Item = f64> {
+#[doc(hidden)]
+pub fn irregular(size: usize) -> impl Iterator<Item = f64> {
     irregular_from(0x9e37_79b9_7f4a_7c15, size)
 }
 

@@ -295,7 +295,7 @@ fn contact(numbers: &mut Numbers) -> (String, Outcome) {
     let theta = [-1.0, 0.0, 1.0][numbers.choice(3)];
     let data = solid::Data {
         mu: Given::function(of),
-        press: 0.0,
+        gap: 0.0,
         penalty,
         theta,
         gamma0: Given::constant(100.0),

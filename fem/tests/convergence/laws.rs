@@ -87,7 +87,7 @@ pub mod coupled {
 pub mod solid {
     pub struct Data {
         pub mu: Given<Scalar>,
-        pub press: Param,
+        pub gap: Param,
         pub penalty: Param,
         pub theta: Param,
         pub gamma0: Given<Scalar>,
@@ -100,19 +100,21 @@ pub mod solid {
     fn stress(u: Vector) -> Tensor {
         mu * (2 * eps(u) + 1.5 * div(u) * I)
     }
+    /// How far a point is below the flat, whose normal (0, −1) points into it.
     fn below(u: Vector) -> Scalar {
-        -u[1] - press
+        -u[1] - gap
     }
-    fn pressing(u: Vector) -> Scalar {
-        (stress(u) * n)[1] * (-1)
+    /// σ_n.
+    fn normal_stress(u: Vector) -> Scalar {
+        -(stress(u) * n)[1]
     }
     /// Nitsche's method on a flat obstacle below.
     pub fn nitsche(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         let gamma = gamma0 / h;
-        let s = pressing(u) * (-1);
-        let t = pressing(v) * (-1);
-        integral(Omega, inner(stress(u), eps(v))) - integral(Contact, theta / gamma * s * t)
-            - integral(Contact, neg_part(-s - gamma * below(u)) / gamma * (-theta * t + gamma * v[1]) * (1))
+        let pressure = neg_part(normal_stress(u) - gamma * below(u));
+        integral(Omega, inner(stress(u), eps(v)))
+            - integral(Contact, theta / gamma * normal_stress(u) * normal_stress(v))
+            - integral(Contact, pressure / gamma * (theta * normal_stress(v) + gamma * v[1]))
     }
     /// Neo-Hooke, pressed onto a penalised flat.
     pub fn rubber(u: Unknown<Vector>) -> Energy {

@@ -281,7 +281,8 @@ fn an_ill_conditioned_matrix_is_not_called_singular() {
     }
     let nearly = |more: f64| matrix(2, &[(0, 0, 1.0), (0, 1, 1.0), (1, 0, 1.0), (1, 1, 1.0 + more)]);
     for matrix in [nearly(1e-13), nearly(-1e-13)] {
-        let found = TangentSolver::default().set_matrix(matrix).unwrap_err();
+        let mut solver = TangentSolver::default();
+        let found = solver.set_matrix(matrix).and_then(|()| solver.solve(&[1.0, 2.0], 0.0)).unwrap_err();
         let SolverError::LinearAlgebra(LinearAlgebraError::IllConditioned { condition, .. }) = found else {
             panic!("{found}");
         };

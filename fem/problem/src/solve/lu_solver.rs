@@ -3,7 +3,8 @@
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use crate::linear_algebra::Transpose;
 use crate::linear_algebra::backward_error::{Refinement, Residual};
-use crate::linear_algebra::equations::Side;
+use crate::linear_algebra::equations::{Equations, Side};
+use crate::linear_algebra::spectrum::irregular;
 use crate::linear_algebra::vector::{largest, norm};
 use crate::linear_algebra::{CsrMatrix, LinearAlgebraError, LuFactor};
 use crate::threads::Threads;
@@ -12,8 +13,11 @@ use crate::threads::Threads;
 const ROUNDING: f64 = 2e-16;
 /// Part of its terms by which an equation is off after rounding alone.
 const ROUNDING_OF_ROWS: f64 = 1e-15;
-/// A scaled matrix whose smallest singular value is below this part of its norm leaves a solution three digits or fewer.
+/// A scaled matrix whose smallest singular value is below this part of its norm may leave a solution three digits or fewer: it is
+/// asked for each solution what rounding of the matrix makes of it.
 const ILL_CONDITIONED: f64 = 1e-13;
+/// What rounding may make of a solution, as a part of its largest entry.
+const UNCERTAIN: f64 = 1e-6;
 /// Most steps of iterative refinement of the whole solution; with partial pivoting one nearly always suffices.
 const REFINEMENTS: usize = 2;
 
@@ -47,10 +51,6 @@ impl LinearSolver for LuSolver {
         let earlier = self.system.take().filter(|(known, _)| known.same_pattern(&matrix));
         let factor = LuFactor::new(&matrix, earlier.as_ref().map(|(_, factor)| factor))?;
         self.factorisations += 1;
-        if factor.smallest_ratio() <= ILL_CONDITIONED {
-            let (unknown, condition) = (factor.least_determined(), 1.0 / factor.smallest_ratio());
-            return Err(LinearAlgebraError::IllConditioned { unknown, condition }.into());
-        }
         self.system = Some((matrix, factor));
         Ok(())
     }
@@ -96,6 +96,18 @@ impl LinearSolver for LuSolver {
         // Each equation has to hold in its own scale.
         found.finish(solve)?;
         let Refinement { x, residual, .. } = found;
+        if factor.smallest_ratio() <= ILL_CONDITIONED {
+            // Rounding of the entries, with signs that follow no pattern, as forces on the solution.
+            let sizes = side.products(&x)?.1;
+            let noise = sizes.iter().zip(irregular(x.len()));
+            let mut moved: Vec<f64> = noise.map(|(size, sign)| f64::EPSILON * size * sign).collect();
+            solve(&mut moved)?;
+            let of = |x: &[f64]| factor.largest_scaled(x, transpose);
+            if of(&moved) > UNCERTAIN * of(&x) {
+                let (unknown, condition) = (factor.least_determined(), 1.0 / factor.smallest_ratio());
+                return Err(LinearAlgebraError::IllConditioned { unknown, condition }.into());
+            }
+        }
         let scale = norm(b);
         let relative_residual = if scale == 0.0 { 0.0 } else { norm(&residual.rest) / scale };
         Ok(LinearSolution { solution: x, relative_residual, iterations: 0 })
