@@ -2,6 +2,7 @@
 //! far away is named.
 
 use forms_fem::field::TransferError;
+use forms_fem::mesh::structured;
 use forms_fem::prelude::*;
 
 #[forms]
@@ -104,6 +105,52 @@ fn integrals_are_kept() -> Outcome {
     assert!((wanted - 0.76).abs() < 1e-13);
     assert!((amount(&field.onto(&space).conserved()?)? - wanted).abs() < 1e-12 * wanted);
     assert!((amount(&field.onto(&space).projected()?)? - wanted).abs() > 1e-6);
+    Ok(())
+}
+
+/// A map of the unit square or cube to itself, its boundary to its boundary, that leaves no cell a parallelogram.
+fn distorted<const D: usize>(x: &[f64; D]) -> [f64; D] {
+    let bump: f64 = x.iter().map(|x| 4.0 * x * (1.0 - x)).product();
+    std::array::from_fn(|k| x[k] + (0.06 - 0.11 * k as f64) * bump * (1.0 + x[(k + 1) % D]))
+}
+
+/// Integrals before and after, by a rule that is exact for the polynomials of all cells.
+fn keeps_integrals<const D: usize>(from: &Arc<Mesh<D>>, to: &Arc<Mesh<D>>) -> Outcome
+where
+    Dim: Dimension<D>,
+{
+    let amount = |field: &Field<D>| {
+        let assembler = Assembler::new(field.space().mesh()).with_quadrature(Quadrature::Degree(20));
+        assembler.functional(&total::amount(&total::Omega::on("all"), field))
+    };
+    let kink = |x: &[f64; D]| (x[0] - 0.4).abs() + x[D - 1];
+    for (own, other) in [(1, 1), (2, 1), (1, 2), (2, 0)] {
+        let field = Field::interpolate(&Space::scalar(from, own)?, kink)?;
+        let wanted = amount(&field)?;
+        let found = amount(&field.onto(&Space::discontinuous_scalar(to, other)?).conserved()?)?;
+        let error = (found / wanted - 1.0).abs();
+        assert!(error < 1e-13, "degrees {own}, {other}: {error:e}");
+        if other > 0 {
+            let found = amount(&field.onto(&Space::scalar(to, other)?).conserved()?)?;
+            let error = (found / wanted - 1.0).abs();
+            assert!(error < 1e-13, "degrees {own}, {other}, continuous: {error:e}");
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn integrals_are_kept_on_distorted_cells() -> Outcome {
+    for degree in 1..=2 {
+        let plane = |divisions, shape| structured(divisions, shape, degree, |x| distorted(&x)).map(Arc::new);
+        let quadrilaterals = plane([5, 4], CellShape::Quadrilateral)?;
+        keeps_integrals(&quadrilaterals, &plane([4, 7], CellShape::Quadrilateral)?)?;
+        keeps_integrals(&quadrilaterals, &plane([3, 3], CellShape::Triangle)?)?;
+        let space = |divisions, shape| structured(divisions, shape, degree, |x| distorted(&x)).map(Arc::new);
+        let hexahedra = space([3, 2, 2], CellShape::Hexahedron)?;
+        keeps_integrals(&hexahedra, &space([2, 3, 2], CellShape::Hexahedron)?)?;
+        keeps_integrals(&space([2; 3], CellShape::Tetrahedron)?, &hexahedra)?;
+    }
     Ok(())
 }
 

@@ -51,6 +51,7 @@ pub use element_kernel::{ElementCells, ElementKernel, ElementLayout, FieldLayout
 pub use error::AssemblyError;
 pub use forms_core::contract::Dependence;
 pub use tangent::ElementMatrix;
+pub(crate) use walk::degrees::degree_on_all_cells;
 #[doc(hidden)]
 pub use walk::pair_reports::FoundPairs;
 pub use walk::pair_reports::RegionPairs;
