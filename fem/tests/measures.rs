@@ -1,6 +1,8 @@
 //! The default rule on curved and skewed cells: lengths, areas, volumes and loads against closed forms, and against rules of high
 //! degree. On affine cells it is the rule of the integrand.
 
+use forms_fem::assemble::{ElementCells, ElementKernel, ElementLayout};
+use forms_fem::element::Lagrange;
 use forms_fem::mesh::MeshError;
 use forms_fem::prelude::*;
 
@@ -36,6 +38,9 @@ mod measured {
     }
     pub fn amount() -> Functional {
         integral(Omega, f)
+    }
+    pub fn weights(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, u * v)
     }
     pub fn bent() -> Functional {
         integral(Side, curvature * curvature)
@@ -237,6 +242,64 @@ fn cells_with_affine_maps_keep_the_rule_of_the_integrand() -> Outcome {
                 _ => assert!(more > per_cell * touched && more % touched == 0, "{shape:?} {degree}: {more}"),
             }
         }
+    }
+    Ok(())
+}
+
+/// Cells that a caller lists may be skewed: their kernels have the rule with the measure.
+#[test]
+fn element_kernels_count_the_measure_of_listed_cells() -> Outcome {
+    let mesh = skewed(1, 1, 0.6)?;
+    let element = Lagrange::new(CellShape::Hexahedron, 1)?;
+    let layout = ElementLayout {
+        geometry: element,
+        element,
+        coordinate_stride: 24,
+        coordinate_offsets: (0..8).map(|node| 3 * node).collect(),
+        coefficient_stride: 0,
+        fields: vec![],
+        rows: (0..8).collect(),
+    };
+    let data = data(1.0);
+    let form = measured::weights(&data, &measured::Omega::on("all"));
+    let mut kernel = ElementKernel::new(form, layout, &Quadrature::Estimated)?;
+    let coordinates: Vec<f64> = mesh.cell(0).iter().flat_map(|node| mesh.nodes()[*node as usize]).collect();
+    let cells = ElementCells { count: 1, coordinates: &coordinates, coefficients: &[], facet: 0 };
+    let mut matrix = vec![0.0; 64];
+    kernel.matrices(&cells, &mut matrix)?;
+    let exact = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(30));
+    let volume = exact.functional(&measured::volume(&data, &measured::Omega::on("all")))?;
+    assert!((matrix.iter().sum::<f64>() / volume - 1.0).abs() < 1e-13);
+    Ok(())
+}
+
+/// What assemblers of parts of the cells find adds up to the whole, where skewed and straight cells have rules of their own.
+#[test]
+fn shares_of_cells_add_up() -> Outcome {
+    let box_ = cuboid([0.0; 3], [4.0, 1.0, 1.0], [4, 2, 1], CellShape::Hexahedron, 1)?;
+    let moved = box_
+        .nodes()
+        .iter()
+        .map(|x| if x[0] > 3.5 && x[1] > 0.7 { [x[0] + 0.3, x[1], x[2] * 1.2] } else { *x });
+    let mesh = Arc::new(box_.with_nodes(moved.collect())?);
+    let of = |assembler: &Assembler<3>| -> Result<[f64; 4], AssemblyError> {
+        let (data, omega) = (data(1.0), measured::Omega::on("all"));
+        let sides = ["boundary", "right"].map(measured::Side::on);
+        Ok([
+            assembler.functional(&measured::volume(&data, &omega))?,
+            assembler.functional(&measured::area(&data, &sides[0]))?,
+            assembler.functional(&measured::area(&data, &sides[1]))?,
+            assembler.functional(&measured::area_inside(&data, &measured::Inside::on("interior")))?,
+        ])
+    };
+    let whole = of(&Assembler::new(&mesh))?;
+    let mut sum = [0.0; 4];
+    for cells in [[0, 3, 5, 6], [1, 2, 4, 7]] {
+        let share = of(&Assembler::new(&mesh).on_owned_cells(&cells)?)?;
+        (0..4).for_each(|k| sum[k] += share[k]);
+    }
+    for (sum, whole) in sum.into_iter().zip(whole) {
+        assert!((sum / whole - 1.0).abs() < 1e-14, "{sum} {whole}");
     }
     Ok(())
 }
