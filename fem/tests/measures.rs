@@ -303,3 +303,30 @@ fn shares_of_cells_add_up() -> Outcome {
     }
     Ok(())
 }
+
+const CHILD: &str = "FORMS_TEST_STRAIGHT_FACETS";
+
+/// A polygon that stands for a circle has no curvature: assembly says so, once per process, and is silent about curved facets.
+#[test]
+fn the_word_on_straight_facets() -> Outcome {
+    if let Some(degree) = std::env::var_os(CHILD) {
+        let degree = if degree == "1" { 1 } else { 2 };
+        let ring = Arc::new(annulus(1.0, 2.0, 1, 64, CellShape::Quadrilateral, degree)?);
+        let assembler = Assembler::new(&ring);
+        let form = measured::bent(&data(1.0), &measured::Side::on("outer"));
+        let [first, again] = [assembler.functional(&form)?, assembler.functional(&form)?];
+        // ∫ κ² = 2π R / R² on the circle of radius 2; that of the parabolas is near to it in second order, (2π/64)² = 0.01.
+        let exact = if degree == 1 { 0.0 } else { PI };
+        assert!(first == again && (first - exact).abs() < 5e-3, "{first}");
+        return Ok(());
+    }
+    for (degree, count) in [("1", 1), ("2", 0)] {
+        let mut command = std::process::Command::new(std::env::current_exe()?);
+        command.args(["the_word_on_straight_facets", "--nocapture"]);
+        let output = command.env(CHILD, degree).env_remove("FORMS_QUIET").output()?;
+        assert!(output.status.success(), "{output:?}");
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(text.matches("whose facets are straight").count(), count, "{text}");
+    }
+    Ok(())
+}
