@@ -306,7 +306,7 @@ fn shares_of_cells_add_up() -> Outcome {
 
 const CHILD: &str = "FORMS_TEST_STRAIGHT_FACETS";
 
-/// A polygon that stands for a circle has no curvature: assembly says so, once per process, and is silent about curved facets.
+/// A polygon that approximates a circle has no curvature: assembly says so, once per process, and is silent about curved facets.
 #[test]
 fn the_word_on_straight_facets() -> Outcome {
     if let Some(degree) = std::env::var_os(CHILD) {

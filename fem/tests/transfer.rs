@@ -154,7 +154,7 @@ fn integrals_are_kept_on_distorted_cells() -> Outcome {
     Ok(())
 }
 
-/// A field of a mesh on the mesh of some of its cells, and the problem that is stated there alone.
+/// A field of a mesh on the mesh of some of its cells.
 #[test]
 fn fields_on_parts_of_a_mesh() -> Outcome {
     for shape in [CellShape::Quadrilateral, CellShape::Triangle] {

@@ -168,7 +168,7 @@ impl<'a, const D: usize> Binding<'a, D> {
         Ok(())
     }
 
-    /// Whether its cells are those that a caller lists, of which nothing but their shape is known.
+    /// Whether its cells are those that a caller lists; only their shape is known.
     pub fn lists_cells(&self) -> bool {
         self.searches.is_none()
     }

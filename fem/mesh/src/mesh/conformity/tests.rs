@@ -172,7 +172,7 @@ fn thin_cells_touch_nothing_but_their_neighbours() -> Checked {
 
 // Beyond the end of a large facet lies the vertex of one that is smaller than a millionth of it.
 #[test]
-fn tiny_cells_beside_large_ones() -> Checked {
+fn tiny_cells_next_to_large_ones() -> Checked {
     for smallest in [1e-5, 1e-7, 1e-9] {
         let graded = |[s, t]: [f64; 2]| [if s < 0.6 { s } else { 0.5 + smallest * (s - 0.5) }, t];
         for shape in [CellShape::Quadrilateral, CellShape::Triangle] {

@@ -27,7 +27,7 @@ pub(in crate::assemble) fn tell<const D: usize>(form: &str, inputs: &Inputs<D>) 
     });
 }
 
-/// A word on standard error, once per process, where a form reads the curvature of facets that have none, as of a polygon that stands for
+/// A word on standard error, once per process, where a form reads the curvature of facets that have none, as of a polygon that approximates
 /// a circle.
 pub(in crate::assemble) fn tell_of_straight_facets(form: &str, place: &str) {
     static TOLD: Once = Once::new();
