@@ -353,3 +353,46 @@ fn adjoint_states_of_a_rigid_body_give_the_derivative_by_the_load() {
     let difference = value(&states[1]) - value(&states[0]);
     assert!((derivative - difference).abs() < 1e-10 * difference.abs(), "{derivative} {difference}");
 }
+
+// sin 2πx differs between both ends by its rounding, which is not small compared with its values there: they are zero.
+#[test]
+fn a_prescribed_wave_is_periodic() {
+    for amplitude in [1.0, 1e-200, 1e200] {
+        for degree in 1..=2 {
+            let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [4, 3], CellShape::Quadrilateral, 1).unwrap());
+            let wave = |x: &[f64; 2]| amplitude * (std::f64::consts::TAU * x[0]).sin();
+            let map = RigidMap::translation([1.0, 0.0]);
+            for space in [Space::scalar(&mesh, degree).unwrap(), Space::vector(&mesh, degree).unwrap()] {
+                let fix = |constraints: &mut Constraints<2>, height: f64, factor: f64| {
+                    let region = if height == 1.0 { "top" } else { "bottom" };
+                    if space.components() == 1 {
+                        constraints.fix(region, |x| factor * wave(x))
+                    } else {
+                        constraints.fix(region, |x| [factor * wave(x), 0.3 * wave(x)])
+                    }
+                };
+                let mut before = Constraints::new(&space);
+                before.periodic("left", "right", &map).unwrap();
+                fix(&mut before, 1.0, 1.0).unwrap();
+                fix(&mut before, 0.0, -2.0).unwrap();
+                let mut after = Constraints::new(&space);
+                fix(&mut after, 1.0, 1.0).unwrap();
+                fix(&mut after, 0.0, -2.0).unwrap();
+                after.periodic("left", "right", &map).unwrap();
+                assert_eq!(before.free(), after.free());
+                // A value that is no rounding of another is a contradiction as before.
+                let mut wrong = Constraints::new(&space);
+                wrong.periodic("left", "right", &map).unwrap();
+                fix(&mut wrong, 1.0, 1.0).unwrap();
+                let tilted = |x: &[f64; 2]| wave(x) + 1e-9 * amplitude * x[0];
+                let refused = if space.components() == 1 {
+                    wrong.fix("bottom", tilted)
+                } else {
+                    wrong.fix("bottom", |x| [tilted(x), 0.0])
+                };
+                let message = refused.unwrap_err().to_string();
+                assert!(message.starts_with("region \"bottom\" contradicts "), "{message}");
+            }
+        }
+    }
+}

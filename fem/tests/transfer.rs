@@ -2,6 +2,7 @@
 //! far away is named.
 
 use forms_fem::field::TransferError;
+use forms_fem::mesh::structured;
 use forms_fem::prelude::*;
 
 #[forms]
@@ -104,6 +105,79 @@ fn integrals_are_kept() -> Outcome {
     assert!((wanted - 0.76).abs() < 1e-13);
     assert!((amount(&field.onto(&space).conserved()?)? - wanted).abs() < 1e-12 * wanted);
     assert!((amount(&field.onto(&space).projected()?)? - wanted).abs() > 1e-6);
+    Ok(())
+}
+
+/// A map of the unit square or cube to itself, its boundary to its boundary, that leaves no cell a parallelogram.
+fn distorted<const D: usize>(x: &[f64; D]) -> [f64; D] {
+    let bump: f64 = x.iter().map(|x| 4.0 * x * (1.0 - x)).product();
+    std::array::from_fn(|k| x[k] + (0.03 - 0.05 * k as f64) * bump * (1.0 + x[(k + 1) % D]))
+}
+
+/// Integrals before and after, by a rule that is exact for the polynomials of all cells.
+fn keeps_integrals<const D: usize>(from: &Arc<Mesh<D>>, to: &Arc<Mesh<D>>) -> Outcome
+where
+    Dim: Dimension<D>,
+{
+    let amount = |field: &Field<D>| {
+        let assembler = Assembler::new(field.space().mesh()).with_quadrature(Quadrature::Degree(20));
+        assembler.functional(&total::amount(&total::Omega::on("all"), field))
+    };
+    let kink = |x: &[f64; D]| (x[0] - 0.4).abs() + x[D - 1];
+    for (own, other) in [(1, 1), (2, 1), (1, 2), (2, 0)] {
+        let field = Field::interpolate(&Space::scalar(from, own)?, kink)?;
+        let wanted = amount(&field)?;
+        let found = amount(&field.onto(&Space::discontinuous_scalar(to, other)?).conserved()?)?;
+        let error = (found / wanted - 1.0).abs();
+        assert!(error < 1e-13, "degrees {own}, {other}: {error:e}");
+        if other > 0 {
+            let found = amount(&field.onto(&Space::scalar(to, other)?).conserved()?)?;
+            let error = (found / wanted - 1.0).abs();
+            assert!(error < 1e-13, "degrees {own}, {other}, continuous: {error:e}");
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn integrals_are_kept_on_distorted_cells() -> Outcome {
+    for degree in 1..=2 {
+        let plane = |divisions, shape| structured(divisions, shape, degree, |x| distorted(&x)).map(Arc::new);
+        let quadrilaterals = plane([5, 4], CellShape::Quadrilateral)?;
+        keeps_integrals(&quadrilaterals, &plane([4, 7], CellShape::Quadrilateral)?)?;
+        keeps_integrals(&quadrilaterals, &plane([3, 3], CellShape::Triangle)?)?;
+        let space = |divisions, shape| structured(divisions, shape, degree, |x| distorted(&x)).map(Arc::new);
+        let hexahedra = space([3, 2, 2], CellShape::Hexahedron)?;
+        keeps_integrals(&hexahedra, &space([2, 3, 2], CellShape::Hexahedron)?)?;
+        keeps_integrals(&space([2; 3], CellShape::Tetrahedron)?, &hexahedra)?;
+    }
+    Ok(())
+}
+
+/// A field of a mesh on the mesh of some of its cells.
+#[test]
+fn fields_on_parts_of_a_mesh() -> Outcome {
+    for shape in [CellShape::Quadrilateral, CellShape::Triangle] {
+        let mut ring = annulus(1.0, 2.0, 4, 16, shape, 2)?;
+        ring.name_cells("lining", |x| x[0].hypot(x[1]) < 1.25)?;
+        let part = ring.part("lining")?;
+        let (ring, lining) = (Arc::new(ring), Arc::new(part.mesh));
+        for degree in 1..=4 {
+            let wave = |x: &[f64; 2]| (3.0 * x[0]).sin() * x[1];
+            let field = Field::interpolate(&Space::scalar(&ring, degree)?, wave)?;
+            let space = Space::scalar(&lining, degree)?;
+            let found = field.onto(&space).interpolated()?;
+            let error = distance(&found, &Field::interpolate(&space, wave)?);
+            assert!(error < 1e-11, "{shape:?}, degree {degree}: {error:e}");
+            // Cell by cell it is the same polynomial.
+            for (cell, own) in part.cells.iter().enumerate() {
+                let reference = lining.cell_shape(cell).centre();
+                let [a, b] =
+                    [found.evaluate_in(cell, &reference)[0], field.evaluate_in(*own as usize, &reference)[0]];
+                assert!((a - b).abs() < 1e-11);
+            }
+        }
+    }
     Ok(())
 }
 

@@ -2,7 +2,7 @@
 //! `form.rs`, its integrands and the order in which a backend calls them in `kernel.rs`, the values of its fields in `source.rs`. Emitted paths read `<crate>::contract::Name`, so a
 //! crate that re-exports this module can replace `forms-core` (`#[forms(crate = that_crate)]`).
 
-pub use crate::degree::{Degree, DegreeSum};
+pub use crate::degree::{Degree, DegreeSum, Derivatives, GeometryDegrees};
 pub use crate::dimension::{Constants, Dim, Dimension, Integrals};
 pub use crate::dual::{Dual, Seeded};
 pub use crate::external::{External, external, tabulated};

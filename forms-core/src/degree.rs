@@ -18,26 +18,65 @@ pub struct DegreeSum {
     pub fields: &'static [[usize; 3]],
 }
 
+/// Effect of a derivative on a field's degree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Derivatives {
+    /// On simplices, whose polynomials have a total degree.
+    LowerDegrees,
+    /// On tensor-product cells, where a derivative lowers the degree of one direction only.
+    KeepDegrees,
+}
+
+/// Degrees of the geometry where an integrand is integrated. A backend finds them from its cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GeometryDegrees {
+    /// That of the place of a point.
+    pub position: usize,
+    /// That of the normal.
+    pub normal: usize,
+    /// That of the measure, the determinant of the Jacobian or the surface element: a factor of each integrand.
+    pub measure: usize,
+    /// Effect of a derivative on a field's degree.
+    pub derivatives: Derivatives,
+}
+
+impl GeometryDegrees {
+    /// Those of cells whose map is affine, among cells with maps of a degree: the measure is constant.
+    pub fn affine(degree: usize, derivatives: Derivatives) -> Self {
+        GeometryDegrees { position: degree, normal: degree.saturating_sub(1), measure: 0, derivatives }
+    }
+}
+
 impl Degree {
-    /// The degree for fields of these degrees (by index) and a geometry map of this one. On simplices a derivative lowers a
-    /// field's degree by its order; on tensor-product cells, where it lowers that of one direction only, it does not.
+    /// The degree on cells whose map is affine, for fields of these degrees (by index) and a geometry of this one. On simplices a
+    /// derivative lowers a field's degree by its order; on tensor-product cells, where it lowers that of one direction only, it
+    /// does not.
     ///
     /// # Panics
     /// If a field's index is not below the number of degrees.
     pub fn of(&self, fields: &[usize], geometry: usize, simplex: bool) -> usize {
-        self.0.iter().map(|sum| sum.of(fields, geometry, simplex)).max().unwrap_or(0)
+        let derivatives = if simplex { Derivatives::LowerDegrees } else { Derivatives::KeepDegrees };
+        self.over(fields, &GeometryDegrees::affine(geometry, derivatives))
+    }
+
+    /// The degree with that of the measure, for fields of these degrees (by index) on some geometry.
+    ///
+    /// # Panics
+    /// If a field's index is not below the number of degrees.
+    pub fn over(&self, fields: &[usize], geometry: &GeometryDegrees) -> usize {
+        geometry.measure + self.0.iter().map(|sum| sum.over(fields, geometry)).max().unwrap_or(0)
     }
 }
 
 impl DegreeSum {
-    fn of(&self, fields: &[usize], geometry: usize, simplex: bool) -> usize {
+    fn over(&self, fields: &[usize], geometry: &GeometryDegrees) -> usize {
         let factors = self.fields.iter().map(|[field, order, count]| {
-            let lowered = if simplex { *order } else { 0 };
+            let lowered = if geometry.derivatives == Derivatives::LowerDegrees { *order } else { 0 };
             count * fields[*field].saturating_sub(lowered)
         });
         self.constant
-            + self.positions * geometry
-            + self.normals * geometry.saturating_sub(1)
+            + self.positions * geometry.position
+            + self.normals * geometry.normal
             + factors.sum::<usize>()
     }
 }
@@ -60,5 +99,15 @@ mod tests {
         assert_eq!(PRODUCT.of(&[0, 0], 1, true), 1);
         assert_eq!(PRODUCT.of(&[0, 0], 4, true), 4);
         assert_eq!(Degree(&[]).of(&[], 1, true), 0);
+    }
+
+    #[test]
+    fn measure_and_normal_count_where_the_geometry_varies() {
+        let curved =
+            GeometryDegrees { position: 2, normal: 3, measure: 5, derivatives: Derivatives::KeepDegrees };
+        assert_eq!(PRODUCT.over(&[2, 3], &curved), 5 + 7);
+        // 1 + n.
+        assert_eq!(PRODUCT.over(&[0, 0], &curved), 5 + 4);
+        assert_eq!(Degree(&[]).over(&[], &curved), 5);
     }
 }

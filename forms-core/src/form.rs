@@ -117,7 +117,8 @@ pub struct Integral {
     pub vanishes: bool,
     /// The tangent's blocks are proved symmetric (tangents only, else false).
     pub symmetric: bool,
-    /// Degree of the integrand as a polynomial of the place, from which follows that of a quadrature rule.
+    /// Degree of the integrand as a polynomial of the place, from which follows that of a quadrature rule, with the measure's
+    /// where that varies ([`Degree::over`]).
     pub degree: Degree,
 }
 

@@ -44,6 +44,7 @@ impl<const D: usize> Compiled<D> {
             Self::moved(),
             Self::octree(),
             Self::octree_coarsening(),
+            Self::part(),
             Self::quality(),
             Self::refine(),
             Self::regions(),

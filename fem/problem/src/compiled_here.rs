@@ -85,6 +85,7 @@ where
             Self::untyped(),
             Self::vtu(),
             Self::walk(),
+            Self::walk_degrees(),
         ];
         all.extend(Self::in_lanes::<f64>());
         #[cfg(all(target_arch = "x86_64", not(without_avx2)))]

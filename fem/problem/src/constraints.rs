@@ -40,6 +40,8 @@ struct Conditions {
     users: HashMap<usize, BTreeSet<usize>>,
     // Unknowns on small facets, which have the values of the large ones.
     hanging: BTreeSet<usize>,
+    // The largest size of a prescribed value: formulas for others may round as it does.
+    largest: f64,
 }
 
 // Two formulas for one value may differ by round-off, relative to the largest value prescribed.
@@ -205,6 +207,7 @@ impl<const D: usize> Constraints<D> {
         let conditions = Arc::make_mut(&mut same.conditions);
         conditions.prescribed.values_mut().for_each(|value| *value = 0.0);
         conditions.relations.values_mut().for_each(|relation| relation.value = 0.0);
+        conditions.largest = 0.0;
         same
     }
 
@@ -249,6 +252,8 @@ impl<const D: usize> Constraints<D> {
         }
         let origin: Arc<str> = place.into();
         let mut changed = if self.conditions.relations.is_empty() { None } else { Some(self.clone()) };
+        let conditions = changed.as_mut().map_or(&mut self.conditions, |changed| &mut changed.conditions);
+        Arc::make_mut(conditions).largest = scale;
         // A hanging unknown interpolates the values on the large facet, once these are prescribed: it comes last.
         let (hanging, others): (Vec<_>, Vec<_>) =
             entries.iter().copied().partition(|(unknown, _)| self.conditions.hanging.contains(unknown));

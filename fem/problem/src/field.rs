@@ -14,7 +14,7 @@ use crate::compiled_here::compiled_here;
 use crate::element::MAXIMUM_NODES;
 use crate::linear_algebra::vector::{first_not_finite, is_finite};
 use crate::mesh::geometry::inverse;
-use crate::space::Space;
+use crate::space::{Family, Space};
 
 pub use file::FieldFileError;
 pub(crate) use transfer::places;
@@ -71,6 +71,18 @@ pub enum FieldError {
         space: usize,
         /// Components of the function's value.
         function: usize,
+    },
+    /// Values of cells for a space that is not constant on each cell, or values of facets likewise.
+    #[error(
+        "values on {entities} are those of a space that is constant on each of them; this one has degree {degree}, {family}"
+    )]
+    NotConstant {
+        /// "cells" or "facets".
+        entities: &'static str,
+        /// The family of the space.
+        family: Family,
+        /// Its degree.
+        degree: usize,
     },
     /// A coefficient is NaN or infinite.
     #[error("component {component} at node {node}, position {position:?}, is not finite: {value}")]
@@ -149,7 +161,11 @@ impl<const D: usize> Field<D> {
         Field::from_values(space, values)
     }
 
-    /// The field with the given coefficients.
+    /// The field with the given coefficients: all components of node 0, then those of node 1, in the space's numbering.
+    ///
+    /// [`Space::positions`] has the place of each node, and [`Space::cell_nodes`] the nodes of each cell. Nodes are numbered along a
+    /// curve through the mesh, not as the mesh numbers its nodes and cells, in degree 0 neither:
+    /// [`Field::from_cell_values`] takes a list of values of cells.
     ///
     /// # Errors
     /// [`FieldError::Length`], or [`FieldError::NotFinite`], which names the node.
@@ -166,6 +182,81 @@ impl<const D: usize> Field<D> {
         }
         let coefficients = Arc::new(Coefficients { values, finite: OnceLock::from(true) });
         Ok(Field { space: Arc::clone(space), coefficients })
+    }
+
+    /// The field that is constant on each cell, from the values of the cells in the order of the mesh: all components of cell 0, then
+    /// those of cell 1. Cells that carry rigid surfaces are not counted.
+    ///
+    /// ```
+    /// use forms_fem::prelude::*;
+    ///
+    /// let mesh = Arc::new(rectangle([0.0; 2], [3.0, 2.0], [3, 2], CellShape::Quadrilateral, 1)?);
+    /// let stiffness = [10.0, 20.0, 30.0, 40.0, 50.0, 60.0];
+    /// let space = Space::discontinuous_scalar(&mesh, 0)?;
+    /// let k = Field::from_cell_values(&space, &stiffness)?;
+    /// // Cell 4 has its centre at (1.5, 1.5).
+    /// assert_eq!(k.evaluate(&[1.5, 1.5])?, [50.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`FieldError::NotConstant`] unless the space is discontinuous of degree 0; [`FieldError::Length`];
+    /// [`FieldError::NotFinite`], which names the position.
+    #[inline(never)]
+    pub fn from_cell_values(space: &Arc<Space<D>>, values: &[f64]) -> Result<Self, FieldError> {
+        let of_cells = space.mesh().body_cells().map(|cell| space.cell_nodes(cell).first().copied());
+        let is_constant = *space.family() == Family::Discontinuous && space.degree() == 0;
+        Field::from_constants(space, values, ("cells", is_constant), &of_cells.flatten().collect::<Vec<_>>())
+    }
+
+    /// The field that is constant on each facet of the region of a space on facets, from the values of the facets in the order of the
+    /// region: all components of its first facet, then those of its second.
+    ///
+    /// ```
+    /// use forms_fem::prelude::*;
+    ///
+    /// let mesh = Arc::new(rectangle([0.0; 2], [3.0, 2.0], [3, 2], CellShape::Quadrilateral, 1)?);
+    /// let space = Space::on_facets(&mesh, "top", 0)?;
+    /// let pressure = Field::from_facet_values(&space, &[1.0, 2.0, 3.0])?;
+    /// let first = mesh.facet_centre(mesh.facet_region("top")?[0]);
+    /// let node = space.nearest_node(&first).ok_or("no node")?;
+    /// assert_eq!(pressure.at_node(node), [1.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`FieldError::NotConstant`] unless the space is one on facets of degree 0; [`FieldError::Length`]; [`FieldError::NotFinite`],
+    /// which names the position.
+    #[inline(never)]
+    pub fn from_facet_values(space: &Arc<Space<D>>, values: &[f64]) -> Result<Self, FieldError> {
+        let facets = space.facet_region().map(|region| space.mesh().sides_of(region));
+        let first = facets.and_then(Result::ok).unwrap_or_default().into_iter().map(|sides| sides[0]);
+        let nodes = first.filter_map(|facet| space.nodes_at(facet.cell, Some(facet.local)).first().copied());
+        let is_constant = space.facet_region().is_some() && space.degree() == 0;
+        Field::from_constants(space, values, ("facets", is_constant), &nodes.collect::<Vec<_>>())
+    }
+
+    /// The field with these values at these nodes, one node after the other.
+    fn from_constants(
+        space: &Arc<Space<D>>,
+        values: &[f64],
+        (entities, is_constant): (&'static str, bool),
+        nodes: &[u32],
+    ) -> Result<Self, FieldError> {
+        if !is_constant {
+            let (family, degree) = (space.family().clone(), space.degree());
+            return Err(FieldError::NotConstant { entities, family, degree });
+        }
+        let components = space.components();
+        if values.len() != nodes.len() * components {
+            return Err(FieldError::Length { unknowns: nodes.len() * components, length: values.len() });
+        }
+        let mut ordered = vec![0.0; space.unknowns()];
+        for (&node, value) in nodes.iter().zip(values.chunks(components)) {
+            let first = node as usize * components;
+            ordered[first..first + components].copy_from_slice(value);
+        }
+        Field::from_values(space, ordered)
     }
 
     /// The field with coefficients of the right number.
@@ -319,6 +410,8 @@ compiled_here!(
     views::<D>,
     Field::<D>::zero,
     Field::<D>::from_values,
+    Field::<D>::from_cell_values,
+    Field::<D>::from_facet_values,
     Field::<D>::of_known,
     Field::<D>::view,
     Field::<D>::evaluate,

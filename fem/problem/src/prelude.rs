@@ -8,7 +8,7 @@ pub use crate::contract::{Entity, Expression, Form, Functional, Given, History, 
 pub use crate::dimension::{Dim, Dimension};
 pub use crate::element::CellShape;
 pub use crate::field::Field;
-pub use crate::mesh::{Facet, Mesh, annulus, ball, cuboid, hollow_cylinder, rectangle};
+pub use crate::mesh::{Facet, Mesh, annulus, ball, cuboid, disc, half_disc, hollow_cylinder, rectangle};
 pub use crate::norms;
 pub use crate::quadrature::{Quadrature, QuadratureRule};
 pub use crate::solve::{

@@ -12,8 +12,24 @@ const CORE: f64 = 0.5;
 /// ball, `[false, false, true]` its upper half, `[true; 3]` an eighth. Hexahedra, or tetrahedra (six per hexahedron);
 /// second-order cells are curved. All nodes of the surface, mid-side and face nodes too, lie on the sphere.
 ///
-/// `core` is the number of hexahedra along half an edge of the inner cube, `layers` that from its faces to the sphere.
-/// Facet regions: sphere, and the flat faces as those of a box, left (x = 0), front (y = 0), bottom (z = 0).
+/// `core` is the number of hexahedra along half an edge of the inner cube, `layers` that from its faces to the sphere: the whole ball
+/// has 8 `core`³ + 24 `core`² `layers` hexahedra, and 24 `core`² facets on the sphere. The cube takes up about half of the radius.
+/// Facet regions: sphere, and the flat faces that `cut` makes as those of a box, left (x = 0), front (y = 0), bottom (z = 0).
+///
+/// ```
+/// # use forms_mesh as forms_fem;
+/// use forms_fem::element::CellShape;
+/// use forms_fem::mesh::ball;
+///
+/// // A quarter of a ball of radius 3, where x and z are not negative.
+/// let quarter = ball(3.0, [true, false, true], 2, 1, CellShape::Hexahedron, 2)?;
+/// assert_eq!(quarter.cell_count(), (8 * 8 + 24 * 4) / 4);
+/// assert_eq!(quarter.facet_region("sphere")?.len(), 24 * 4 / 4);
+/// assert!(quarter.facet_region("left").is_ok() && quarter.facet_region("bottom").is_ok());
+/// // There is no cut at y = 0.
+/// assert!(quarter.facet_region("front").is_err());
+/// # Ok::<(), forms_fem::mesh::MeshError>(())
+/// ```
 ///
 /// # Errors
 /// [`MeshError::Parameter`] unless `radius` is positive, `core` ≥ 1 and `layers` ≥ 1; a shape that is not in space, a

@@ -74,7 +74,8 @@ impl<const D: usize> Mesh<D> {
             }
             for (own, facets) in &body.interior_regions {
                 let facets: Vec<_> = facets.iter().map(|sides| sides.each_ref().map(moved)).collect();
-                mesh.check_name(&region(own), "interior facet", facets.is_empty())?;
+                // A body of one cell has none, as its own mesh does.
+                mesh.check_name(&region(own), "interior facet", false)?;
                 mesh.interior_regions.insert(region(own), facets);
             }
             start += body.cell_count() as u32;
@@ -84,3 +85,34 @@ impl<const D: usize> Mesh<D> {
 }
 
 compiled_here!(bodies: Mesh::<D>::of_bodies);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{INTERIOR, cuboid, rectangle};
+
+    #[test]
+    fn bodies_of_one_cell() -> Result<(), MeshError> {
+        let check = |tool: &Mesh<2>| -> Result<(), MeshError> {
+            let slab = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, tool.degree())?;
+            let mesh = Mesh::of_bodies(&[("slab", &slab), ("tool", tool)])?;
+            assert_eq!(mesh.cell_region("tool")?.len(), 1);
+            assert_eq!(mesh.facet_region("tool boundary")?.len(), tool.boundary_facets().len());
+            assert!(mesh.interior_facet_region("tool interior")?.is_empty());
+            assert!(tool.interior_facet_region(INTERIOR)?.is_empty());
+            Ok(())
+        };
+        for degree in 1..=2 {
+            check(&rectangle([0.0, 2.0], [1.0, 3.0], [1, 1], CellShape::Quadrilateral, degree)?)?;
+        }
+        let nodes = vec![[0.0, 2.0], [1.0, 2.0], [0.0, 3.0]];
+        check(&Mesh::from_parts(CellShape::Triangle, 1, nodes, vec![0, 1, 2])?)?;
+        let nodes = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let corner = Mesh::from_parts(CellShape::Tetrahedron, 1, nodes, vec![0, 1, 2, 3])?;
+        let moved = corner.with_nodes(corner.nodes().iter().map(|x| x.map(|x| x + 2.0)).collect())?;
+        assert_eq!(Mesh::of_bodies(&[("one", &corner), ("other", &moved)])?.cell_count(), 2);
+        let cube = cuboid([0.0, 0.0, 2.0], [1.0, 1.0, 3.0], [1; 3], CellShape::Hexahedron, 2)?;
+        assert_eq!(Mesh::of_bodies(&[("cube", &cube)])?.facet_region("cube top")?.len(), 1);
+        Ok(())
+    }
+}

@@ -13,6 +13,12 @@ use crate::locate::{Locator, nearest_on_facet};
 /// Nodes and facets are at one place within this part of a facet's size: files with single precision say no more.
 pub(super) const SAME_PLACE: f64 = 1e-6;
 
+/// In thin cells no further than this part of the cell's least width: the vertices of one cell are never at one place.
+const OF_WIDTH: f64 = 0.01;
+
+/// No nearer than this part of a facet's size, where cells are so thin that widths are round-off.
+const ROUND_OFF: f64 = 1e-14;
+
 /// Cracks, hanging nodes and overlaps of a mesh. Displayed as a list.
 ///
 /// A crack is allowed: it is how a mesh says that nothing holds the two sides together. So is a hanging node, in meshes that
@@ -95,12 +101,16 @@ impl<const D: usize> Mesh<D> {
         let exterior = self.boundary_facets();
         let boxes = self.boxes_of(exterior);
         let sizes: Vec<f64> = boxes.iter().map(|(lower, upper)| distance(lower, upper)).collect();
+        let tolerance = |(facet, size): (&Facet, &f64)| {
+            (SAME_PLACE * size).min((OF_WIDTH * self.least_width(*facet)).max(ROUND_OFF * size))
+        };
+        let tolerances: Vec<f64> = exterior.iter().zip(&sizes).map(tolerance).collect();
         // The smallest facet at each vertex says what is near.
         let mut near: BTreeMap<u32, f64> = BTreeMap::new();
-        for (facet, size) in exterior.iter().zip(&sizes) {
+        for (facet, tolerance) in exterior.iter().zip(&tolerances) {
             for vertex in self.facet_vertices(*facet) {
                 let least = near.entry(vertex).or_insert(f64::INFINITY);
-                *least = least.min(SAME_PLACE * size);
+                *least = least.min(*tolerance);
             }
         }
         let place = |vertex: u32| self.nodes[vertex as usize];
@@ -118,13 +128,17 @@ impl<const D: usize> Mesh<D> {
         }
         let stand_in = |vertex: u32| first.get(&vertex).copied().unwrap_or(vertex);
         let mut hanging_nodes = Vec::new();
-        for ((&facet, size), (lower, upper)) in exterior.iter().zip(&sizes).zip(&boxes) {
-            let (lower, upper) = (lower.map(|x| x - SAME_PLACE * size), upper.map(|x| x + SAME_PLACE * size));
+        for (((&facet, size), &tolerance), (lower, upper)) in
+            exterior.iter().zip(&sizes).zip(&tolerances).zip(&boxes)
+        {
+            let (lower, upper) = (lower.map(|x| x - tolerance), upper.map(|x| x + tolerance));
             let own: Vec<u32> = self.facet_vertices(facet).map(stand_in).collect();
             tree.for_each_within(&lower, &upper, &mut |position, node| {
-                let on_facet = || nearest_on_facet(self, facet, position, SAME_PLACE);
+                // Beyond the facet's end lies the next vertex of a facet that may be tiny.
+                let beyond = near.get(&node).map_or(SAME_PLACE, |near| SAME_PLACE.min(near / size));
+                let on_facet = || nearest_on_facet(self, facet, position, beyond);
                 if !own.contains(&stand_in(node))
-                    && on_facet().is_some_and(|(_, distance)| distance <= SAME_PLACE * size)
+                    && on_facet().is_some_and(|(_, distance)| distance <= tolerance)
                 {
                     hanging_nodes.push(HangingNode { node, position: *position, facet });
                 }
@@ -161,6 +175,28 @@ impl<const D: usize> Mesh<D> {
         }
         cracks.sort_unstable();
         Touching { cracks, hanging_nodes, same_side }
+    }
+
+    /// The least distance between two vertices of a facet's cell, or between a vertex and the plane of the facet.
+    fn least_width(&self, facet: Facet) -> f64 {
+        let place = |vertex: &u32| self.nodes[*vertex as usize];
+        let all: Vec<[f64; D]> = self.cell_vertices(facet.cell as usize).iter().map(place).collect();
+        let on_facet: Vec<[f64; D]> = self.facet_vertices(facet).map(|vertex| place(&vertex)).collect();
+        let pairs = all.iter().enumerate().flat_map(|(k, a)| all[..k].iter().map(move |b| distance(a, b)));
+        let (first, last) = (on_facet[0], on_facet[on_facet.len() - 1]);
+        let to = |x: &[f64; D]| -> [f64; D] { std::array::from_fn(|k| x[k] - first[k]) };
+        let (s, t) = (to(&on_facet[1]), to(&last));
+        let normal: [f64; D] = std::array::from_fn(|i| match (D, i) {
+            (2, 0) => s[1],
+            (2, _) => -s[0],
+            _ => s[(i + 1) % D] * t[(i + 2) % D] - s[(i + 2) % D] * t[(i + 1) % D],
+        });
+        let length = distance(&normal, &[0.0; D]);
+        let height = |x: &[f64; D]| -> f64 {
+            to(x).iter().zip(&normal).map(|(x, n)| x * n).sum::<f64>().abs() / length
+        };
+        let others = all.iter().filter(|x| !on_facet.contains(x));
+        pairs.chain(others.map(height)).fold(f64::INFINITY, f64::min)
     }
 
     fn overlaps(&self) -> Vec<Overlap<D>> {

@@ -160,6 +160,22 @@ pub enum MeshError {
         /// Where.
         position: Vec<f64>,
     },
+    /// An edge so short compared with the others that double precision does not tell its ends apart.
+    #[error(
+        "cell {cell} is degenerate: its nodes {} and {} are {length:e} apart, and its longest edge is {longest:e} long; double \
+         precision does not tell them apart",
+        .nodes[0], .nodes[1]
+    )]
+    ShortEdge {
+        /// Cell index.
+        cell: usize,
+        /// The ends of the edge.
+        nodes: [u32; 2],
+        /// Its length, the largest component \[length\].
+        length: f64,
+        /// That of the cell's longest edge \[length\].
+        longest: f64,
+    },
     /// The Jacobian determinant nearly vanishes along a part of a cell: it could not be proved positive.
     #[error(
         "cell {cell} is nearly degenerate: near {position:?} no better bound of its Jacobian determinant was found \

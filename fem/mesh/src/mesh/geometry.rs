@@ -106,12 +106,35 @@ impl<const D: usize> Mesh<D> {
         (lower, upper)
     }
 
-    /// That the Jacobian determinant of every cell is positive everywhere in it.
+    /// That the Jacobian determinant of every cell is positive everywhere in it, and its edges are of sizes that differ by less than double
+    /// precision does.
     pub(super) fn check_jacobians(&self) -> Result<(), MeshError> {
-        self.blocks().iter().try_for_each(|block| match self.is_affine_on(block.shape) {
-            true => self.check_constant_jacobians(block),
-            false => self.check_varying_jacobians(block),
+        self.blocks().iter().try_for_each(|block| {
+            match self.is_affine_on(block.shape) {
+                true => self.check_constant_jacobians(block)?,
+                false => self.check_varying_jacobians(block)?,
+            }
+            self.check_edges(block)
         })
+    }
+
+    /// That no cell has an edge that is round-off of its longest one. Determinants do not see it: they are small as the edge is.
+    fn check_edges(&self, block: &CellBlock) -> Result<(), MeshError> {
+        let edges = block.shape.edges();
+        for cell in block.cells.clone() {
+            let nodes = self.cell(cell);
+            let length = |edge: &[usize; 2]| -> f64 {
+                let [a, b] = edge.map(|vertex| &self.nodes[nodes[vertex] as usize]);
+                // Squares of the largest and the least numbers are none.
+                a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+            };
+            let longest = edges.iter().map(length).fold(0.0, f64::max);
+            if let Some(edge) = edges.iter().find(|edge| length(edge) <= ROUND_OFF * longest) {
+                let (length, nodes) = (length(edge), edge.map(|vertex| nodes[vertex]));
+                return Err(MeshError::ShortEdge { cell, nodes, length, longest });
+            }
+        }
+        Ok(())
     }
 
     fn check_constant_jacobians(&self, block: &CellBlock) -> Result<(), MeshError> {
@@ -221,5 +244,39 @@ mod tests {
         assert_eq!(scaled, Some([[3.0, -1.0, 1.0], [1.0, 2.0, -2.0], [-3.0, 1.0, 6.0]]));
         assert_eq!(inverse(&[[1.0, 2.0], [3.0, 5.0]]), Some([[-5.0, 2.0], [3.0, -1.0]]));
         assert_eq!(inverse(&[[1.0, 2.0], [2.0, 4.0]]), None);
+    }
+
+    #[test]
+    fn edges_that_are_round_off_are_refused_by_name() {
+        let triangle = |short: f64, size: f64| {
+            let nodes = [[0.1, 0.0], [0.2, 0.0], [0.1, short]].map(|x: [f64; 2]| x.map(|x| size * x));
+            Mesh::from_parts(CellShape::Triangle, 1, nodes.to_vec(), vec![0, 1, 2])
+        };
+        for size in [1.0, 1e100, 1e-100] {
+            assert!(triangle(1e-12, size).is_ok(), "{size}");
+            let Err(MeshError::ShortEdge { cell: 0, nodes, length, longest }) = triangle(1e-17, size) else {
+                panic!("accepted in size {size}")
+            };
+            assert_eq!(nodes, [2, 0]);
+            assert!(
+                (length / size / 1e-17 - 1.0).abs() < 1e-12 && (longest / size / 0.1 - 1.0).abs() < 1e-12
+            );
+        }
+        let message = triangle(1e-17, 1.0).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(message.starts_with("cell 0 is degenerate: its nodes 2 and 0 are 1e-17 apart"), "{message}");
+        // Cells of other shapes and of degree 2.
+        let flat = |shape, degree| {
+            let plain = crate::mesh::rectangle([0.0; 2], [1.0; 2], [1, 1], shape, degree)?;
+            plain.with_nodes(plain.nodes().iter().map(|x| [x[0], 1e-16 * x[1]]).collect())
+        };
+        for shape in [CellShape::Quadrilateral, CellShape::Triangle] {
+            for degree in 1..=2 {
+                // Triangles are slivers by their angles, too.
+                let refused = flat(shape, degree);
+                let degenerate =
+                    matches!(refused, Err(MeshError::ShortEdge { .. } | MeshError::Inverted { cell: 0, .. }));
+                assert!(degenerate, "{shape:?} {degree}: {refused:?}");
+            }
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! Meshes with named regions.
 
 mod adaptive_mesh;
+mod affine;
 mod ball;
 mod bisection;
 mod blocks;
@@ -11,6 +12,7 @@ mod conformity;
 mod connectivity;
 #[doc(hidden)]
 pub mod determinant;
+mod disc;
 mod error;
 mod facet_parts;
 mod generators;
@@ -29,6 +31,7 @@ mod moved;
 mod nesting;
 mod octree;
 mod order;
+mod part;
 mod perforated;
 mod point_tree;
 mod quality;
@@ -51,12 +54,15 @@ use crate::element::{CellShape, Lagrange};
 
 pub use crate::facet::Facet;
 pub use adaptive_mesh::AdaptiveMesh;
+#[doc(hidden)]
+pub use affine::AffineMaps;
 pub use ball::ball;
 pub use bisection::BisectedMesh;
 pub use cell_blocks::CellBlock;
 #[doc(hidden)]
 pub use cell_blocks::CellLists;
 pub use conformity::{Conformity, HangingNode, Overlap};
+pub use disc::{disc, half_disc};
 pub use error::MeshError;
 #[doc(hidden)]
 pub use facet_parts::Facing;
@@ -66,6 +72,7 @@ pub use marking::{MarkingError, doerfler};
 pub use nesting::Nesting;
 pub use octree::OctreeMesh;
 pub use order::CellOrder;
+pub use part::PartOfMesh;
 pub use perforated::PerforatedAnnulus;
 pub use quality::{ASPECT_RATIOS, CellQuality, MeshQuality};
 pub use refine::{Surface, onto_sphere};
@@ -117,7 +124,7 @@ impl<const D: usize> Mesh<D> {
     /// A [`MeshError`] that names the cell or node: a degree other than 1 and 2, a shape that does not
     /// live in D dimensions, no cells, a list of cells that breaks off, a node number out of range or twice
     /// in a cell, a coordinate that is not finite, a cell that is inverted or degenerate anywhere in it (proved by
-    /// bounds of its Jacobian determinant), a facet that more than two cells share, two cells on the same side of
+    /// bounds of its Jacobian determinant, and by its edges), a facet that more than two cells share, two cells on the same side of
     /// a facet or with different nodes on it, and a hanging node, a vertex on a facet of a cell that does not have it.
     /// Facets that coincide with cells on both sides are cracks, and allowed: [`Mesh::conformity`] lists them.
     pub fn from_parts(

@@ -46,7 +46,23 @@ impl<const D: usize> Mesh<D> {
         self.facet_regions.keys().map(String::as_str)
     }
 
-    /// Names the cells whose centre satisfies a condition.
+    /// Names the cells whose centre satisfies a condition: the region of a material, or of a load.
+    ///
+    /// ```
+    /// # use forms_mesh as forms_fem;
+    /// use forms_fem::element::CellShape;
+    /// use forms_fem::mesh::rectangle;
+    ///
+    /// // A plate of 4 × 2 cells, 4 long and 2 high, whose lower half is of rubber.
+    /// let mut plate = rectangle([0.0, 0.0], [4.0, 2.0], [4, 2], CellShape::Quadrilateral, 1)?;
+    /// plate.name_cells("rubber", |centre| centre[1] < 1.0)?;
+    /// assert_eq!(plate.cell_region("rubber")?, [0, 1, 2, 3]);
+    /// // A form's region is bound to it by name: `Body::on("rubber")`.
+    /// plate.name_cells("steel", |centre| centre[1] > 1.0)?;
+    /// plate.name_interface("joint", "rubber", "steel")?;
+    /// assert_eq!(plate.interior_facet_region("joint")?.len(), 4);
+    /// # Ok::<(), forms_fem::mesh::MeshError>(())
+    /// ```
     ///
     /// # Errors
     /// [`MeshError::RegionExists`] when a cell or facet region has this name,

@@ -41,7 +41,8 @@ pub enum Quadrature<const D: usize> {
     /// Rules that are exact for polynomials of this degree: total degree on simplices, degree per
     /// direction on quadrilaterals and hexahedra (⌊degree/2⌋ + 1 Gauss points per direction).
     Degree(usize),
-    /// The degree that the compiler estimated for each integral.
+    /// The degree that the compiler estimated for each integral, and that of the measure (det J, or the surface element) on cells and
+    /// facets whose map is not affine.
     #[default]
     Estimated,
     /// The user's own points.

@@ -171,6 +171,11 @@ impl<'a, const D: usize> Binding<'a, D> {
         Ok(())
     }
 
+    /// Whether its cells are those that a caller lists; only their shape is known.
+    pub fn lists_cells(&self) -> bool {
+        self.searches.is_none()
+    }
+
     /// A binding that holds no values yet, and no element.
     #[inline(never)]
     pub fn empty(

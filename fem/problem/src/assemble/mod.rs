@@ -52,6 +52,7 @@ pub use error::AssemblyError;
 pub use forms_core::contract::Dependence;
 pub use residual::Terms;
 pub use tangent::ElementMatrix;
+pub(crate) use walk::degrees::degree_on_all_cells;
 #[doc(hidden)]
 pub use walk::pair_reports::FoundPairs;
 pub use walk::pair_reports::RegionPairs;

@@ -16,6 +16,7 @@ use self::loads::{Systems, systems};
 use self::mass::MassByCells;
 use self::pieces::Pieces;
 use self::solve::{by_cells, by_factor, by_matrix};
+use super::walk::degrees::degree_on_all_cells;
 use super::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, Relation};
@@ -65,9 +66,9 @@ impl<const D: usize> Assembler<D> {
         self.project_values(&ValuesAtPoints { name, degree, values: &values, weights: &weights }, space)
     }
 
-    /// The degree of the rule that is exact for a space's mass matrix on affine cells.
+    /// The degree of the rule that is exact for a space's mass matrix on all cells.
     pub(crate) fn degree_of_mass(&self, space: &Space<D>) -> usize {
-        2 * space.degree + self.mesh.degree()
+        degree_on_all_cells(&self.mesh, 2 * space.degree)
     }
 
     /// The L² projection of a function that is known at quadrature points.

@@ -2,6 +2,7 @@
 //! Cells group by their shape, facets by that and by their local number, because their points lie elsewhere in the reference cell; interior
 //! facets also by their local number on the other side, and by how the two sides are turned.
 
+pub(super) mod degrees;
 pub(super) mod facet_groups;
 pub(super) mod pair_groups;
 pub(super) mod pair_reports;
@@ -11,10 +12,11 @@ pub(super) mod split_facets;
 
 use forms_core::contract::{Entity, Integral, Order, Requirements, Side};
 
+use self::degrees::{Estimate, cells_by_degree, facets_by_degree};
 use self::facet_groups::facet_groups;
-use self::pair_groups::{PairTables, degree_on_pairs, pair_groups};
+use self::pair_groups::{PairTables, pair_groups};
 use super::AssemblyError;
-use super::binding::{Binding, Tabulated};
+use super::binding::{Binding, Tabulated, notices};
 use crate::assemble::binding::entities::Entities;
 use crate::assemble::kernel_calls::sum_factorisation::ProductTables;
 use crate::compiled_here::compiled_here;
@@ -166,7 +168,7 @@ impl<const D: usize> GroupSide<D> {
             }
             None => None,
         };
-        let curved = facet.filter(|_| mesh.degree() > 1);
+        let curved = facet.filter(|_| !mesh.has_affine_facets());
         let map = if hessians || curved.is_some() {
             geometry.tabulate_with_hessians(points)
         } else {
@@ -241,35 +243,42 @@ pub(super) fn groups<const D: usize>(
 ) -> Result<Vec<Group<D>>, AssemblyError> {
     let mesh = binding.mesh;
     let history = binding.history_degree(requirements, quadrature)?;
-    let degree = |simplex: bool| match history {
-        Some((_, degree)) => degree,
-        None => integral.degree.of(degrees, mesh.degree(), simplex),
-    };
+    let of_history = history.map(|(_, degree)| degree);
+    let estimate = Estimate { integrand: &integral.degree, fields: degrees, of_history };
     let region = &binding.regions[integral.region];
     let place = format!("the region `{}` (\"{}\")", region.symbol, region.name);
     let hessians = reads_hessians(requirements);
     let form = binding.name;
+    if requirements.curvature && mesh.has_affine_facets() {
+        notices::tell_of_straight_facets(form, &place);
+    }
     let failed = |source| AssemblyError::Quadrature { form, source };
     if region.entity == Entity::Pairs {
-        let estimate = || degree_on_pairs(mesh, &integral.degree, degrees);
-        let degree = history.map_or_else(estimate, |(_, degree)| degree);
+        let degree = estimate.on_pairs(mesh, region.pairing.as_ref());
         return pair_groups(binding, integral, quadrature, degree, requirements);
     }
     match binding.entities(integral.region)? {
         Entities::Cells(cells) => {
-            let group = |(shape, cells): (CellShape, Vec<u32>)| {
-                let rule = quadrature.rule_on_cells(&mesh.shapes(), shape, degree(shape.is_simplex()))?;
+            let group = |shape: CellShape, (degree, cells): (usize, Vec<u32>)| {
+                let rule = quadrature.rule_on_cells(&mesh.shapes(), shape, degree)?;
                 let places = Places { points: rule.points, facet: None };
                 Group::new(binding, place.clone(), (shape, cells), &places, rule.weights, hessians)
             };
-            let parts = mesh.by_shape(mesh.walk_of_cells(&cells));
-            parts.into_iter().map(|part| group(part).map_err(failed)).collect()
+            let mut groups = Vec::new();
+            for (shape, cells) in mesh.by_shape(mesh.walk_of_cells(&cells)) {
+                let parts =
+                    cells_by_degree(binding, quadrature, &estimate, (shape, cells)).map_err(failed)?;
+                for part in parts {
+                    groups.push(group(shape, part).map_err(failed)?);
+                }
+            }
+            Ok(groups)
         }
         facets => {
             let shape = mesh.shape_of_facets();
             let mut groups = Vec::new();
-            for (simplex, facets) in by_degree(mesh, facets) {
-                let degree = degree(simplex);
+            let parts = facets_by_degree(binding, quadrature, &estimate, facets).map_err(failed)?;
+            for (degree, facets) in parts {
                 let rule = quadrature.facet_reference_rule(shape, degree).map_err(failed)?;
                 let grouped = |facets: &Entities, rule: &QuadratureRule<2>| {
                     let groups = facet_groups(binding, &place, facets, rule, hessians)?;
@@ -296,24 +305,18 @@ pub(super) fn groups<const D: usize>(
     }
 }
 
-/// Facets by whether all of their cells are simplices, on which the degree of an integrand is estimated in another way.
-fn by_degree<'a, const D: usize>(mesh: &Mesh<D>, facets: Entities<'a>) -> Vec<(bool, Entities<'a>)> {
-    if let [shape] = mesh.shapes()[..] {
-        return vec![(shape.is_simplex(), facets)];
-    }
-    let simplex =
-        |sides: &[Facet]| sides.iter().all(|facet| mesh.cell_shape(facet.cell as usize).is_simplex());
-    let part = |wanted: bool| match &facets {
+/// The facets whose sides satisfy a condition.
+fn facets_with<'a>(facets: &Entities<'a>, condition: &dyn Fn(&[Facet]) -> bool) -> Entities<'a> {
+    match facets {
         Entities::Cells(cells) => Entities::Cells(cells.clone()),
         Entities::Facets(all) => {
-            let own = all.iter().filter(|facet| simplex(std::slice::from_ref(facet)) == wanted);
+            let own = all.iter().filter(|facet| condition(std::slice::from_ref(facet)));
             Entities::Facets(own.copied().collect())
         }
-        Entities::InteriorFacets(all) => Entities::InteriorFacets(
-            all.iter().filter(|sides| simplex(&sides[..]) == wanted).copied().collect(),
-        ),
-    };
-    [true, false].map(|simplex| (simplex, part(simplex))).into()
+        Entities::InteriorFacets(all) => {
+            Entities::InteriorFacets(all.iter().filter(|sides| condition(&sides[..])).copied().collect())
+        }
+    }
 }
 
 /// Second derivatives along the tangents: t₀ᵀHt₀, t₀ᵀHt₁, t₁ᵀHt₁.

@@ -110,7 +110,9 @@ impl<const D: usize> Constraints<D> {
         scale: f64,
         earlier: Option<Arc<str>>,
     ) -> Result<(), ConstraintsError> {
-        if right.abs() <= ROUNDING * scale {
+        // A value of sin 2πx is zero up to rounding of the largest one.
+        let coefficient = terms.iter().fold(0.0_f64, |largest, (_, a)| largest.max(a.abs()));
+        if right.abs() <= ROUNDING * scale.max(coefficient * self.conditions.largest) {
             return Ok(());
         }
         let node = terms[0].0 / self.space.components();
@@ -154,6 +156,7 @@ impl Conditions {
 
     fn store(&mut self, unknown: usize, relation: Relation) {
         if relation.terms.is_empty() {
+            self.largest = self.largest.max(relation.value.abs());
             self.prescribed.insert(unknown, relation.value);
             self.origins.insert(unknown, relation.origin);
             return;

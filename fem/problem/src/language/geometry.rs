@@ -12,6 +12,9 @@
 //! | `dimension` | `D` | number | everywhere | 2 or 3 |
 //! | | `PI` | number | everywhere | π |
 //!
+//! `curvature` is that of the facets themselves: 0 on straight ones. A polygon that approximates a circle, geometry of degree 1, has
+//! none, however fine it is; take geometry of degree 2, whose curvature converges. Assembly says so once on standard error.
+//!
 //! `grad(x)` is `I`; `h`, `cell_volume` and `facet_area` are constant on a cell, so their gradient is zero.
 //!
 //! ```

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::{Norms, errors_against};
-use crate::assemble::{Assembler, AssemblyError};
+use crate::assemble::{Assembler, AssemblyError, degree_on_all_cells};
 use crate::dimension::{Dim, Dimension};
 use crate::element::PerShape;
 use crate::field::Field;
@@ -115,6 +115,6 @@ where
     Dim: Dimension<D>,
 {
     // Exact for the square of the reference on affine cells.
-    let degree = 2 * reference.space().degree() + assembler.mesh().degree();
+    let degree = degree_on_all_cells(assembler.mesh(), 2 * reference.space().degree());
     Comparison::new(assembler, coarse.space(), degree)?.errors(reference, coarse)
 }

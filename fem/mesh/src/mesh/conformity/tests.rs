@@ -143,3 +143,60 @@ fn thin_and_graded_meshes_are_looked_through() -> Checked {
     assert!(graded.conformity().is_conforming());
     Ok(())
 }
+
+// Vertices of one cell are never at one place, nor on its other facets, however thin it is.
+#[test]
+fn thin_cells_touch_nothing_but_their_neighbours() -> Checked {
+    for thickness in [1e-3, 1e-5, 1e-6, 1e-7, 1e-9, 1e-11] {
+        for (shape, degree) in
+            [(CellShape::Quadrilateral, 1), (CellShape::Triangle, 1), (CellShape::Quadrilateral, 2)]
+        {
+            for upper in [[1.0, thickness], [thickness, 1.0]] {
+                for divisions in [[1, 1], [3, 1], [1, 3], [2, 2]] {
+                    let mesh = rectangle([0.0; 2], upper, divisions, shape, degree)?;
+                    assert!(mesh.conformity().is_conforming(), "{shape:?} {upper:?} {divisions:?}");
+                }
+            }
+        }
+        for (shape, degree) in [(CellShape::Hexahedron, 1), (CellShape::Tetrahedron, 2)] {
+            for thin in 0..3 {
+                let mut upper = [1.0, 2.0, 1.5];
+                upper[thin] = thickness;
+                let mesh = cuboid([0.0; 3], upper, [2, 2, 2], shape, degree)?;
+                assert!(mesh.conformity().is_conforming(), "{shape:?} {upper:?}");
+            }
+        }
+    }
+    Ok(())
+}
+
+// Beyond the end of a large facet lies the vertex of one that is smaller than a millionth of it.
+#[test]
+fn tiny_cells_next_to_large_ones() -> Checked {
+    for smallest in [1e-5, 1e-7, 1e-9] {
+        let graded = |[s, t]: [f64; 2]| [if s < 0.6 { s } else { 0.5 + smallest * (s - 0.5) }, t];
+        for shape in [CellShape::Quadrilateral, CellShape::Triangle] {
+            let mesh = crate::mesh::structured([4, 1], shape, 1, graded)?;
+            assert!(mesh.conformity().is_conforming(), "{shape:?} {smallest}");
+        }
+    }
+    Ok(())
+}
+
+// What touches is found as before, in thin cells, too.
+#[test]
+fn thin_bodies_touch() -> Checked {
+    for thickness in [1e-3, 1e-6, 1e-8] {
+        let layer = |from: f64, cells| {
+            let (lower, upper) = ([0.0, from * thickness], [1.0, (from + 1.0) * thickness]);
+            rectangle(lower, upper, [cells, 1], CellShape::Quadrilateral, 1)
+        };
+        let conforming = joined(&layer(0.0, 2)?, &layer(1.0, 2)?)?.conformity();
+        assert_eq!((conforming.cracks.len(), conforming.hanging_nodes.len()), (2, 0), "{thickness}");
+        let (nodes, blocks) = beside(&layer(0.0, 1)?, &layer(1.0, 2)?);
+        let hanging = Mesh::from_nonconforming_blocks(1, nodes.clone(), blocks.clone())?.conformity();
+        assert_eq!(hanging.hanging_nodes.len(), 1, "{thickness}");
+        assert!(matches!(Mesh::from_blocks(1, nodes, blocks), Err(MeshError::HangingNode { .. })));
+    }
+    Ok(())
+}

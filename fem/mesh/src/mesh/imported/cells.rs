@@ -242,6 +242,11 @@ fn in_tags(contents: &Contents, error: MeshError, curved: bool, cells: &[usize],
             let advice = if curved { contents.words.bent } else { "" };
             Flaw::at(at, ImportProblem::Inverted { element, determinant, position, advice })
         }
+        MeshError::ShortEdge { cell, nodes: [a, b], length, longest } => {
+            let (element, at) = element(cell);
+            let nodes = [a, b].map(|node| contents.node(nodes[node as usize].tag));
+            Flaw::at(at, ImportProblem::ShortEdge { element, nodes, length, longest })
+        }
         MeshError::Undecided { cell, bound, position } => {
             let (element, at) = element(cell);
             Flaw::at(at, ImportProblem::Undecided { element, bound, position })

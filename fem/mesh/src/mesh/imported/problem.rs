@@ -166,6 +166,21 @@ pub enum ImportProblem {
         /// Help, in brackets; empty for cells of first order.
         advice: &'static str,
     },
+    /// An edge so short compared with the others that double precision does not tell its ends apart.
+    #[error(
+        "{element} is degenerate: its {} and {} are {length:e} apart, and its longest edge is {longest:e} long; double precision does not tell them apart",
+        .nodes[0], .nodes[1]
+    )]
+    ShortEdge {
+        /// The element.
+        element: Item,
+        /// The ends of the edge.
+        nodes: [Item; 2],
+        /// Its length, the largest component \[length\].
+        length: f64,
+        /// That of the element's longest edge \[length\].
+        longest: f64,
+    },
     /// The Jacobian determinant nearly vanishes along a part of a cell: it could not be proved positive.
     #[error(
         "{element} is nearly degenerate: near {position:?} no better bound of its Jacobian determinant was found than {bound:e}, which is not positive"

@@ -37,7 +37,9 @@ pub struct VtkMesh<const D: usize> {
     pub notes: Vec<Note>,
 }
 
-/// Choices in reading a file: the array that holds the regions, and their names.
+/// Choices in reading a file: the array that holds the regions, and their names. [`VtkReader::read`] reads a file,
+/// [`VtkReader::from_bytes`] what is in memory; both give the mesh with the file's other arrays and notes, [`VtkMesh`].
+/// A cell array is a field that is constant on each cell by `Field::from_cell_values`.
 ///
 /// The numbers of an integer array on the cells become regions: of the cells of dimension D "region 3" and so on, of
 /// those of dimension D − 1 "facets 3", unless they are given names; a cell with a negative number is in none. The array

@@ -112,7 +112,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         let reads = &self.buffers.reads[side];
         let PairBuffers { geometry, basis } = &mut self.buffers.pairs;
         let (tables, buffers) = (&self.tables[side], &mut self.buffers.sides[side]);
-        let bent = requirements.curvature && side == 0 && self.binding.mesh.degree() > 1;
+        let bent = requirements.curvature && side == 0 && !self.binding.mesh.has_affine_facets();
         let flat = tables.affine || rigid_normal.is_some();
         let turning = requirements.opposite_shape_operator && side == 1 && !flat;
         let mut second = bent || turning;

@@ -27,6 +27,24 @@ pub(in crate::assemble) fn tell<const D: usize>(form: &str, inputs: &Inputs<D>) 
     });
 }
 
+/// A word on standard error, once per process, where a form reads the curvature of facets that have none, as of a polygon that approximates
+/// a circle.
+pub(in crate::assemble) fn tell_of_straight_facets(form: &str, place: &str) {
+    static TOLD: Once = Once::new();
+    TOLD.call_once(|| {
+        if std::env::var_os(SILENT).is_none() {
+            eprintln!("{}", on_straight_facets(form, place));
+        }
+    });
+}
+
+fn on_straight_facets(form: &str, place: &str) -> String {
+    format!(
+        "forms-fem: `{form}` reads the curvature of {place}, whose facets are straight: it is 0 there, also where they approximate a \
+         curve; take geometry of degree 2 ({SILENT}=1 silences this)"
+    )
+}
+
 /// Refuses a form whose kernels were compiled for no set of instructions that this machine has; `best` is the best that it has.
 pub(in crate::assemble) fn check_instructions(
     form: &'static str,

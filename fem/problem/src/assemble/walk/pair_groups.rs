@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use forms_core::contract::{Degree, Integral, Pairing, Requirements};
+use forms_core::contract::{Integral, Pairing, Requirements};
 
 use super::{Group, GroupSide, Places};
 use crate::assemble::batch::basis_in_lanes::LaneElement;
@@ -13,7 +13,6 @@ use crate::assemble::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
 use crate::element::{CellShape, Lagrange};
 use crate::field::{Field, FieldView};
-use crate::mesh::Mesh;
 use crate::pairs::{
     Approach, Displacement, DisplacementField, FirstTouch, PairError, PairGroup, PairReport, Pairs,
 };
@@ -29,18 +28,7 @@ pub(in crate::assemble) struct PairTables<const D: usize> {
     pub elements: [Vec<LaneElement>; 2],
 }
 
-/// The degree of a rule on pairs, whose cells may have several shapes: the highest of the integrand's, for fields of these degrees.
-#[inline(never)]
-pub(in crate::assemble) fn degree_on_pairs<const D: usize>(
-    mesh: &Mesh<D>,
-    integrand: &Degree,
-    fields: &[usize],
-) -> usize {
-    let degree = |shape: CellShape| integrand.of(fields, mesh.degree(), shape.is_simplex());
-    mesh.shapes().into_iter().map(degree).max().unwrap_or(0)
-}
-
-/// Unknowns whose spaces are all that is needed.
+/// Unknowns of which nothing but their spaces is asked.
 #[inline(never)]
 pub(in crate::assemble) fn without_coefficients<'a, const D: usize>(
     spaces: &[&'a Arc<Space<D>>],
@@ -212,4 +200,4 @@ impl<const D: usize> Assembler<D> {
     }
 }
 
-compiled_here!(pair_groups: degree_on_pairs::<D>, without_coefficients::<D>, groups_of::<D>, Assembler::<D>::pairs_of);
+compiled_here!(pair_groups: without_coefficients::<D>, groups_of::<D>, Assembler::<D>::pairs_of);

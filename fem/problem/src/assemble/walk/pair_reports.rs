@@ -7,7 +7,7 @@ use forms_core::contract::{
     Entity, FieldDescription, Form, Integral, LinearKernel, LinearVisitor, Pairing, Requirements, Role,
 };
 
-use super::pair_groups::degree_on_pairs;
+use super::degrees::Estimate;
 use crate::assemble::binding::Binding;
 use crate::assemble::binding::outline::Described;
 use crate::assemble::{Assembler, AssemblyError};
@@ -128,8 +128,8 @@ impl<const D: usize> ReportVisitor<'_, '_, D> {
         }
         let quadrature = &self.assembler.quadrature;
         let of_history = self.binding.history_degree(requirements, quadrature)?.map(|(_, degree)| degree);
-        let degree =
-            of_history.unwrap_or_else(|| degree_on_pairs(self.binding.mesh, &integral.degree, &self.degrees));
+        let estimate = Estimate { integrand: &integral.degree, fields: &self.degrees, of_history };
+        let degree = estimate.on_pairs(self.binding.mesh, region.pairing.as_ref());
         let is_estimated = of_history.is_none() && matches!(quadrature, Quadrature::Estimated);
         let pairs = self.binding.pairs(number, displacement, &self.assembler.quadrature, degree)?;
         let report = RegionPairs {

@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use forms_core::contract::{Entity, Pairing};
 
-use super::pair_groups::{degree_on_pairs, without_coefficients};
+use super::degrees::Estimate;
+use super::pair_groups::without_coefficients;
 use crate::assemble::binding::entities::Entities;
 use crate::assemble::binding::outline::{Coupling, Described};
 use crate::assemble::binding::{Binding, pair_error};
@@ -88,9 +89,10 @@ impl<const D: usize> PairSearch<D> {
         let mut binding = Binding::new(*form, mesh, unknowns)?;
         binding.searches = Some((&self.known, self.threads));
         let degrees = binding.degrees(tests);
-        let estimate = || degree_on_pairs(mesh, &coupling.degree, &degrees);
         let history = binding.history_degree(&coupling.requirements, &self.quadrature)?;
-        let degree = history.map_or_else(estimate, |(_, degree)| degree);
+        let of_history = history.map(|(_, degree)| degree);
+        let estimate = Estimate { integrand: &coupling.degree, fields: &degrees, of_history };
+        let degree = estimate.on_pairs(mesh, binding.regions[coupling.region].pairing.as_ref());
         binding.pairs(coupling.region, coupling.displacement, &self.quadrature, degree)
     }
 

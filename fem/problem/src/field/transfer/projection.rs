@@ -3,6 +3,7 @@
 use super::places::{Lately, in_parts};
 use super::{Transfer, TransferError};
 use crate::assemble::Assembler;
+use crate::assemble::degree_on_all_cells;
 use crate::assemble::projection::ValuesAtPoints;
 use crate::compiled_here::compiled_here;
 use crate::dimension::{Dim, Dimension};
@@ -27,7 +28,8 @@ impl<const D: usize> Transfer<'_, D> {
         Dim: Dimension<D>,
     {
         let assembler = Assembler::new(self.space.mesh()).with_threads(self.threads);
-        let degree = self.field.space().degree() + self.space.degree() + self.space.mesh().degree();
+        let product = self.field.space().degree() + self.space.degree();
+        let degree = degree_on_all_cells(self.space.mesh(), product);
         let degree = degree.max(assembler.degree_of_mass(self.space));
         let (values, weights) = self.at_quadrature_points(degree)?;
         let known = ValuesAtPoints { name: NAME, degree, values: &values, weights: &weights };
