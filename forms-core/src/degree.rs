@@ -41,7 +41,7 @@ pub struct GeometryDegrees {
 }
 
 impl GeometryDegrees {
-    /// Those of cells whose map is affine, among cells with maps of a degree: the measure is constant.
+    /// Degrees of the measure on cells whose map is affine, in a mesh of a given degree: it is constant.
     pub fn affine(degree: usize, derivatives: Derivatives) -> Self {
         GeometryDegrees { position: degree, normal: degree.saturating_sub(1), measure: 0, derivatives }
     }

@@ -28,7 +28,7 @@ pub(in crate::assemble) struct PairTables<const D: usize> {
     pub elements: [Vec<LaneElement>; 2],
 }
 
-/// Unknowns of which nothing but their spaces is asked.
+/// Unknowns whose spaces are all that is needed.
 #[inline(never)]
 pub(in crate::assemble) fn without_coefficients<'a, const D: usize>(
     spaces: &[&'a Arc<Space<D>>],
