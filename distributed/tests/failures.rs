@@ -134,6 +134,12 @@ fn problems_that_differ_are_refused() {
     fails(2, &["boundary"], &[&format!("{problems} the constraints")]);
 }
 
+/// The same cell of all processes, and no other one.
+#[test]
+fn cells_that_are_no_partition_are_refused() {
+    fails(2, &["cells"], &["the processes' own cells are no partition of the mesh's"]);
+}
+
 #[test]
 fn a_petsc_solver_without_on_is_refused() {
     for processes in [2, 4] {

@@ -35,6 +35,12 @@ fn run(world: &World) -> Outcome {
         "space" => solve(Numbers { degree: [2, 1][here], ..usual }).map(drop),
         "parameter" => solve(Numbers { load: [1.0, 2.0][here], ..usual }).map(drop),
         "boundary" => solve(Numbers { boundary: [0.0, 1.0][here], ..usual }).map(drop),
+        "cells" => {
+            let problem = Poisson::new(usual)?;
+            let mut solver = PetscSolver::new(world, &problem.constraints, Method::Direct)?;
+            let first = Assembler::new(problem.space.mesh()).on_owned_cells(&[0])?;
+            Ok(problem.problem().assembler(&first).on(world).solver(&mut solver).solve().map(drop)?)
+        }
         "without on" => {
             let problem = Poisson::new(usual)?;
             let mut solver = PetscSolver::new(world, &problem.constraints, Method::Direct)?;
