@@ -86,7 +86,7 @@ pub(crate) struct Meetings {
 }
 
 impl Meetings {
-    /// Between all processes of a communicator, of which there are `size`.
+    /// Between all `size` processes of a communicator.
     pub fn new(among: Handle, size: usize) -> Result<Self, PetscError> {
         let mut communicator = null_mut();
         // SAFETY: MPI has been started, and writes the handle.

@@ -8,7 +8,7 @@ use crate::error::PetscError;
 /// `MPI_Comm`, `MPI_Request`, `MPI_Datatype` and `MPI_Op` of Open MPI.
 pub type Handle = *mut c_void;
 
-/// An object of Open MPI of which only the address is used.
+/// An object of Open MPI. Only its address is used.
 #[repr(C)]
 pub struct Predefined {
     inside: [u8; 0],

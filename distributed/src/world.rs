@@ -213,7 +213,7 @@ impl World {
         self.meetings.abort()
     }
 
-    /// Waits until all processes make no further call. Those that want to make one are told that this one does not.
+    /// Waits until all processes make no further call. Those that want to make one get an error.
     fn end(&self, failed: bool) {
         self.ended.set(true);
         let (own, start) = (Call::End { failed }, Instant::now());

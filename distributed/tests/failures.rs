@@ -1,4 +1,4 @@
-//! Whatever goes wrong on one process, all processes end, and the cause is told.
+//! Whatever goes wrong on one process, all processes end, and the cause is printed.
 
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader};
@@ -11,7 +11,7 @@ mod programs;
 
 use programs::mpirun;
 
-/// All processes have ended this long after the cause was told.
+/// All processes have ended this long after the cause was printed.
 const LIMIT: Duration = Duration::from_secs(10);
 
 /// Most time of a whole run, with the start of the processes on a machine that has other work.
@@ -151,7 +151,7 @@ fn a_petsc_solver_without_on_is_refused() {
 #[test]
 fn on_without_a_petsc_solver_is_refused() {
     for processes in [2, 4] {
-        let cause = format!("the problem is solved on {processes} processes, each of which has a part");
+        let cause = format!("the problem is solved on {processes} processes, and each has a part");
         fails(processes, &["without PETSc"], &[&cause]);
     }
 }

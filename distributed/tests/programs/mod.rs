@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-/// A program on so many processes.
+/// The command that runs a program on several processes.
 pub fn mpirun(processes: usize, program: &str, arguments: &[&str]) -> Command {
     let mut command = Command::new("mpirun");
     // As root in a container there are no other users to protect, and no rights for copies between processes.

@@ -297,7 +297,7 @@ fn of(component: &Option<usize>) -> String {
 fn other_processes(problem: usize, solver: usize) -> String {
     if problem > solver {
         return format!(
-            "the problem is solved on {problem} processes, each of which has a part of the matrix, and the linear solver takes whole \
+            "the problem is solved on {problem} processes, and each has a part of the matrix, but the linear solver takes whole \
              matrices: give the problem one that adds up the parts (`PetscSolver` of forms-distributed), or leave out `.on(..)`"
         );
     }
