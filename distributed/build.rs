@@ -2,7 +2,7 @@
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::process::{Command, ExitCode};
 use std::{env, fs};
 
 const HOW: &str = "PETSc was not found. On Debian or Ubuntu install libpetsc-real-dev and libopenmpi-dev, so that \
@@ -39,6 +39,7 @@ fn find() -> Result<(), Box<dyn Error>> {
         Some(directory) => by_directory(Path::new(&directory))?,
         None => pkg_config::probe_library("PETSc").map_err(|error| format!("{HOW}.\n{error}"))?.include_paths,
     };
+    link_mpi();
     let found = includes.iter().map(|path| path.join("petscconf.h")).find(|path| path.is_file());
     let path = found.ok_or_else(|| format!("{HOW}.\nThere is no petscconf.h in {includes:?}"))?;
     let configuration = fs::read_to_string(&path)?;
@@ -51,6 +52,21 @@ fn find() -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
+}
+
+/// Links MPI itself, by which processes meet and are ended: where PETSc was found, or as `pkg-config` or Open MPI's compiler knows.
+fn link_mpi() {
+    if pkg_config::probe_library("ompi-c").is_ok() {
+        return;
+    }
+    let asked = Command::new("mpicc").arg("--showme:libdirs").output();
+    let directories =
+        asked.map(|output| String::from_utf8_lossy(&output.stdout).into_owned()).unwrap_or_default();
+    for directory in directories.split_whitespace() {
+        println!("cargo:rustc-link-search=native={directory}");
+        println!("cargo:rustc-link-arg=-Wl,-rpath,{directory}");
+    }
+    println!("cargo:rustc-link-lib=dylib=mpi");
 }
 
 /// A PETSc that was built in a directory, perhaps with a name of its own for the architecture.

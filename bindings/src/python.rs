@@ -2,14 +2,14 @@
 //! solved.
 
 use std::error::Error;
-use std::ffi::CString;
+use std::ffi::{CStr, CString};
 
 use forms_fem::inverse::{DifferentiableMap, Part};
 use pyo3::buffer::PyBuffer;
-use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyOverflowError, PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyCFunction, PyDict, PyTuple};
+use pyo3::types::{PyBool, PyCFunction, PyComplex, PyDict, PyTuple};
 
 use crate::parameters::Parameters;
 use crate::problem_thread::{Failure, ProblemThread};
@@ -123,11 +123,19 @@ fn outputs(problem: &ProblemThread) -> usize {
 
 /// The values of a contiguous row of float64. How many they are, and whether they are finite, the problem checks.
 fn vector(what: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    let Ok(buffer) = PyBuffer::<f64>::get(object) else {
-        let kind = object.get_type().name()?;
-        let why = format!("the {what} is no array of float64 but a {kind}: numpy.asarray(.., dtype=float)");
+    if has_masked_values(object)? {
+        return Err(PyValueError::new_err(format!(
+            "the {what} has masked values, which are no numbers: .filled(..)"
+        )));
+    }
+    let Ok(buffer) = PyBuffer::<f64>::get(object) else { return Err(no_buffer(what, object)) };
+    // The type of the buffer says nothing of the order of its bytes.
+    if !is_in_native_order(buffer.format()) {
+        let why = format!(
+            "the bytes of the {what} are not in this machine's order: numpy.asarray(.., dtype=float)"
+        );
         return Err(PyTypeError::new_err(why));
-    };
+    }
     if buffer.dimensions() != 1 {
         let shape = buffer.shape();
         return Err(PyValueError::new_err(format!(
@@ -139,6 +147,74 @@ fn vector(what: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
         return Err(PyValueError::new_err(why));
     }
     buffer.to_vec(object.py())
+}
+
+/// The reason for which an object has no buffer of float64.
+fn no_buffer(what: &str, object: &Bound<'_, PyAny>) -> PyErr {
+    if object.getattr("ndim").is_ok_and(|count| count.extract::<usize>().is_ok_and(|count| count == 0)) {
+        return PyValueError::new_err(format!(
+            "the {what} is a single number and no row: numpy.atleast_1d(..)"
+        ));
+    }
+    let aligned = object.getattr("flags").and_then(|flags| flags.getattr("aligned"));
+    if aligned.is_ok_and(|aligned| aligned.extract::<bool>().is_ok_and(|aligned| !aligned)) {
+        return PyValueError::new_err(format!("the {what} is not aligned in memory: .copy()"));
+    }
+    let kind = object.get_type().name().map_or_else(|_| "object".to_owned(), |name| name.to_string());
+    let of = object.getattr("dtype").map_or_else(|_| String::new(), |dtype| format!(" of {dtype}"));
+    PyTypeError::new_err(format!(
+        "the {what} is no array of float64 but a {kind}{of}: numpy.asarray(.., dtype=float)"
+    ))
+}
+
+/// Whether a format of Python's module `struct` is that of doubles as this machine has them.
+fn is_in_native_order(format: &CStr) -> bool {
+    match format.to_bytes() {
+        b"d" | b"@d" | b"=d" => true,
+        b"<d" => cfg!(target_endian = "little"),
+        b">d" | b"!d" => cfg!(target_endian = "big"),
+        _ => false,
+    }
+}
+
+/// Whether values of a masked array are masked: the buffer has numbers in their places.
+fn has_masked_values(object: &Bound<'_, PyAny>) -> PyResult<bool> {
+    static MASKED: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    static IS_MASKED: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let py = object.py();
+    if !object.is_instance(MASKED.import(py, "numpy.ma", "MaskedArray")?)? {
+        return Ok(false);
+    }
+    IS_MASKED.import(py, "numpy.ma", "is_masked")?.call1((object,))?.extract()
+}
+
+/// The real number that a parameter is given: a float, an integer, or what Python turns into a float, but for truth values and complex
+/// numbers.
+fn number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    let refused = || {
+        let kind = value.get_type().name().map_or_else(|_| "object".to_owned(), |name| name.to_string());
+        PyTypeError::new_err(format!("the parameter `{name}` is no number but a {kind}: {value}"))
+    };
+    // Python takes `True` for 1, and NumPy drops imaginary parts.
+    if value.is_instance_of::<PyBool>() || value.is_instance_of::<PyComplex>() {
+        return Err(refused());
+    }
+    // NumPy's numbers and arrays tell their kind: 'i', 'u' and 'f' are integers and floats.
+    if let Ok(dtype) = value.getattr("dtype") {
+        let kind = dtype.getattr("kind").and_then(|kind| kind.extract::<String>());
+        let dimensions = value.getattr("ndim").and_then(|count| count.extract::<usize>());
+        let is_real = kind.is_ok_and(|kind| ["i", "u", "f"].contains(&kind.as_str()));
+        if !is_real || !dimensions.is_ok_and(|count| count == 0) {
+            return Err(refused());
+        }
+    }
+    value.extract().map_err(|why: PyErr| {
+        if why.is_instance_of::<PyOverflowError>(value.py()) {
+            PyValueError::new_err(format!("the parameter `{name}` is beyond the range of float64"))
+        } else {
+            refused()
+        }
+    })
 }
 
 /// A NumPy array of a shape.
@@ -163,9 +239,7 @@ pub fn add_problem<M: DifferentiableMap + 'static>(
         let mut given = vec![];
         for (key, value) in named.into_iter().flatten() {
             let key: String = key.extract()?;
-            let value: f64 = value
-                .extract()
-                .map_err(|_| PyTypeError::new_err(format!("the parameter `{key}` is no number: {value}")))?;
+            let value = number(&key, &value)?;
             given.push((key, value));
         }
         let parameters = Parameters::new(given).map_err(|why| PyValueError::new_err(why.to_string()))?;

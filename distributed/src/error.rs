@@ -1,6 +1,6 @@
 //! Errors in PETSc, and on other processes.
 
-use forms_fem::linear_algebra::{LinearAlgebraError, ResidualHistory};
+use forms_fem::linear_algebra::ResidualHistory;
 use forms_fem::solve::SolverError;
 
 /// PETSc refused something.
@@ -15,6 +15,45 @@ pub enum PetscError {
         code: i32,
         /// PETSc's message.
         message: String,
+    },
+    /// A function of MPI returned an error.
+    #[error("{function} failed with code {code}")]
+    Mpi {
+        /// The function's name in C.
+        function: &'static str,
+        /// Its code.
+        code: i32,
+    },
+    /// Other processes have ended because of an error, while this one goes on.
+    #[error("{}", named(processes, "failed, and says why itself", "failed, and say why themselves"))]
+    Failed {
+        /// Their numbers.
+        processes: Vec<usize>,
+    },
+    /// Other processes do something else than this one.
+    #[error(
+        "{} at {elsewhere}, this process at {here}: all processes have to make the same calls in the same order",
+        named(processes, "is", "are")
+    )]
+    OtherCalls {
+        /// Their numbers.
+        processes: Vec<usize>,
+        /// What they do.
+        elsewhere: String,
+        /// What this process does.
+        here: String,
+    },
+    /// An error of other processes in what all do together.
+    #[error("{count} of the other processes failed")]
+    Elsewhere {
+        /// Their number.
+        count: usize,
+    },
+    /// Something that has to be the same on all processes.
+    #[error("the processes have different {what}")]
+    Different {
+        /// What it is.
+        what: &'static str,
     },
     /// [`crate::World`] was made twice.
     #[error("PETSc was started already in this process: there is one world")]
@@ -35,6 +74,22 @@ pub enum PetscError {
         /// Their number.
         count: usize,
     },
+}
+
+/// Processes by their numbers, with what they do.
+fn named(numbers: &[usize], one: &str, several: &str) -> String {
+    /// Most numbers that are listed.
+    const LISTED: usize = 8;
+    if let [number] = numbers {
+        return format!("process {number} {one}");
+    }
+    let mut listed: Vec<String> = numbers.iter().take(LISTED).map(usize::to_string).collect();
+    let last = if numbers.len() > LISTED {
+        format!("{} more", numbers.len() - LISTED)
+    } else {
+        listed.pop().unwrap_or_default()
+    };
+    format!("processes {} and {last} {several}", listed.join(", "))
 }
 
 impl From<PetscError> for SolverError {
@@ -60,10 +115,19 @@ pub enum DistributedError<E: std::error::Error> {
     Petsc(#[from] PetscError),
 }
 
-impl From<DistributedError<LinearAlgebraError>> for SolverError {
-    fn from(error: DistributedError<LinearAlgebraError>) -> Self {
+impl From<DistributedError<PetscError>> for PetscError {
+    fn from(error: DistributedError<PetscError>) -> Self {
         match error {
-            DistributedError::Here(error) => error.into(),
+            DistributedError::Here(error) | DistributedError::Petsc(error) => error,
+            DistributedError::Elsewhere { count } => PetscError::Elsewhere { count },
+        }
+    }
+}
+
+impl From<DistributedError<SolverError>> for SolverError {
+    fn from(error: DistributedError<SolverError>) -> Self {
+        match error {
+            DistributedError::Here(error) => error,
             DistributedError::Petsc(error) => error.into(),
             DistributedError::Elsewhere { .. } => SolverError::Other {
                 solver: "PETSc",

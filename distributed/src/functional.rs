@@ -2,14 +2,19 @@
 //! [`Problem::on`](forms_fem::solve::Problem::on) the world.
 
 use forms_fem::prelude::*;
+use forms_fem::solve::communicator::Fingerprint;
 
 use crate::error::DistributedError;
+#[cfg(doc)]
+use crate::error::PetscError;
 use crate::world::World;
 
 /// The value of a functional: each process integrates over its own cells.
 ///
+/// [`Solved::functional`] has the same value without an exchange: each process integrates over all cells.
+///
 /// # Errors
-/// Data that do not fit, on any process.
+/// Data that do not fit, on any process; [`PetscError::Different`] where the processes have different meshes.
 pub fn distributed_functional<G: Functional<D>, const D: usize>(
     world: &World,
     assembler: &Assembler<D>,
@@ -22,5 +27,6 @@ pub fn distributed_functional<G: Functional<D>, const D: usize>(
         source,
     });
     let own = world.agree(own.and_then(|local| local.functional(functional)))?;
+    world.check_same("meshes", Fingerprint::default().mesh(assembler.mesh()).finish())?;
     Ok(world.sum(&[own])?[0])
 }

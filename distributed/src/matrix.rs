@@ -7,6 +7,7 @@ use forms_fem::linear_algebra::{CsrMatrix, SparsityPattern};
 
 use crate::error::PetscError;
 use crate::node_rows::NodeRows;
+use crate::object::Owned;
 use crate::petsc::{self, FALSE, Index, Object, call};
 use crate::vector::DistributedVector;
 use crate::world::World;
@@ -14,8 +15,8 @@ use crate::world::World;
 /// A `MATMPIAIJ`: PETSc sends each entry of a local matrix to the process that keeps its row, and adds up.
 #[derive(Debug)]
 pub(crate) struct DistributedMatrix<'w> {
-    _world: &'w World,
-    matrix: Object,
+    world: &'w World,
+    matrix: Owned<'w>,
     pattern: Arc<SparsityPattern>,
     /// Number of this process's held rows: their ones come after the local matrix's values.
     held: usize,
@@ -41,19 +42,23 @@ impl<'w> DistributedMatrix<'w> {
         rows.extend_from_slice(&held);
         columns.extend_from_slice(&held);
         let (pattern, held) = (local.pattern().clone(), held.len());
-        let mut made = DistributedMatrix { _world: world, matrix: null_mut(), pattern, held, values: vec![] };
         let (size, all) = (own.len() as Index, nodes.rows.count as Index);
-        // SAFETY: PETSc writes the handle, which this owns from here on; names end with zero; PETSc may change the two
-        // lists of positions, which are of one length, and copies what it keeps of them.
+        // SAFETY: PETSc writes the handle.
+        let matrix = Owned::made(world, petsc::MatDestroy, |matrix| unsafe {
+            call!(MatCreate(world.communicator(), matrix))
+        })?;
+        let at = matrix.handle();
+        // SAFETY: the matrix was just made; names end with zero; PETSc may change the two lists of positions, which are of one length,
+        // and copies what it keeps of them.
         unsafe {
-            call!(MatCreate(world.communicator(), &mut made.matrix))?;
-            call!(MatSetSizes(made.matrix, size, size, all, all))?;
-            call!(MatSetBlockSize(made.matrix, nodes.rows.block as Index))?;
-            call!(MatSetType(made.matrix, c"mpiaij".as_ptr()))?;
+            call!(MatSetSizes(at, size, size, all, all))?;
+            call!(MatSetBlockSize(at, nodes.rows.block as Index))?;
+            call!(MatSetType(at, c"mpiaij".as_ptr()))?;
             let (rows_at, columns_at) = (rows.as_mut_ptr(), columns.as_mut_ptr());
-            call!(MatSetPreallocationCOO(made.matrix, rows.len() as isize, rows_at, columns_at))?;
+            call!(MatSetPreallocationCOO(at, rows.len() as isize, rows_at, columns_at))?;
         }
-        made.set_motions(world, nodes)?;
+        let made = DistributedMatrix { world, matrix, pattern, held, values: vec![] };
+        made.set_motions(nodes)?;
         Ok(made)
     }
 
@@ -63,7 +68,7 @@ impl<'w> DistributedMatrix<'w> {
     }
 
     pub fn handle(&self) -> Object {
-        self.matrix
+        self.matrix.handle()
     }
 
     /// Sets the matrix to the sum of the processes' parts.
@@ -72,17 +77,17 @@ impl<'w> DistributedMatrix<'w> {
         self.values.extend_from_slice(local.values());
         self.values.resize(local.values().len() + self.held, 1.0);
         // SAFETY: as many values as positions were declared: the local matrix fits.
-        unsafe { call!(MatSetValuesCOO(self.matrix, self.values.as_ptr(), petsc::INSERT)) }
+        unsafe { call!(MatSetValuesCOO(self.handle(), self.values.as_ptr(), petsc::INSERT)) }
     }
 
     /// Tells GAMG the rigid motions.
-    fn set_motions(&self, world: &World, nodes: &NodeRows) -> Result<(), PetscError> {
+    fn set_motions(&self, nodes: &NodeRows) -> Result<(), PetscError> {
         if nodes.motions.is_empty() {
             return Ok(());
         }
         let mut vectors = Vec::new();
         for motion in &nodes.motions {
-            let mut vector = DistributedVector::new(world, nodes.rows.clone())?;
+            let mut vector = DistributedVector::new(self.world, nodes.rows.clone())?;
             vector.set(motion)?;
             vectors.push(vector);
         }
@@ -91,18 +96,11 @@ impl<'w> DistributedMatrix<'w> {
         // SAFETY: the vectors live until the end of this, and PETSc counts its own references to them and to the space.
         unsafe {
             let count = handles.len() as Index;
-            let comm = world.communicator();
+            let comm = self.world.communicator();
             call!(MatNullSpaceCreate(comm, FALSE, count, handles.as_ptr(), &mut space))?;
-            let set = call!(MatSetNearNullSpace(self.matrix, space));
+            let set = call!(MatSetNearNullSpace(self.handle(), space));
             call!(MatNullSpaceDestroy(&mut space))?;
             set
         }
-    }
-}
-
-impl Drop for DistributedMatrix<'_> {
-    fn drop(&mut self) {
-        // SAFETY: a handle that this owns, or null, which PETSc leaves alone.
-        unsafe { petsc::MatDestroy(&mut self.matrix) };
     }
 }

@@ -2,6 +2,7 @@
 
 use forms_fem::linear_algebra::rigid_motions;
 use forms_fem::prelude::*;
+use forms_fem::solve::communicator::Fingerprint;
 
 use crate::error::PetscError;
 use crate::petsc::Index;
@@ -53,6 +54,14 @@ impl NodeRows {
             motions: orthonormal(motions, &held),
             held,
         })
+    }
+
+    /// A number that tells rows of other nodes, places or constraints apart.
+    pub fn fingerprint(&self, positions: &[impl AsRef<[f64]>]) -> u64 {
+        let places = self.places.iter().chain(&self.held).map(|place| *place as u64);
+        let sizes = [self.rows.count, self.rows.block, self.places.len()].map(|size| size as u64);
+        let positions = positions.iter().flat_map(|position| position.as_ref());
+        Fingerprint::default().numbers(sizes).numbers(places).reals(positions).finish()
     }
 
     /// A vector over the rows from one over the free unknowns.

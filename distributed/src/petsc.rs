@@ -21,8 +21,6 @@ pub const TRUE: c_int = 1;
 pub const FALSE: c_int = 0;
 /// `INSERT_VALUES`.
 pub const INSERT: c_int = 1;
-/// `ADD_VALUES`.
-pub const ADD: c_int = 2;
 /// `SCATTER_FORWARD`.
 pub const FORWARD: c_int = 0;
 /// `NORM_2`.
@@ -66,16 +64,6 @@ unsafe extern "C" {
 
     pub fn VecCreateMPI(comm: Communicator, own: Index, all: Index, vector: *mut Object) -> Code;
     pub fn VecSetBlockSize(vector: Object, size: Index) -> Code;
-    pub fn VecSet(vector: Object, value: c_double) -> Code;
-    pub fn VecSetValues(
-        vector: Object,
-        count: Index,
-        rows: *const Index,
-        values: *const c_double,
-        mode: c_int,
-    ) -> Code;
-    pub fn VecAssemblyBegin(vector: Object) -> Code;
-    pub fn VecAssemblyEnd(vector: Object) -> Code;
     pub fn VecGetArray(vector: Object, values: *mut *mut c_double) -> Code;
     pub fn VecRestoreArray(vector: Object, values: *mut *mut c_double) -> Code;
     pub fn VecGetArrayRead(vector: Object, values: *mut *const c_double) -> Code;

@@ -1,18 +1,20 @@
 //! PETSc's solvers behind the trait that Newton's method asks of a linear solver.
 
-use std::ffi::CStr;
+use std::ffi::{CStr, c_int};
 use std::ptr::{null, null_mut};
 use std::time::Instant;
 
 use forms_fem::linear_algebra::{CsrMatrix, LinearAlgebraError, ResidualHistory, check_residual};
 use forms_fem::prelude::*;
+use forms_fem::solve::communicator::Fingerprint;
 use forms_fem::solve::linear_system::HOLDS;
 use forms_fem::solve::{LinearSolution, SolverError, Transpose};
 
 use crate::error::PetscError;
 use crate::matrix::DistributedMatrix;
 use crate::node_rows::NodeRows;
-use crate::petsc::{self, DEFAULT, EUCLIDEAN, Index, Object, TRUE, UNPRECONDITIONED, call};
+use crate::object::Owned;
+use crate::petsc::{self, DEFAULT, EUCLIDEAN, Index, TRUE, UNPRECONDITIONED, call};
 use crate::vector::DistributedVector;
 use crate::world::World;
 
@@ -89,10 +91,15 @@ pub struct PetscReport {
 
 /// Solves by PETSc on all processes together. Its matrices are local contributions, whose sum over the processes is the matrix; right-hand
 /// sides and solutions are whole, and the same on all.
+///
+/// A problem gives it such matrices after [`Problem::on`] the world, and whole ones without it, which are refused where there are several
+/// processes. Those who set matrices themselves say first that they are parts, by [`LinearSolver::set_processes`].
 #[derive(Debug)]
 pub struct PetscSolver<'w> {
     world: &'w World,
     method: Method,
+    /// Number of processes whose matrices add up to the one that is meant; 1 for whole matrices.
+    processes: usize,
     nodes: NodeRows,
     b: DistributedVector<'w>,
     x: DistributedVector<'w>,
@@ -104,7 +111,7 @@ pub struct PetscSolver<'w> {
 #[derive(Debug)]
 struct System<'w> {
     matrix: DistributedMatrix<'w>,
-    solver: Object,
+    solver: Owned<'w>,
     /// This process's part, and the whole matrix's diagonal: by them each equation is judged.
     local: CsrMatrix,
     diagonal: Vec<f64>,
@@ -114,38 +121,33 @@ impl<'w> System<'w> {
     fn new(
         matrix: DistributedMatrix<'w>,
         local: &CsrMatrix,
-        world: &World,
+        world: &'w World,
         method: Method,
     ) -> Result<Self, PetscError> {
-        let mut system = System { matrix, solver: null_mut(), local: local.clone(), diagonal: vec![] };
+        // SAFETY: PETSc writes the handle.
+        let made = Owned::made(world, petsc::KSPDestroy, |solver| unsafe {
+            call!(KSPCreate(world.communicator(), solver))
+        })?;
+        let solver = made.handle();
         let mut preconditioner = null_mut();
-        // SAFETY: PETSc writes the handles; the solver is this system's own, the preconditioner the solver's. Names end
-        // with zero.
+        // SAFETY: PETSc writes the handle of the preconditioner, which is the solver's. Names end with zero.
         unsafe {
-            call!(KSPCreate(world.communicator(), &mut system.solver))?;
-            call!(KSPGetPC(system.solver, &mut preconditioner))?;
+            call!(KSPGetPC(solver, &mut preconditioner))?;
             match method {
                 Method::Direct => {
-                    call!(KSPSetType(system.solver, c"preonly".as_ptr()))?;
+                    call!(KSPSetType(solver, c"preonly".as_ptr()))?;
                     call!(PCSetType(preconditioner, c"lu".as_ptr()))?;
                     call!(PCFactorSetMatSolverType(preconditioner, c"mumps".as_ptr()))?;
                 }
                 Method::ConjugateGradients { .. } => {
-                    call!(KSPSetType(system.solver, c"cg".as_ptr()))?;
-                    call!(KSPSetNormType(system.solver, UNPRECONDITIONED))?;
-                    call!(KSPSetResidualHistory(system.solver, null_mut(), Index::from(u16::MAX), TRUE))?;
+                    call!(KSPSetType(solver, c"cg".as_ptr()))?;
+                    call!(KSPSetNormType(solver, UNPRECONDITIONED))?;
+                    call!(KSPSetResidualHistory(solver, null_mut(), Index::from(u16::MAX), TRUE))?;
                     call!(PCSetType(preconditioner, c"gamg".as_ptr()))?;
                 }
             }
         }
-        Ok(system)
-    }
-}
-
-impl Drop for System<'_> {
-    fn drop(&mut self) {
-        // SAFETY: a handle that this owns, or null, which PETSc leaves alone.
-        unsafe { petsc::KSPDestroy(&mut self.solver) };
+        Ok(System { matrix, solver: made, local: local.clone(), diagonal: vec![] })
     }
 }
 
@@ -153,17 +155,21 @@ impl<'w> PetscSolver<'w> {
     /// A solver for systems on the space of these constraints, which must be those of every system.
     ///
     /// # Errors
-    /// PETSc's error.
+    /// [`PetscError::Different`] where the processes have different constraints or spaces; PETSc's error.
     pub fn new<const D: usize>(
         world: &'w World,
         constraints: &Constraints<D>,
         method: Method,
     ) -> Result<Self, PetscError> {
-        let nodes = NodeRows::new(world, constraints)?;
+        let nodes = world.agree(NodeRows::new(world, constraints))?;
+        let fingerprint = nodes.fingerprint(constraints.space().positions());
+        world.check_same("unknowns for `PetscSolver`: other meshes, spaces or constraints", fingerprint)?;
+        world.destroy_dropped()?;
         let vector = || DistributedVector::new(world, nodes.rows.clone());
-        let (b, x, residual) = (vector()?, vector()?, vector()?);
+        let vectors = || Ok((vector()?, vector()?, vector()?));
+        let (b, x, residual) = world.agree_on_calls(vectors())?;
         let report = PetscReport { rows: nodes.rows.count, ..PetscReport::default() };
-        Ok(PetscSolver { world, method, b, x, residual, nodes, system: None, report })
+        Ok(PetscSolver { world, method, processes: 1, b, x, residual, nodes, system: None, report })
     }
 
     /// Counts so far.
@@ -179,14 +185,28 @@ impl<'w> PetscSolver<'w> {
         Err(LinearAlgebraError::SizeMismatch { what, expected, found })
     }
 
+    fn check_matrix(&self, local: &CsrMatrix) -> Result<(), SolverError> {
+        self.check_processes()?;
+        self.check_size("the set of rows", local.rows())?;
+        Ok(local.check_finite()?)
+    }
+
+    /// Whole matrices on each of several processes would add up to a multiple of the one that is meant.
+    fn check_processes(&self) -> Result<(), SolverError> {
+        match (self.processes, self.world.size()) {
+            (problem, solver) if problem == solver => Ok(()),
+            (problem, solver) => Err(SolverError::Processes { problem, solver }),
+        }
+    }
+
     /// The error with PETSc's reason and the residuals.
-    fn not_converged(&self, solver: Object) -> Result<SolverError, PetscError> {
-        let (mut text, mut values, mut count, mut iterations) = (null(), null(), 0, 0);
+    fn not_converged(&self, found: &Found) -> Result<SolverError, SolverError> {
+        let solver = self.system.as_ref().ok_or(SolverError::NoMatrix)?.solver.handle();
+        let (mut text, mut values, mut count) = (null(), null(), 0);
         let mut history = ResidualHistory::default();
         // SAFETY: PETSc writes a string of its own, and lends the list of residuals with its length.
         let reason = unsafe {
             call!(KSPGetConvergedReasonString(solver, &mut text))?;
-            call!(KSPGetIterationNumber(solver, &mut iterations))?;
             if self.method != Method::Direct {
                 call!(KSPGetResidualHistory(solver, &mut values, &mut count))?;
             }
@@ -195,27 +215,28 @@ impl<'w> PetscSolver<'w> {
             }
             if text.is_null() { "for no known reason".into() } else { CStr::from_ptr(text).to_string_lossy() }
         };
-        let why = format!("stopped after {iterations} iterations: {reason}");
+        let why = format!("stopped after {} iterations: {reason}", found.iterations);
         Ok(SolverError::Other { solver: self.method.name(), why, history })
     }
 }
 
 impl LinearSolver for PetscSolver<'_> {
+    fn set_processes(&mut self, count: usize) -> Result<(), SolverError> {
+        self.processes = count;
+        self.check_processes()
+    }
+
     fn set_matrix(&mut self, local: CsrMatrix) -> Result<(), SolverError> {
         let start = Instant::now();
-        let fit = self.check_size("the set of rows", local.rows());
-        self.world.agree(fit.and_then(|()| local.check_finite()))?;
-        // All processes tell their positions again if one has to.
+        self.world.agree(self.check_matrix(&local))?;
+        // All processes tell their positions anew if one has to.
         let is_new = !self.system.as_ref().is_some_and(|system| system.matrix.fits(&local));
-        let mut system = match self.system.take() {
-            Some(system) if self.world.sum(&[f64::from(u8::from(is_new))])?[0] == 0.0 => system,
-            Some(_) => self.new_system(&local)?,
-            None => self.new_system(&local)?,
-        };
-        system.matrix.assemble(&local)?;
-        let matrix = system.matrix.handle();
-        // SAFETY: handles of the system, which keeps both.
-        unsafe { call!(KSPSetOperators(system.solver, matrix, matrix))? };
+        if self.world.gather(u64::from(is_new))?.contains(&1) {
+            self.system = None;
+            self.world.destroy_dropped()?;
+        }
+        let assembled = self.assembled(&local);
+        let mut system = self.world.agree_on_calls(assembled)?;
         system.diagonal = self.world.sum(&local.diagonal())?;
         system.local = local;
         self.system = Some(system);
@@ -234,15 +255,74 @@ impl LinearSolver for PetscSolver<'_> {
         absolute: f64,
         transpose: Transpose,
     ) -> Result<LinearSolution, SolverError> {
-        let right_hand_side = b;
-        self.check_size("the right-hand side", b.len())?;
+        let fit = self.check_size("the right-hand side", b.len()).map_err(SolverError::from);
+        let ready = if self.system.is_some() { Ok(()) } else { Err(SolverError::NoMatrix) };
+        self.world.agree(fit.and(ready))?;
+        self.world.check_same("right-hand sides", Fingerprint::default().reals(b).finish())?;
         let start = Instant::now();
+        let solved = self.solve_by_calls(b, absolute, transpose);
+        let solved = self.world.agree_on_calls(solved)?;
+        if solved.reason < 0 {
+            return Err(self.not_converged(&solved)?);
+        }
+        let relative_residual = if solved.size == 0.0 { 0.0 } else { solved.norm / solved.size };
+        let iterations = if self.method == Method::Direct { 0 } else { solved.iterations as usize };
+        if let Some(rest) = &solved.rest {
+            let system = self.system.as_ref().ok_or(SolverError::NoMatrix)?;
+            let sizes =
+                |y: &[f64]| Ok::<_, SolverError>(self.world.sum(&term_sizes(&system.local, y, transpose))?);
+            check_residual(rest, (&solved.solution, b), &system.diagonal, sizes, HOLDS)?;
+        }
+        self.report.iterations.push(iterations);
+        self.report.largest_residual = self.report.largest_residual.max(relative_residual);
+        self.report.solve_seconds += start.elapsed().as_secs_f64();
+        Ok(LinearSolution { solution: solved.solution, relative_residual, iterations })
+    }
+}
+
+/// What PETSc's solver tells of a solution.
+#[derive(Debug, Default)]
+struct Found {
+    /// Why it stopped: negative where it did not converge.
+    reason: c_int,
+    iterations: Index,
+    /// Norms of the right-hand side and of the residual.
+    size: f64,
+    norm: f64,
+    solution: Vec<f64>,
+    /// The residual, where it is above the tolerance that was asked for.
+    rest: Option<Vec<f64>>,
+}
+
+impl<'w> PetscSolver<'w> {
+    /// The system with this matrix: the known one where there is one, else a new one.
+    fn assembled(&mut self, local: &CsrMatrix) -> Result<System<'w>, PetscError> {
+        let mut system = match self.system.take() {
+            Some(system) => system,
+            None => {
+                self.report.patterns += 1;
+                let matrix = DistributedMatrix::new(self.world, &self.nodes, local)?;
+                System::new(matrix, local, self.world, self.method)?
+            }
+        };
+        system.matrix.assemble(local)?;
+        let matrix = system.matrix.handle();
+        // SAFETY: handles of the system, which keeps both.
+        unsafe { call!(KSPSetOperators(system.solver.handle(), matrix, matrix))? };
+        Ok(system)
+    }
+
+    fn solve_by_calls(
+        &mut self,
+        b: &[f64],
+        absolute: f64,
+        transpose: Transpose,
+    ) -> Result<Found, PetscError> {
+        let mut found = Found::default();
+        let Some(system) = &self.system else { return Ok(found) };
         self.b.set(&self.nodes.spread(b))?;
-        let system = self.system.as_ref().ok_or(SolverError::NoMatrix)?;
-        let (solver, matrix) = (system.solver, system.matrix.handle());
+        let (solver, matrix) = (system.solver.handle(), system.matrix.handle());
         let (b, x, rest) = (self.b.handle(), self.x.handle(), self.residual.handle());
-        let (mut reason, mut iterations) = (0, 0);
-        let (mut size, mut norm) = (0.0, 0.0);
         // SAFETY: handles that this owns, of one size; PETSc writes the numbers.
         unsafe {
             if let Method::ConjugateGradients { tolerance, max_iterations } = self.method {
@@ -255,40 +335,25 @@ impl LinearSolver for PetscSolver<'_> {
                 // Conjugate gradients take the matrix for its transpose.
                 call!(KSPSolve(solver, b, x))?;
             }
-            call!(KSPGetConvergedReason(solver, &mut reason))?;
-            if reason < 0 {
-                return Err(self.not_converged(solver)?);
+            call!(KSPGetConvergedReason(solver, &mut found.reason))?;
+            call!(KSPGetIterationNumber(solver, &mut found.iterations))?;
+            if found.reason < 0 {
+                return Ok(found);
             }
-            call!(KSPGetIterationNumber(solver, &mut iterations))?;
             if transpose == Transpose::Yes {
                 call!(MatMultTranspose(matrix, x, rest))?;
             } else {
                 call!(MatMult(matrix, x, rest))?;
             }
             call!(VecAYPX(rest, -1.0, b))?;
-            call!(VecNorm(b, EUCLIDEAN, &mut size))?;
-            call!(VecNorm(rest, EUCLIDEAN, &mut norm))?;
+            call!(VecNorm(b, EUCLIDEAN, &mut found.size))?;
+            call!(VecNorm(rest, EUCLIDEAN, &mut found.norm))?;
         }
-        let relative_residual = if size == 0.0 { 0.0 } else { norm / size };
-        let iterations = if self.method == Method::Direct { 0 } else { iterations as usize };
-        let solution = self.nodes.gather(&self.x.whole()?);
-        if norm > absolute {
-            let rest = self.nodes.gather(&self.residual.whole()?);
-            let sizes =
-                |y: &[f64]| Ok::<_, SolverError>(self.world.sum(&term_sizes(&system.local, y, transpose))?);
-            check_residual(&rest, (&solution, right_hand_side), &system.diagonal, sizes, HOLDS)?;
+        found.solution = self.nodes.gather(&self.x.whole()?);
+        if found.norm > absolute {
+            found.rest = Some(self.nodes.gather(&self.residual.whole()?));
         }
-        self.report.iterations.push(iterations);
-        self.report.largest_residual = self.report.largest_residual.max(relative_residual);
-        self.report.solve_seconds += start.elapsed().as_secs_f64();
-        Ok(LinearSolution { solution, relative_residual, iterations })
-    }
-}
-
-impl<'w> PetscSolver<'w> {
-    fn new_system(&mut self, local: &CsrMatrix) -> Result<System<'w>, PetscError> {
-        self.report.patterns += 1;
-        System::new(DistributedMatrix::new(self.world, &self.nodes, local)?, local, self.world, self.method)
+        Ok(found)
     }
 }
 

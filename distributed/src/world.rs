@@ -1,6 +1,6 @@
 //! The processes that MPI started together, and what they agree on.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::error::Error;
 use std::fmt::Display;
 use std::marker::PhantomData;
@@ -8,28 +8,39 @@ use std::ops::Range;
 use std::process::ExitCode;
 use std::ptr;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use forms_fem::mesh::Mesh;
 use forms_fem::output::{StandardOutput, one_line, program, tell};
+use forms_fem::solve::communicator::Fingerprint;
 use forms_fem::solve::{CommunicationError, Communicator};
 
 use crate::error::{DistributedError, PetscError};
+use crate::meeting::{Call, Meetings, check_same};
+use crate::object::DroppedObjects;
 use crate::petsc::{self, call};
-use crate::rows::Rows;
-use crate::vector::DistributedVector;
 
 /// Time for a line on the standard error stream to reach the one who started the processes.
 const FORWARDING: Duration = Duration::from_millis(500);
 
+/// Time in which the others have to take notice that a process failed. After it all of them are ended, wherever they are.
+const PATIENCE: Duration = Duration::from_secs(5);
+
 static STARTED: AtomicBool = AtomicBool::new(false);
 
 /// MPI and PETSc, started; they end when this is dropped. All processes must make the same calls in the same order.
+///
+/// Where they do not, because one of them has failed or their data differ, the calls return errors that say so, and no process waits
+/// for another in vain. A panic ends all processes.
 #[derive(Debug)]
 pub struct World {
     /// PETSc is used from the thread that started it.
     here: PhantomData<*const ()>,
     output: RefCell<StandardOutput>,
+    meetings: Meetings,
+    dropped: DroppedObjects,
+    /// Whether this process has told the others that it makes no further call.
+    ended: Cell<bool>,
 }
 
 impl World {
@@ -46,24 +57,34 @@ impl World {
             call!(PetscInitializeNoArguments())?;
             call!(PetscPushErrorHandler(Some(petsc::PetscReturnErrorHandler), ptr::null_mut()))?;
         }
-        Ok(World { here: PhantomData, output: RefCell::default() })
+        Ok(World {
+            here: PhantomData,
+            output: RefCell::default(),
+            // SAFETY: written once by PetscInitialize.
+            meetings: unsafe { Meetings::new(petsc::PETSC_COMM_WORLD, petsc::PetscGlobalSize as usize)? },
+            dropped: DroppedObjects::default(),
+            ended: Cell::new(false),
+        })
     }
 
     /// A program on all processes: says on each why it failed there, and on the first if its standard output could not be
-    /// written.
+    /// written. An error on one process ends all: the others have errors in what they do together, and where they do not come to it
+    /// within five seconds they are ended.
     pub fn run(run: impl FnOnce(&World) -> Result<(), Box<dyn Error>>) -> ExitCode {
         let mut failed = false;
         let ended = program(|out| -> Result<(), String> {
             let world = World::start().map_err(|error| error.to_string())?;
             let outcome = run(&world);
             *out = world.output.take();
-            // Before the processes part, where all wait for each other, and with a moment for what is said to be forwarded:
-            // `mpirun` ends all of them when the first ends with a failure, and drops what it has not read.
-            if let Err(error) = outcome {
+            if let Err(error) = &outcome {
                 // One text, one write: the lines of several processes do not mingle.
                 tell(format!("error: process {}: {}", world.rank(), one_line(&error.to_string())));
-                std::thread::sleep(FORWARDING);
                 failed = true;
+            }
+            world.end(outcome.is_err());
+            if failed {
+                // `mpirun` ends all processes when the first ends with a failure, and drops what it has not read.
+                std::thread::sleep(FORWARDING);
             }
             Ok(())
         });
@@ -94,6 +115,10 @@ impl World {
         unsafe { petsc::PETSC_COMM_WORLD }
     }
 
+    pub(crate) fn dropped(&self) -> &DroppedObjects {
+        &self.dropped
+    }
+
     /// This process's part of `count` things in a row: parts differ by one at most.
     pub fn part(&self, count: usize) -> Range<usize> {
         let (rank, size) = (self.rank(), self.size());
@@ -106,12 +131,25 @@ impl World {
         &mesh.cell_order().cells()[self.part(mesh.cell_count())]
     }
 
-    /// The sums over all processes of as many numbers of each; the same on all.
+    /// The sums over all processes of as many numbers of each; the same on all, and in each run with as many processes.
     ///
     /// # Errors
-    /// PETSc's error.
+    /// [`PetscError::Failed`] or [`PetscError::OtherCalls`] where others do not add up as many numbers; MPI's error.
     pub fn sum(&self, numbers: &[f64]) -> Result<Vec<f64>, PetscError> {
-        DistributedVector::new(self, Rows::of_nodes(self, numbers.len(), 1)?)?.sum(numbers)
+        self.meet(Call::Sum { length: numbers.len() as u64 })?;
+        self.meetings.sum(numbers)
+    }
+
+    /// A number of each process, in their order.
+    ///
+    /// # Errors
+    /// As [`World::sum`].
+    pub fn gather(&self, number: u64) -> Result<Vec<u64>, PetscError> {
+        let numbers = self.meet(Call::Gather { number })?.into_iter().filter_map(|call| match call {
+            Call::Gather { number } => Some(number),
+            _ => None,
+        });
+        Ok(numbers.collect())
     }
 
     /// A result of this process, if all have one. Else an error on all, so that none waits for another for ever.
@@ -119,18 +157,101 @@ impl World {
     /// # Errors
     /// This process's own error, or that there was one elsewhere.
     pub fn agree<T, E: Error>(&self, own: Result<T, E>) -> Result<T, DistributedError<E>> {
-        let failed = self.sum(&[f64::from(u8::from(own.is_err()))])?[0];
-        match own {
-            Err(error) => Err(DistributedError::Here(error)),
-            Ok(_) if failed > 0.0 => Err(DistributedError::Elsewhere { count: failed as usize }),
-            Ok(own) => Ok(own),
+        let all = self.meet(Call::Agree { failed: own.is_err() });
+        let own = own.map_err(DistributedError::Here)?;
+        match failures(&all?) {
+            0 => Ok(own),
+            count => Err(DistributedError::Elsewhere { count }),
         }
     }
+
+    /// The same of calls of PETSc. One that fails here may leave the others inside of it: where they do not come, all processes end.
+    pub(crate) fn agree_on_calls<T>(&self, own: Result<T, PetscError>) -> Result<T, PetscError> {
+        match own {
+            Ok(own) => match failures(&self.meet(Call::Agree { failed: false })?) {
+                0 => Ok(own),
+                count => Err(PetscError::Elsewhere { count }),
+            },
+            Err(error) => {
+                self.meet_or_end_all(Call::Agree { failed: true }, &error)?;
+                Err(error)
+            }
+        }
+    }
+
+    /// An error where a number is not the same on all processes.
+    pub(crate) fn check_same(&self, what: &'static str, number: u64) -> Result<(), PetscError> {
+        let all = self.gather(number)?;
+        if all.iter().all(|other| *other == all[0]) { Ok(()) } else { Err(PetscError::Different { what }) }
+    }
+
+    /// Destroys the objects that were dropped, if all processes dropped the same ones. Otherwise they are kept for a later time.
+    pub(crate) fn destroy_dropped(&self) -> Result<(), PetscError> {
+        let numbers = self.gather(Fingerprint::default().numbers(self.dropped.numbers()).finish())?;
+        if numbers.iter().all(|other| *other == numbers[0]) {
+            self.dropped.destroy();
+        }
+        Ok(())
+    }
+
+    /// What all processes are about to do, which has to be the same.
+    fn meet(&self, own: Call) -> Result<Vec<Call>, PetscError> {
+        let all = self.meetings.all(own, None)?.unwrap_or_default();
+        check_same(own, &all)?;
+        Ok(all)
+    }
+
+    fn meet_or_end_all(&self, own: Call, why: &PetscError) -> Result<(), PetscError> {
+        let Some(all) = self.meetings.all(own, Some(PATIENCE))? else { self.end_all(&why.to_string()) };
+        check_same(own, &all)
+    }
+
+    /// Says why, and ends all processes, wherever they are.
+    fn end_all(&self, why: &str) -> ! {
+        tell(format!("error: process {} ends all processes: {}", self.rank(), one_line(why)));
+        std::thread::sleep(FORWARDING);
+        self.meetings.abort()
+    }
+
+    /// Waits until all processes make no further call. Those that want to make one get an error.
+    fn end(&self, failed: bool) {
+        self.ended.set(true);
+        let (own, start) = (Call::End { failed }, Instant::now());
+        loop {
+            let patience = failed.then(|| PATIENCE.saturating_sub(start.elapsed()));
+            match self.meetings.all(own, patience) {
+                Ok(Some(all)) if all.iter().all(|call| matches!(call, Call::End { .. })) => {
+                    if all.iter().all(|call| *call == Call::End { failed: false }) {
+                        self.destroy_at_end();
+                    }
+                    return;
+                }
+                Ok(Some(_)) => {}
+                Ok(None) => self.end_all("it failed, and the others took no notice"),
+                Err(error) => self.end_all(&error.to_string()),
+            }
+        }
+    }
+
+    fn destroy_at_end(&self) {
+        if let Err(error) = self.destroy_dropped() {
+            self.end_all(&error.to_string());
+        }
+    }
+}
+
+/// Number of processes that failed.
+fn failures(all: &[Call]) -> usize {
+    all.iter().filter(|call| **call == Call::Agree { failed: true }).count()
 }
 
 impl Communicator for World {
     fn rank(&self) -> usize {
         World::rank(self)
+    }
+
+    fn size(&self) -> usize {
+        World::size(self)
     }
 
     fn part(&self, count: usize) -> Range<usize> {
@@ -140,14 +261,22 @@ impl Communicator for World {
     fn sum(&self, own: &[f64]) -> Result<Vec<f64>, CommunicationError> {
         World::sum(self, own).map_err(|error| CommunicationError::Exchange(error.to_string()))
     }
+
+    fn gather(&self, own: u64) -> Result<Vec<u64>, CommunicationError> {
+        World::gather(self, own).map_err(|error| CommunicationError::Exchange(error.to_string()))
+    }
 }
 
 impl Drop for World {
     fn drop(&mut self) {
         if std::thread::panicking() {
-            // The others may wait for this one, which PetscFinalize would join: MPI ends them all.
-            std::process::abort();
+            // The others may wait for this one.
+            self.end_all("it panicked");
         }
+        if !self.ended.get() {
+            self.end(false);
+        }
+        self.meetings.close();
         // SAFETY: started in `start`; all objects borrow the world and are gone.
         unsafe { petsc::PetscFinalize() };
     }

@@ -1,5 +1,9 @@
 """The wheel as a user has it: gradients compared with differences, SciPy, JAX, and what is said of arrays that do not fit."""
+import array
+import decimal
+import fractions
 import pathlib
+import sys
 import threading
 import unittest
 
@@ -33,6 +37,10 @@ def elsewhere(problem):
     """A ground that is not flat."""
     start = problem.start
     return start * (1 + 0.3 * np.sin(1.3 * np.arange(start.size)))
+
+
+class Row(np.ndarray):
+    """A subclass of NumPy's arrays."""
 
 
 EXAMPLE = pathlib.Path(__file__).resolve().parents[1]
@@ -156,6 +164,50 @@ class Mistakes(unittest.TestCase):
         self.assertIn("`cells` is 2.5", self.said(ValueError, beam_on_ground.level, cells=2.5))
         self.assertIn("`load` is no number", self.said(TypeError, beam_on_ground.level, load="much"))
         self.assertIn("by name", self.said(TypeError, beam_on_ground.level, 8))
+
+    def test_arrays_of_other_kinds(self):
+        start, value = self.beam.start, self.beam.value
+        expected = value(start)
+        # Bytes in the other order: read as they are these would be numbers of another size.
+        swapped = start.astype(start.dtype.newbyteorder("S"))
+        for call in (value, self.beam.jacobian, self.beam.value_and_gradient):
+            self.assertIn("not in this machine's order", self.said(TypeError, call, swapped))
+        other = ">f8" if sys.byteorder == "little" else "<f8"
+        self.assertIn("the bytes of the cotangent", self.said(TypeError, self.beam.vjp, start, np.ones(1, other)))
+        self.assertIn("the bytes of the direction", self.said(TypeError, self.beam.jvp, start, swapped))
+        for dtype in (np.float16, np.float32, np.longdouble, np.int64, np.uint8, np.bool_, np.complex128, object):
+            message = self.said(TypeError, value, np.zeros(9, dtype=dtype))
+            self.assertIn(f"no array of float64 but a ndarray of {np.dtype(dtype)}", message)
+        self.assertIn("a single number and no row", self.said(ValueError, value, np.array(0.1)))
+        self.assertIn("shape [1, 9]", self.said(ValueError, value, np.matrix(start)))
+        for strided in (np.zeros((9, 2))[:, 0], start[::-1], np.broadcast_to(0.1, 9)):
+            self.assertIn("not contiguous", self.said(ValueError, value, strided))
+        unaligned = np.frombuffer(b"-" + start.tobytes(), dtype=float, offset=1)
+        self.assertIn("not aligned", self.said(ValueError, value, unaligned))
+        masked = np.ma.masked_array(start, mask=np.arange(9) == 3)
+        self.assertIn("masked values", self.said(ValueError, value, masked))
+        # What has the same numbers is the same: read-only, of a subclass, of another package, of a native format with a prefix.
+        frozen = start.copy()
+        frozen.flags.writeable = False
+        same = (frozen, start.view(Row), np.ma.masked_array(start), array.array("d", start), memoryview(start),
+                np.zeros((9, 1)).reshape(9) + start, start.astype("=f8"))
+        for one in same:
+            np.testing.assert_array_equal(value(one), expected)
+        for number in (np.inf, -np.inf, np.nan):
+            start[0] = number
+            self.assertIn("is not finite", self.said(ValueError, value, start))
+
+    def test_parameters_of_other_kinds(self):
+        level = beam_on_ground.level
+        for cells in (True, np.True_, np.array(True), 8j, np.complex64(8), np.complex128(8), "8", np.str_("8"), None,
+                      np.timedelta64(8, "s"), np.array([8]), np.array([[8.0]]), [8]):
+            self.assertIn("`cells` is no number", self.said(TypeError, level, cells=cells))
+        self.assertIn("beyond the range", self.said(ValueError, level, load=10**400))
+        for load in (np.nan, np.inf, np.float32("nan")):
+            self.assertIn("not finite", self.said(ValueError, level, load=load))
+        for cells in (8, 8.0, np.int64(8), np.uint8(8), np.float32(8), np.float64(8), np.array(8), np.longdouble(8),
+                      fractions.Fraction(8), decimal.Decimal(8)):
+            self.assertEqual(level(cells=cells).inputs, [("gap", 9)])
 
     def test_equations_without_a_solution(self):
         # Linear elasticity bears any load and any gap, as long as their squares are numbers.

@@ -1,5 +1,5 @@
-//! The paper's hollow cylinder on the processes that started this: `mpirun -n 4 cylinder [cells across the thickness]`.
-//! MUMPS solves; tells u, the discrete adjoint state, J and the contact force.
+//! The paper's hollow cylinder on the processes that started this: `mpirun -n 4 cylinder [cells across the thickness] [split]`.
+//! With `split` facets are split where contact ends. MUMPS solves; tells u, the discrete adjoint state, J and the contact force.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -12,7 +12,10 @@ use forms_fem::prelude::*;
 fn run(world: &World) -> Result<(), Box<dyn Error>> {
     let radial = std::env::args().nth(1).map_or(Ok(4), |number| number.parse())?;
     let settings = Settings { radial, threads: Threads::new(1), ..Settings::default() };
-    let problem = hollow_cylinder(&settings)?;
+    let mut problem = hollow_cylinder(&settings)?;
+    if std::env::args().nth(2).as_deref() == Some("split") {
+        problem = problem.with_split_facets();
+    }
     let mut solver = PetscSolver::new(world, &problem.constraints, Method::Direct)?;
     let solved = problem.direct()?.on(world).solver(&mut solver).solve()?;
     let (u, law) = (solved.field(), &problem.law);

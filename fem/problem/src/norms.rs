@@ -1,4 +1,42 @@
 //! Norms of fields, errors against exact solutions and between meshes; each stated as a form.
+//!
+//! Norms are integrated with the assembler's quadrature. The estimated degree is exact for fields on straight cells; a function that is no
+//! polynomial takes a rule of one's own, of a degree some steps above twice the field's.
+//!
+//! ```
+//! use std::f64::consts::PI;
+//!
+//! use forms_fem::prelude::*;
+//!
+//! let exact = |x: &[f64; 2]| (PI * x[0]).sin() * x[1];
+//! let slope = |x: &[f64; 2]| [PI * (PI * x[0]).cos() * x[1], (PI * x[0]).sin()];
+//!
+//! let mut fields = vec![];
+//! for cells in [4, 8] {
+//!     let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [cells; 2], CellShape::Quadrilateral, 1)?);
+//!     let space = Space::scalar(&mesh, 2)?;
+//!     fields.push((Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8)), Field::interpolate(&space, exact)?));
+//! }
+//! let [(_, coarse), (assembler, fine)] = &fields[..] else { unreachable!() };
+//!
+//! // ‖u‖, ‖∇u‖ and √(‖u‖² + ‖∇u‖²); the mean of each component. ∫ sin²(πx) y² = 1/6.
+//! let size = norms::norms(assembler, fine)?;
+//! assert!((size.l2 - (1.0_f64 / 6.0).sqrt()).abs() < 1e-4 && size.h1 > size.seminorm);
+//! assert!((norms::mean(assembler, fine)?[0] - 1.0 / PI).abs() < 1e-4);
+//!
+//! // Errors against a function and its gradient (component before direction) fall by 2³ and 2² where cells are halved.
+//! let error = |(assembler, field): &(Assembler<2>, Field<2>)| {
+//!     let gradient = move |x: &[f64; 2], out: &mut [f64]| out.copy_from_slice(&slope(x));
+//!     norms::errors(assembler, field, move |x, out| out[0] = exact(x), gradient)
+//! };
+//! let (before, after) = (error(&fields[0])?, error(&fields[1])?);
+//! assert!((7.0..9.0).contains(&(before.l2 / after.l2)) && (3.5..4.5).contains(&(before.seminorm / after.seminorm)));
+//!
+//! // Between meshes that need not be nested, integrated on the finer one.
+//! let between = norms::errors_between(assembler, fine, coarse)?;
+//! assert!((between.l2 / before.l2 - 1.0).abs() < 0.1);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod between_meshes;
 

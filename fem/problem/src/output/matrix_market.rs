@@ -8,7 +8,34 @@ use crate::linear_algebra::CsrMatrix;
 
 /// Writes a matrix with 17 significant digits, which read back to the same numbers. An exactly symmetric matrix
 /// is written in the `symmetric` flavour (its lower triangle), any other one in the `general` flavour. Stored
-/// zeros are written. The file appears whole or not at all.
+/// zeros are written. The file appears whole or not at all. `scipy.io.mmread`, MATLAB's `mmread` and Julia's `MatrixMarket` read it.
+///
+/// ```
+/// use forms_fem::output::write_matrix_market;
+/// use forms_fem::prelude::*;
+///
+/// let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?);
+/// let space = Space::scalar(&mesh, 1)?;
+/// let form = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), dot(grad(u), grad(v))));
+///
+/// // The tangent at u = 0 on all unknowns, without constraints.
+/// let matrix = Assembler::new(&mesh).tangent(&form, &[&Field::zero(&space)], &[&space])?;
+/// # let directory = tempfile::tempdir()?;
+/// # let path = directory.path().join("stiffness.mtx");
+/// write_matrix_market(&path, &matrix)?;
+/// let text = std::fs::read_to_string(&path)?;
+/// assert!(text.starts_with("%%MatrixMarket matrix coordinate real symmetric\n9 9 "));
+///
+/// // The reduced matrix that was solved with is that of the linear solver.
+/// let mut constraints = Constraints::new(&space);
+/// constraints.fix("left", |_| 0.0)?;
+/// let mut solver = LuSolver::default();
+/// Problem::new(&form, &space).constrained(&constraints).solver(&mut solver).solve()?;
+/// if let Some(matrix) = solver.matrix() {
+///     write_matrix_market(&path, matrix)?;
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// If an entry is not finite (the message names its place) or the file cannot be written.

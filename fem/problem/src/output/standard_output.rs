@@ -99,7 +99,8 @@ pub fn program<E: Display>(run: impl FnOnce(&mut StandardOutput) -> Result<(), E
 
 /// A line on the standard error stream, for progress and warnings; that nobody can hear it is no error.
 pub fn tell(line: impl Display) {
-    let _ = writeln!(io::stderr().lock(), "{line}");
+    // One write: lines of several processes do not mingle.
+    let _ = io::stderr().lock().write_all(format!("{line}\n").as_bytes());
 }
 
 /// The text on one line, whatever a user's argument or a system's message contains.

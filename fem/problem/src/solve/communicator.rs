@@ -5,12 +5,16 @@ use std::ops::Range;
 
 use super::ActivePoints;
 use crate::assemble::AssemblyError;
+use crate::mesh::Mesh;
 
 /// The processes that assemble the integrals of a problem together, each over its own cells. All make the same calls in the
-/// same order.
+/// same order; an implementation returns errors where they do not.
 pub trait Communicator {
     /// The number of this process, from 0.
     fn rank(&self) -> usize;
+
+    /// Number of processes.
+    fn size(&self) -> usize;
 
     /// This process's part of `count` things in a row.
     fn part(&self, count: usize) -> Range<usize>;
@@ -20,6 +24,12 @@ pub trait Communicator {
     /// # Errors
     /// [`CommunicationError::Exchange`].
     fn sum(&self, own: &[f64]) -> Result<Vec<f64>, CommunicationError>;
+
+    /// A number of each process, in their order; the same on all.
+    ///
+    /// # Errors
+    /// [`CommunicationError::Exchange`].
+    fn gather(&self, own: u64) -> Result<Vec<u64>, CommunicationError>;
 }
 
 /// A failed exchange between processes.
@@ -34,6 +44,61 @@ pub enum CommunicationError {
     /// The exchange failed.
     #[error("the exchange between processes failed: {0}")]
     Exchange(String),
+    /// The processes do not solve the same problem.
+    #[error("the processes have different problems: what differs is {what}")]
+    Different {
+        /// What differs, in words.
+        what: String,
+    },
+    /// Assemblers with cells of their own that several processes have, or none.
+    #[error(
+        "the processes' own cells are no partition of the mesh's: each cell has to be owned by one process"
+    )]
+    NoPartition,
+}
+
+/// A number that tells data apart: of bits, so that the same data have the same one on all processes.
+#[doc(hidden)]
+#[derive(Clone, Debug, Default)]
+pub struct Fingerprint(DefaultHasher);
+
+impl Fingerprint {
+    #[must_use]
+    pub fn numbers(mut self, numbers: impl IntoIterator<Item = u64>) -> Self {
+        let mut count = 0_u64;
+        for number in numbers {
+            self.0.write_u64(number);
+            count += 1;
+        }
+        self.0.write_u64(count);
+        self
+    }
+
+    #[must_use]
+    pub fn reals<'a>(self, numbers: impl IntoIterator<Item = &'a f64>) -> Self {
+        self.numbers(numbers.into_iter().map(|number| number.to_bits()))
+    }
+
+    #[must_use]
+    pub fn text(mut self, text: &str) -> Self {
+        text.hash(&mut self.0);
+        self
+    }
+
+    /// Cells and nodes, without the names of regions.
+    #[must_use]
+    pub fn mesh<const D: usize>(self, mesh: &Mesh<D>) -> Self {
+        let blocks = mesh.blocks().iter();
+        blocks
+            .fold(self, |all, block| all.text(block.shape.name()).numbers([block.cells.end as u64]))
+            .numbers([mesh.degree() as u64])
+            .numbers(mesh.cells().iter().map(|node| u64::from(*node)))
+            .reals(mesh.nodes().iter().flatten())
+    }
+
+    pub fn finish(&self) -> u64 {
+        self.0.finish()
+    }
 }
 
 /// A result of this process, if all have one; else an error on all, so that none waits for another for ever.
@@ -43,10 +108,10 @@ pub(crate) fn agreed<T>(
     own: Result<T, AssemblyError>,
 ) -> Result<T, AssemblyError> {
     let Some(communicator) = communicator else { return own };
-    let failed = communicator.sum(&[f64::from(u8::from(own.is_err()))]);
+    let failed = communicator.gather(u64::from(own.is_err()));
     let own = own?;
     let failed = failed.map_err(|source| AssemblyError::Communication { form, source })?;
-    match failed.first().map_or(0, |count| *count as usize) {
+    match failed.iter().sum::<u64>() as usize {
         0 => Ok(own),
         count => Err(AssemblyError::Communication { form, source: CommunicationError::Elsewhere { count } }),
     }
@@ -65,16 +130,12 @@ pub(crate) fn summed(
     }
 }
 
-/// The set of all processes' active points: sums of integers below 2⁵³ are exact in any order.
+/// The set of all processes' active points.
 pub(crate) fn all_active(
     communicator: &dyn Communicator,
     own: ActivePoints,
 ) -> Result<ActivePoints, CommunicationError> {
-    let mut hasher = DefaultHasher::new();
-    (communicator.rank(), own.fingerprint).hash(&mut hasher);
-    let hash = hasher.finish();
-    let parts = (0..4).map(|part| ((hash >> (16 * part)) & 0xffff) as f64);
-    let sums = communicator.sum(&[own.count as f64].into_iter().chain(parts).collect::<Vec<_>>())?;
-    let fingerprint = (1..5).fold(0_u64, |all, part| all.rotate_left(16).wrapping_add(sums[part] as u64));
-    Ok(ActivePoints { count: sums[0] as usize, fingerprint })
+    let fingerprint = Fingerprint::default().numbers(communicator.gather(own.fingerprint)?).finish();
+    let count = communicator.gather(own.count as u64)?.iter().sum::<u64>() as usize;
+    Ok(ActivePoints { count, fingerprint })
 }

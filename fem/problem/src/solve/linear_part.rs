@@ -183,7 +183,8 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     /// Who assembles the nonlinear integrals at u.
     fn assembler_at(&self, u: &[f64]) -> Result<Cow<'_, Assembler<D>>, AssemblyError> {
         match &self.assembler_at {
-            Some(choose) => Ok(Cow::Owned(choose(&self.fields(u))?)),
+            // Of several processes each has its cells, whichever facets are split.
+            Some(choose) => Ok(Cow::Owned(choose(&self.fields(u))?.on_cells_of(&self.assembler))),
             None => Ok(Cow::Borrowed(&*self.assembler)),
         }
     }

@@ -12,6 +12,15 @@ use crate::linear_algebra::{
 /// Solves systems with one square matrix after another. An implementation may keep whatever serves the next
 /// matrix: the analysis of the pattern, a factor.
 pub trait LinearSolver {
+    /// Says that the coming matrices are parts of this process, which add up over `count` processes to the matrix that is meant; 1: that
+    /// they are whole. A problem says it before it sets a matrix.
+    ///
+    /// # Errors
+    /// [`SolverError::Processes`] of a solver that does not add up matrices of as many processes.
+    fn set_processes(&mut self, count: usize) -> Result<(), SolverError> {
+        if count <= 1 { Ok(()) } else { Err(SolverError::Processes { problem: count, solver: 1 }) }
+    }
+
     /// Takes the matrix of the next solves.
     ///
     /// # Errors
@@ -225,6 +234,14 @@ pub enum SolverError {
         /// As in [`LinearAlgebraError::Inaccurate`].
         backward_error: f64,
     },
+    /// A solver that takes whole matrices where each process has a part, or the other way round.
+    #[error("{}", other_processes(*problem, *solver))]
+    Processes {
+        /// Number of processes among which the problem's matrix is divided.
+        problem: usize,
+        /// Number of processes whose matrices the solver adds up.
+        solver: usize,
+    },
     /// A solve was asked for before a matrix was set.
     #[error("no matrix was given to the linear solver")]
     NoMatrix,
@@ -275,6 +292,20 @@ impl SolverError {
 
 fn of(component: &Option<usize>) -> String {
     component.map(|component| format!("component {component} of ")).unwrap_or_default()
+}
+
+fn other_processes(problem: usize, solver: usize) -> String {
+    if problem > solver {
+        return format!(
+            "the problem is solved on {problem} processes, and each has a part of the matrix, but the linear solver takes whole \
+             matrices: give the problem one that adds up the parts (`PetscSolver` of forms-distributed), or leave out `.on(..)`"
+        );
+    }
+    format!(
+        "the linear solver adds up the matrices of {solver} processes, and each of them has the whole matrix, so that the solution would \
+         be divided by their number: write `.on(&world)` before `.solve()` (who sets matrices without a problem calls \
+         `set_processes`)"
+    )
 }
 
 fn residuals(history: &ResidualHistory) -> String {

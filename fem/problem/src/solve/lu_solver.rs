@@ -24,6 +24,32 @@ const REFINEMENTS: usize = 2;
 /// Factors each matrix by LU with partial pivoting, and refines each solution until every equation holds relative to the sizes
 /// of its own terms. It is what a [`super::TangentSolver`] turns to when a
 /// matrix has zeros on its diagonal, as saddle points have, or defeats its own factors.
+///
+/// It takes any regular matrix, with about twice the memory and time of a symmetric factor. The last matrix and its factor are kept: for
+/// an adjoint problem with the same tangent, for solves with other right-hand sides, and to look at the matrix.
+///
+/// ```
+/// use forms_fem::prelude::*;
+///
+/// let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Quadrilateral, 1)?);
+/// let space = Space::scalar(&mesh, 1)?;
+/// let mut walls = Constraints::new(&space);
+/// walls.fix("boundary", |_| 0.0)?;
+/// // Diffusion in a wind: the matrix is not symmetric.
+/// let form = form!(|u: Unknown<Scalar>, v: Test<Scalar>| {
+///     integral(cells("all"), dot(grad(u), grad(v)) + 10.0 * grad(u)[0] * v - v)
+/// });
+/// let mut solver = LuSolver::default();
+/// let u = Problem::new(&form, &space).constrained(&walls).solver(&mut solver).solve()?.into_field();
+/// assert!(u.evaluate(&[0.75, 0.5])?[0] > u.evaluate(&[0.25, 0.5])?[0]);
+///
+/// // Rows and columns of the matrix are the free unknowns, here those of the inner nodes; Aᵀ x = b by the same factor.
+/// let b = vec![1.0; walls.free().len()];
+/// let x = solver.solve_transposed(&b, 0.0)?.solution;
+/// assert_eq!((x.len(), solver.matrix().map(|a| a.rows())), (49, Some(49)));
+/// assert_eq!(solver.factorisations(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Default)]
 pub struct LuSolver {
     system: Option<(CsrMatrix, LuFactor)>,

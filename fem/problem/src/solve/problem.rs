@@ -1,6 +1,7 @@
 //! A compiled form with its spaces and constraints as a problem that solves itself.
 
 mod affine;
+mod agreement;
 mod diagnosis;
 mod equations;
 mod form_equations;
@@ -170,7 +171,8 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
     }
 
     /// Solves on several processes; each assembles the integrals over its part of the cells. The linear solver
-    /// has to take matrices that are sums over the processes.
+    /// has to take matrices that are sums over the processes ([`LinearSolver::set_processes`]); another one is refused where there are
+    /// several. So are problems that are not the same on all of them.
     pub fn on(mut self, communicator: &'a dyn Communicator) -> Self {
         self.untyped.communicator = Some(communicator);
         // Each process has the positions of its own entries alone.

@@ -69,7 +69,8 @@ impl<const D: usize, const N: usize> Solved<D, N> {
         self.pairs.iter().flat_map(|pairs| [pairs.note(), pairs.note_on_quadrature()]).flatten().collect()
     }
 
-    /// The value of a functional, with the quadrature that the problem was solved with.
+    /// The value of a functional, with the quadrature that the problem was solved with. After [`Problem::on`](super::Problem::on) several
+    /// processes it is integrated over all cells on each process that asks, without an exchange.
     ///
     /// # Errors
     /// As [`Assembler::functional`].

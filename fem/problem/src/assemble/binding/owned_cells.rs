@@ -97,9 +97,15 @@ impl<const D: usize> Assembler<D> {
         Ok(Assembler { owned, ..self })
     }
 
+    /// The same on the cells of another assembler, if those are not all.
+    pub(crate) fn on_cells_of(self, other: &Self) -> Self {
+        let owned = other.owned.clone().or(self.owned);
+        Assembler { owned, ..self }
+    }
+
     /// The same on all cells.
     #[inline(never)]
-    pub(in crate::assemble) fn on_all_cells(&self) -> Self {
+    pub(crate) fn on_all_cells(&self) -> Self {
         Assembler { owned: None, ..self.clone() }
     }
 }

@@ -184,6 +184,32 @@ pub struct WorstEquation {
 }
 
 /// A failure of Newton's method with the history up to it.
+///
+/// The last iterate is in `u`, all unknowns of the first space, then those of the second, and so on: to look at where the iteration went,
+/// or to go on from there. It is empty where the problem was not assembled at all.
+///
+/// ```
+/// use forms_fem::prelude::*;
+///
+/// let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [4, 4], CellShape::Quadrilateral, 1)?);
+/// let space = Space::scalar(&mesh, 1)?;
+/// let mut walls = Constraints::new(&space);
+/// walls.fix("boundary", |_| 0.0)?;
+/// let form = form!(|u: Unknown<Scalar>, v: Test<Scalar>| {
+///     integral(cells("all"), (1.0 + 10.0 * u * u) * dot(grad(u), grad(v)) - 50.0 * v)
+/// });
+/// let options = NewtonOptions { max_iterations: 3, ..NewtonOptions::default() };
+/// let Err(error) = Problem::new(&form, &space).constrained(&walls).options(options).solve() else {
+///     panic!("three steps are too few here");
+/// };
+/// assert_eq!(error.history.len(), 4); // the start and three iterates
+///
+/// // A field again: for a picture, a file, or as the start of a further attempt.
+/// let last = Field::from_values(&space, error.u)?;
+/// let solved = Problem::new(&form, &space).constrained(&walls).start(&last).solve()?;
+/// assert!(solved.field().evaluate(&[0.5, 0.5])?[0] > 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(thiserror::Error)]
 #[error("{}: {why}{}", stage(history), and(notes))]
 pub struct NewtonError<E: std::error::Error> {
@@ -191,7 +217,7 @@ pub struct NewtonError<E: std::error::Error> {
     pub why: NewtonFailure<E>,
     /// The iterates before the failure.
     pub history: Vec<NewtonStep>,
-    /// The last iterate.
+    /// The last iterate: all unknowns, space after space, with the prescribed values ([`Field::from_values`](crate::field::Field::from_values)).
     pub u: Vec<f64>,
     /// The equation that held worst at the last iterate that was judged, if one did not hold.
     pub worst: Option<WorstEquation>,

@@ -14,7 +14,7 @@ use crate::field::Field;
 use crate::history::commits;
 use crate::linear_algebra::{BlockMatrix, Restriction};
 use crate::solve::any_form::Held;
-use crate::solve::communicator::Communicator;
+use crate::solve::communicator::{Communicator, agreed};
 use crate::solve::linear_and_nonlinear::SplitSystem;
 use crate::solve::linear_part::{Assembled, System};
 use crate::solve::{
@@ -100,20 +100,16 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
     #[inline(never)]
     pub fn solve(&mut self) -> Result<Solved<D, N>, SolveError> {
         let begun = Instant::now();
-        self.share_cells()?;
-        let constraints = self.all_constraints()?;
-        let constraints = constraints.each_ref().map(|one| &**one);
-        let mut elimination = Elimination::of(&constraints).map_err(NewtonFailure::Mismatch)?;
+        let processes = self.communicator.map_or(1, |communicator| communicator.size());
         let mut solver = std::mem::replace(&mut self.solver, Solver::Own(Box::default()));
-        let found = match self.system.form.is_affine() {
-            true => {
-                elimination = elimination.with_restriction(self.memory.restriction.take());
-                let found = self.solve_affine(&mut elimination, solver.get());
-                self.memory.restriction = elimination.into_restriction();
-                found
-            }
-            false => self.iterate_from_starts(elimination, constraints, solver.get()),
+        let found = match solver.get().set_processes(processes) {
+            Ok(()) => self.find(solver.get()),
+            Err(error) => Err(error.into()),
         };
+        if processes > 1 {
+            // The next matrix is a whole one, unless its problem says otherwise; a solver that takes none then says so.
+            let _ = solver.get().set_processes(1);
+        }
         let report = solver.get().report();
         self.solver = solver;
         let (u, residual, history) = found?;
@@ -125,8 +121,28 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
             assembly_seconds: self.seconds,
             seconds: begun.elapsed().as_secs_f64(),
             pairs: self.system.pairs(&u)?,
-            assembler: self.system.assembler.clone().into_owned(),
+            assembler: match self.communicator {
+                // Each process has the whole solution.
+                Some(_) => self.system.assembler.on_all_cells(),
+                None => self.system.assembler.clone().into_owned(),
+            },
         })
+    }
+
+    /// The solution by a linear solver that takes what the problem assembles.
+    fn find(&mut self, solver: &mut dyn LinearSolver) -> Result<Found, SolveError> {
+        let shared = self.share_cells().and_then(|()| self.all_constraints());
+        let constraints = agreed(self.communicator, self.system.form.name(), shared)?;
+        let constraints = constraints.each_ref().map(|one| &**one);
+        self.agree_on_problem(&constraints)?;
+        let mut elimination = Elimination::of(&constraints).map_err(NewtonFailure::Mismatch)?;
+        if self.system.form.is_affine() {
+            elimination = elimination.with_restriction(self.memory.restriction.take());
+            let found = self.solve_affine(&mut elimination, solver);
+            self.memory.restriction = elimination.into_restriction();
+            return found;
+        }
+        self.iterate_from_starts(elimination, constraints, solver)
     }
 
     /// Semismooth Newton from a start.

@@ -1,37 +1,26 @@
 //! Programs on 1, 2 and 4 processes give what one process gives with the solvers of `forms_fem`.
 
 use std::collections::BTreeMap;
-use std::process::{Command, Output};
 
 use forms_contact::ContactProblem;
 use forms_contact::forms;
-use forms_contact::hollow_cylinder::{Settings, solve};
+use forms_contact::hollow_cylinder::{Settings, hollow_cylinder, solve};
 use forms_distributed::cases::ball_on_flat::ball_on_flat;
 use forms_distributed::cases::drawn_block::DrawnBlock;
 use forms_distributed::cases::hanging_block::HangingBlock;
+use forms_distributed::cases::poisson::Poisson;
 use forms_distributed::cases::report::read;
 use forms_fem::prelude::*;
+
+mod programs;
+
+use programs::mpirun;
 
 const SAME: f64 = 1e-9;
 const PROCESSES: [usize; 3] = [1, 2, 4];
 
-fn start(processes: usize, program: &str, arguments: &[&str]) -> Output {
-    let mut command = Command::new("mpirun");
-    // As root in a container there are no other users to protect, and no rights for copies between processes.
-    command.args([
-        "--allow-run-as-root",
-        "--oversubscribe",
-        "--timeout",
-        "600",
-        "-n",
-        &processes.to_string(),
-    ]);
-    command.env("OMPI_MCA_btl_vader_single_copy_mechanism", "none").env("OMPI_MCA_mpi_yield_when_idle", "1");
-    command.env("OMP_NUM_THREADS", "1").arg(program).args(arguments).output().unwrap()
-}
-
 fn told(processes: usize, program: &str, arguments: &[&str]) -> String {
-    let output = start(processes, program, arguments);
+    let output = mpirun(processes, program, arguments).output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{program} {arguments:?} on {processes}: {said}");
     String::from_utf8(output.stdout).unwrap()
@@ -158,27 +147,32 @@ fn processes_without_cells_take_part() {
     assert!(difference(&read(&told)["u"], u.values()) < SAME);
 }
 
-fn failure(which: &str) -> String {
-    let output = start(2, env!("CARGO_BIN_EXE_failures"), &[which]);
-    assert!(!output.status.success());
-    String::from_utf8(output.stderr).unwrap()
+/// Not the share of a process.
+#[test]
+fn a_functional_of_a_solution_is_the_whole_on_each_process() {
+    let problem = Poisson::new(Default::default()).unwrap();
+    let solved = problem.problem().solve().unwrap();
+    let expected = problem.total(&solved).unwrap();
+    assert!((expected - 0.0351).abs() < 1e-4, "{expected}");
+    for processes in PROCESSES {
+        let told = told(processes, env!("CARGO_BIN_EXE_total"), &[]);
+        let found = read(&told);
+        println!("on {processes}: {:?}", found["totals"]);
+        assert_eq!(found["totals"].len(), processes);
+        assert!(found["totals"].iter().all(|total| (total / expected - 1.0).abs() < SAME), "{told}");
+        assert!(difference(&found["u"], solved.field().values()) < SAME);
+    }
 }
 
+/// The facets at the end of contact are those of the whole boundary, and each is assembled by the process that owns its cell.
 #[test]
-fn an_error_of_one_process_ends_all() {
-    let said = failure("assembly");
-    assert!(said.contains("1 of the other processes failed"), "{said}");
-    assert!(said.contains("weight"), "{said}");
-}
-
-#[test]
-fn a_solver_that_did_not_converge_says_why_and_how_far_it_came() {
-    let said = failure("convergence");
-    let expected = "CG with GAMG failed: stopped after 3 iterations: DIVERGED_ITS; residuals: [";
-    assert!(said.contains(expected), "{said}");
-}
-
-#[test]
-fn there_is_one_world() {
-    assert!(failure("twice").contains("PETSc was started already in this process"));
+fn facets_that_are_split_where_contact_ends_are_divided_among_processes() {
+    let settings = Settings { radial: 4, threads: Threads::new(1), ..Settings::default() };
+    let problem = hollow_cylinder(&settings).unwrap().with_split_facets();
+    let u = problem.direct().unwrap().solve().unwrap().into_field();
+    let expected = BTreeMap::from([
+        ("u", u.values().to_vec()),
+        ("adjoint", problem.adjoint(&u).unwrap().solve().unwrap().into_field().values().to_vec()),
+    ]);
+    check(env!("CARGO_BIN_EXE_cylinder"), &["4", "split"], &expected);
 }
