@@ -7,6 +7,7 @@ mod bad_input;
 mod eigenproblems;
 mod field_files;
 mod fixed_sizes;
+mod floating_bodies;
 mod friction;
 mod gmsh;
 mod gmsh_errors;
