@@ -143,21 +143,24 @@ fn the_estimate_is_the_error_where_one_rule_is_taken_for_all() -> Outcome<()> {
         for (degree, rule) in [(1, 8), (2, 8), (2, 2)] {
             let series = Variant { degree, theta, rule }.series(unknowns)?;
             let seen = series.iter().filter(|(unknowns, ..)| *unknowns >= FROM);
-            let (mut sum, mut whole, mut count) = (0.0, 0.0, 0.0);
+            let (mut sum, mut whole, mut count, mut notes) = (0.0, 0.0, 0.0, 0);
             for (unknowns, error, estimate) in seen {
                 let (part, both) = (estimate.value() / error, (estimate.value() + estimate.defect()) / error);
                 println!(
                     "| {degree} | {theta} | {rule} | {unknowns} | {error:.3e} | {part:.3} | {both:.3} |"
                 );
                 (sum, whole, count) = (sum + part, whole + both, count + 1.0);
-                assert_eq!(estimate.note().is_some(), rule == 2, "{:?}", estimate.note());
+                notes += usize::from(estimate.note().is_some());
             }
             let (mean, whole) = (sum / count, whole / count);
             println!("degree {degree}, theta {theta}, rule {rule}: {mean:.3}, {whole:.3} in the mean");
             match (degree, rule) {
-                (2, 8) => assert!((mean - 1.0).abs() < 0.1, "{mean}"),
-                (2, _) => assert!((mean - 1.0).abs() > 0.1 && (whole - 1.0).abs() < 0.1, "{mean}, {whole}"),
-                _ => assert!((mean - 1.0).abs() < 0.35, "{mean}"),
+                (2, 8) => assert!((mean - 1.0).abs() < 0.1 && notes == 0, "{mean}, {notes}"),
+                (2, _) => assert!(
+                    (mean - 1.0).abs() > 0.06 && (whole - 1.0).abs() < (mean - 1.0).abs() && notes > 0,
+                    "{mean}, {whole}, {notes}"
+                ),
+                _ => assert!((mean - 1.0).abs() < 0.05 && notes == 0, "{mean}, {notes}"),
             }
         }
     }

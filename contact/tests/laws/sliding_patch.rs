@@ -7,14 +7,24 @@ use forms_contact::laws::two_bodies::two_bodies as fixed;
 use forms_fem::prelude::*;
 
 use crate::setting::{LAMBDA, MU};
-use crate::two_bodies::{constraints, layers, pairings};
+use crate::two_bodies::{WIDTH, constraints, pairings};
 
 /// The shortening of the layer of height 1.
 const DOWN: f64 = 0.01;
 
+/// Two layers of height ½, with so many cells sideways, and a third as many upwards.
+fn layers(cells: [usize; 2]) -> Arc<Mesh<2>> {
+    let body = |count: usize, low: f64| {
+        let divisions = [count, count.div_ceil(3)];
+        rectangle([0.0, low], [WIDTH, low + 0.5], divisions, CellShape::Quadrilateral, 1).unwrap()
+    };
+    let (lower, upper) = (body(cells[0], 0.0), body(cells[1], 0.5));
+    Arc::new(Mesh::of_bodies(&[("lower", &lower), ("upper", &upper)]).unwrap())
+}
+
 /// The largest error of the stress beside the uniform pressure, of layers with so many cells sideways.
 fn off(cells: [usize; 2], degree: usize, rule: usize, (pairing, share): &(Pairing, f64)) -> f64 {
-    let mesh = layers::<2>(CellShape::Quadrilateral, cells, 0.0);
+    let mesh = layers(cells);
     let space = Space::vector(&mesh, degree).unwrap();
     let gamma0 = forms_contact::threshold::usual_gamma0(LAMBDA, MU);
     let required = fixed::Required { lambda: LAMBDA.into(), mu: MU.into(), gamma0: gamma0.into() };
@@ -49,12 +59,14 @@ fn sliding_pairs_break_the_patch_test_on_meshes_that_do_not_match() {
                 let [a, b, c] = errors.map(|error| format!("{:.2} %", 100.0 * error));
                 println!("| {degree} | {name} | {rule} | {a} | {b} | {c} |");
                 assert!(errors[2] > 0.5 * errors[0], "the error vanishes with the mesh: {errors:?}");
-                (least, most) = errors.iter().fold((least, most), |(l, m), e| (l.min(*e), m.max(*e)));
+                if rule > 2 {
+                    (least, most) = errors.iter().fold((least, most), |(l, m), e| (l.min(*e), m.max(*e)));
+                }
             }
         }
     }
-    println!("{:.2} % to {:.2} %", 100.0 * least, 100.0 * most);
-    assert!(most < 0.2, "{most}");
+    println!("from degree 4 on {:.2} % to {:.2} %", 100.0 * least, 100.0 * most);
+    assert!(least > 1e-3 && most < 0.12, "{least} {most}");
 }
 
 /// The law of two bodies with −(θ/γ) σ(u)n·σ(v)n on all of the own surfaces, and not only where points have a partner.
@@ -100,7 +112,6 @@ fn points_without_a_partner_and_the_stresses_there() {
         let law = fixed::Model { data, regions };
         let problem = ContactProblem::new(Assembler::new(&mesh), &space, law, held).unwrap();
         let dropped = problem.direct().unwrap().solve().unwrap();
-        assert!(dropped.pairs[0].report.open > 0);
         let values = |solved: &Solved<2>| solved.field().values().to_vec();
         let both = values(&kept).into_iter().zip(values(&dropped));
         both.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) / 0.01
