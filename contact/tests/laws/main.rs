@@ -29,6 +29,7 @@ mod setting;
 mod shape;
 mod sliding_patch;
 mod sloped_interface;
+mod thresholds;
 mod tunnelling;
 mod two_bodies;
 mod uzawa;
