@@ -109,7 +109,7 @@ impl<'a, const D: usize> NitscheContact<'a, D> {
 /// [`threshold`](crate::threshold), times the share of each surface's integral. The neo-Hookean and the St Venant–Kirchhoff material
 /// begin with Hooke's law; what compression adds to their stiffness is not looked at.
 ///
-/// Where γ₀ varies, the threshold's γ₀ is that of its worst cell, the one with the least γ₀ beside what it asks for.
+/// Where γ₀ varies, the threshold's γ₀ is that of its worst cell, the one with the least γ₀ compared with what it asks for.
 ///
 /// # Errors
 /// Data that do not fit.

@@ -1,4 +1,4 @@
-//! Singular problems told by what floats: one of several bodies with its motions, a rigid tool of which an unknown knows nothing.
+//! Singular problems told by what floats: one of several bodies with its motions, a rigid tool that no integral of an unknown reaches.
 
 use forms_fem::constraints::RigidMap;
 use forms_fem::mesh::RigidSurface;
@@ -61,7 +61,7 @@ fn a_free_body_is_named_with_its_motions() {
             "{guided}"
         );
     }
-    // The lower one is free, too: each is told by itself.
+    // The lower one is free, too: each is named by itself.
     let space = Space::vector(&mesh, 1).unwrap();
     let form = loaded_punch().elasticity();
     let error = Problem::new(&form, &space).solve().unwrap_err().to_string();

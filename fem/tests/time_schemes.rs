@@ -141,7 +141,7 @@ fn schemes_for_second_order_have_their_orders() -> Outcome {
     Ok(())
 }
 
-/// The order of the second rate at the end of a run, beside that of the motion at a part of the last step before its end.
+/// The order of the second rate at the end of a run, compared with that of the motion at a part of the last step before its end.
 fn order_of_second_rate(
     scheme: impl Scheme + Clone,
     before_the_end: f64,

@@ -5,7 +5,7 @@ use forms_fem::forms;
 use crate::contact_law;
 
 /// T = −\[P_n\]₋ n_y + Π_s(P_t) with P = −γ ((u_n − g) n_y + (u − u₀)_t): springs of stiffness γ = γ₀/h_T, of which the
-/// tangential ones slide. The error is of the order 1/γ. θ is not read. No stress stands in T, so that the law is monotone without
+/// tangential ones slide. The error is of the order 1/γ. θ is not read. T has no stress in it, so that the law is monotone without
 /// a threshold of γ₀.
 #[forms]
 pub mod frictional_penalty {

@@ -91,7 +91,7 @@ impl Punch {
         nitsche::Required { lambda, mu, theta, gamma0, obstacle_normal, gap: Given::function(gap) }.into()
     }
 
-    /// In so many load steps, of which a failed one is halved twice at most.
+    /// In `steps` load steps. A failed one is halved twice at most.
     fn solve<L: ContactLaw<2>>(self, law: L, cells: usize, steps: usize) -> Found {
         let mesh = self.block(cells);
         let space = Space::vector(&mesh, 2).unwrap();
@@ -136,7 +136,7 @@ fn table(name: &str, ratios: &[f64], mut row: impl FnMut(f64) -> [String; 2]) {
     }
 }
 
-/// Punches at small strains beside the variant without a threshold, θ = −1, with γ₀ = 3 (λ + 2μ).
+/// Punches at small strains compared with the variant without a threshold, θ = −1, with γ₀ = 3 (λ + 2μ).
 fn pressed(name: &str, punch: Punch) {
     table(name, &RATIOS, |poisson| {
         let material = Material::usual(poisson);
@@ -158,7 +158,7 @@ fn flat_punch() {
     pressed("flat punch", Punch::Flat);
 }
 
-/// At finite strain, in load steps, beside γ₀ = 3 (λ + 2μ). For larger ν Newton's method fails in these steps whatever γ₀ is: of a γ₀
+/// At finite strain, in load steps, compared with γ₀ = 3 (λ + 2μ). For larger ν Newton's method fails in these steps whatever γ₀ is: of a γ₀
 /// below the threshold its error says so.
 #[test]
 fn round_punch_at_finite_strain() {
@@ -271,7 +271,7 @@ fn press_fit_of_two_bodies() {
                 solved.functional(&law.contact_force(solved.field())).unwrap()
             })
         };
-        // Cells of degree 2 lock as λ/μ grows, whatever γ₀ is: beside the same mesh.
+        // Cells of degree 2 lock as λ/μ grows, whatever γ₀ is: the same mesh is compared with.
         let expected = of(material.with_gamma0(0.3 * material.gamma0)).force.unwrap();
         let exact = Ring::free_inside(material, [0.5, 2.0], -pushed).force(1.0);
         assert!(poisson > most || (expected / exact - 1.0).abs() < OFF, "{expected} is not {exact}");
@@ -289,7 +289,7 @@ fn press_fit_of_two_bodies() {
                 solved.functional(&law.contact_force(solved.field())).unwrap()
             })
         };
-        // Cells of degree 2 lock as λ/μ grows, whatever γ₀ is: beside the same mesh.
+        // Cells of degree 2 lock as λ/μ grows, whatever γ₀ is: the same mesh is compared with.
         let expected = of(material.with_gamma0(0.3 * material.gamma0)).force.unwrap();
         let exact = Ring::free_inside(material, [0.5, 2.0], -pushed).force(1.0);
         assert!(poisson > most || (expected / exact - 1.0).abs() < OFF, "{expected} is not {exact}");

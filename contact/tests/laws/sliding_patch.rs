@@ -12,7 +12,7 @@ use crate::two_bodies::{WIDTH, constraints, pairings};
 /// The shortening of the layer of height 1.
 const DOWN: f64 = 0.01;
 
-/// Two layers of height ½, with so many cells sideways, and a third as many upwards.
+/// Two layers of height ½ with these numbers of cells sideways, and a third of them upwards.
 fn layers(cells: [usize; 2]) -> Arc<Mesh<2>> {
     let body = |count: usize, low: f64| {
         let divisions = [count, count.div_ceil(3)];
@@ -22,7 +22,7 @@ fn layers(cells: [usize; 2]) -> Arc<Mesh<2>> {
     Arc::new(Mesh::of_bodies(&[("lower", &lower), ("upper", &upper)]).unwrap())
 }
 
-/// The largest error of the stress beside the uniform pressure, of layers with so many cells sideways.
+/// The largest error of the stress, as a part of the uniform pressure, of layers with these numbers of cells sideways.
 fn off(cells: [usize; 2], degree: usize, rule: usize, (pairing, share): &(Pairing, f64)) -> f64 {
     let mesh = layers(cells);
     let space = Space::vector(&mesh, degree).unwrap();

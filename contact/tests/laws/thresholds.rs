@@ -1,4 +1,5 @@
-//! Thresholds of γ₀ as the laws give them: beside figures of an independent computation, and the law's own forms beside the material.
+//! Thresholds of γ₀ as the laws give them, compared with figures of an independent computation; the law's own forms compared with the
+//! material.
 
 use forms_contact::ContactProblem;
 use forms_contact::hollow_cylinder::{CONTACT, CONTACT_CELLS, Settings, hollow_cylinder};

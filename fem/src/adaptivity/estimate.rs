@@ -127,7 +127,7 @@ impl ErrorEstimate {
     }
 
     /// R(u; I p) of a goal \[J\], which η leaves out: zero but for rounding where u solves the equations that the estimate's assembler takes, and
-    /// the part of the error that comes from another quadrature, where that is the difference. Loads that stand in no form
+    /// the part of the error that comes from another quadrature, where that is the difference. Loads that are in no form
     /// ([`RigidLoads`](crate::solve::RigidLoads)) are in it, too. Zero of an estimate in a norm.
     pub fn defect(&self) -> f64 {
         self.defect
@@ -176,7 +176,7 @@ impl ErrorEstimate {
     }
 }
 
-/// The part of η above which what it leaves out is told.
+/// What η leaves out is told above this part of it.
 const DEFECT: f64 = 0.05;
 
 /// I p and p − I p, in the space of p.

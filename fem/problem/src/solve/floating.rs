@@ -42,8 +42,8 @@ impl fmt::Display for Floating {
                 }
                 write!(
                     f,
-                    " can move rigidly: {}. Hold it by a condition or by weak springs; a body that is held by contact alone \
-                     has to begin in contact (`Assembler::first_touch`)",
+                    " can move rigidly: {}. Hold it by a condition or by weak springs; a body that only contact holds \
+                     must begin in contact (`Assembler::first_touch`)",
                     motions.join(", ")
                 )
             }

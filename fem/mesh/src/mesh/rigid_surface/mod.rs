@@ -144,7 +144,7 @@ impl RigidSurface<2> {
     /// let block = rectangle([0.0, 0.0], [2.0, 1.0], [8, 4], CellShape::Quadrilateral, 1)?;
     /// let mesh = block.with_rigid_surfaces(&[("punch", &punch)])?;
     /// assert_eq!(mesh.rigid_surface_names().collect::<Vec<_>>(), ["punch"]);
-    /// // A closed one, outside of which is outside: counter-clockwise.
+    /// // A closed bar, counter-clockwise: its outward side is outside.
     /// let bar = RigidSurface::along(&[[0.0, 2.0], [1.0, 2.0], [1.0, 3.0], [0.0, 3.0], [0.0, 2.0]])?;
     /// assert_eq!((bar.rim(), bar.enclosed()), (0, Some(1.0)));
     /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -190,7 +190,7 @@ impl<const D: usize> Assembler<D> {
 
     /// A start in contact, for load control: one body moved rigidly along a direction from a displacement u until the first
     /// quadrature point touches, and on by a small overlap. Surfaces meet along the direction, not along their normals. A body that is
-    /// held by contact alone has no stiffness before: from here Newton's method goes on, with [`FirstTouch::start`] for its
+    /// held by nothing but contact has no stiffness before: from here Newton's method goes on, with [`FirstTouch::start`] for its
     /// [start](crate::solve::Problem::start).
     ///
     /// ```

@@ -25,7 +25,7 @@ fn body_of<const D: usize>(space: &Space<D>, node: usize) -> Option<Vec<u32>> {
     (nodes.len() > 1).then_some(nodes)
 }
 
-/// The node that stands for all that a node hangs together with.
+/// The node that represents all nodes which a node hangs together with.
 fn root(bodies: &mut [u32], mut node: u32) -> u32 {
     while bodies[node as usize] != node {
         let next = bodies[bodies[node as usize] as usize];
