@@ -107,7 +107,7 @@ impl Punch {
             last = Some(solved);
             Ok(u)
         });
-        let solved = reached.map_err(|error| error.why).and_then(|_| Ok(last.unwrap()));
+        let solved = reached.map_err(|error| error.why).map(|_| last.unwrap());
         Found::of(solved, |solved| solved.reaction("bottom").unwrap()[1])
     }
 
