@@ -30,9 +30,7 @@ fn slab() -> Mesh<2> {
 }
 
 fn loaded_punch() -> warm::Model {
-    let mut model = warm::Model::default();
-    model.regions = warm::Regions::default().loaded("punch top");
-    model
+    warm::Model { regions: warm::Regions::default().loaded("punch top") }
 }
 
 /// Two blocks, of which the upper one is held by nothing, or guided by its top.

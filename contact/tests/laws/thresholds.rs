@@ -54,7 +54,7 @@ fn bodies_of_different_stiffness() {
     let cells = Space::discontinuous_scalar(&mesh, 0).unwrap();
     let field = |lower: f64, upper: f64| {
         let value = move |x: &[f64; 2]| if x[1] < 0.5 { lower } else { upper };
-        Given::field(&Field::interpolate(&cells, value).unwrap())
+        Given::field(Field::interpolate(&cells, value).unwrap())
     };
     let of = |pairing: Pairing, share: f64, gamma0: [f64; 2]| {
         let required = two_bodies::Required {
