@@ -1,6 +1,27 @@
 //! Motion of rubber with impact and friction on a flat, at large displacements, by two mid-point schemes that know the energy.
 
 use forms_fem::forms;
+use forms_fem::prelude::*;
+
+use crate::material_threshold::{NitscheContact, Traction, material_threshold};
+use crate::threshold::Threshold;
+
+/// The γ₀ below which E₁ of the undeformed body is not positive, so that motion explodes. A loop over time has no notes, so look at
+/// [`Threshold::warning`] before it.
+///
+/// # Errors
+/// Data that do not fit.
+pub fn threshold(
+    model: &finite_impact::Model<2>,
+    assembler: &Assembler<2>,
+    space: &Arc<Space<2>>,
+) -> Result<Threshold, AssemblyError> {
+    let data = &model.data;
+    let contact =
+        NitscheContact::of_surface(&model.regions.gamma_c.0.name, [data.lambda, data.mu, data.gamma0]);
+    let contact = NitscheContact { theta: 1.0, traction: Traction::Normal, ..contact };
+    material_threshold(assembler, space, &contact)
+}
 
 /// A plane neo-Hookean body that hits a rigid flat with Coulomb's friction, by Nitsche's method with θ = 1. The flat's normal n_y stays, so
 /// that the gap is affine in u however far the body goes and turns.

@@ -2,6 +2,30 @@
 //! mid-point schemes that know the energy.
 
 use forms_fem::forms;
+use forms_fem::prelude::*;
+
+use crate::material_threshold::{NitscheContact, Traction, material_threshold};
+use crate::threshold::Threshold;
+
+/// The γ₀ below which motion explodes: E₁ of θ = 1 is not positive then. A loop over time has no notes, so look at
+/// [`Threshold::warning`] before it.
+///
+/// # Errors
+/// Data that do not fit.
+pub fn threshold<const D: usize>(
+    model: &impact::Model<D>,
+    assembler: &Assembler<D>,
+    space: &Arc<Space<D>>,
+) -> Result<Threshold, AssemblyError>
+where
+    Dim: Dimension<D>,
+{
+    let data = &model.data;
+    let contact =
+        NitscheContact::of_surface(&model.regions.gamma_c.0.name, [data.lambda, data.mu, data.gamma0]);
+    let contact = NitscheContact { theta: data.theta, traction: Traction::Normal, ..contact };
+    material_threshold(assembler, space, &contact)
+}
 
 /// A linear elastic body in frictionless impact. With β(w) = γ (w_n − g) − σ_n(w), which is −P_γ of the paper, the pressure is
 ///
@@ -11,7 +35,7 @@ use forms_fem::forms;
 ///   before the step, `step.before.value`.
 ///
 /// After Chouly, Hild & Renard (2015), A Nitsche finite element method for dynamic contact, parts 1 and 2, ESAIM: M2AN 49. For
-/// θ = 1 `energy` is what the continuous equations keep.
+/// θ = 1 `energy` is what the continuous equations keep. [`threshold`] says how large γ₀ has to be.
 #[forms]
 pub mod impact {
     use forms_fem::time::operators::vector::{acceleration, displacement};

@@ -18,7 +18,8 @@
 //! | [`residual_estimator`] | the error of the displacement, cell by cell | |
 //! | [`impact`] | motion with impact, by schemes that keep or never gain energy | |
 //! | [`finite_impact`] | the same for rubber with friction at large displacements | |
-//! | [`threshold`] | when γ₀ is too small | |
+//! | [`threshold`] | when γ₀ is too small, and what it is as a rule | |
+//! | [`material_threshold`](mod@material_threshold) | the same of any law on isotropic bodies | |
 //! | [`uzawa`] | Uzawa's iteration: multipliers updated outside of Newton's method | |
 //! | [`hollow_cylinder`], [`hertz`] | the paper's experiment, and contacts with closed forms | |
 //! | [`half_spaces`] | two bodies with closed forms: Hertz, Cattaneo | |
@@ -32,6 +33,7 @@ pub mod hertz;
 pub mod impact;
 pub mod laws;
 pub mod load_and_pressure;
+pub mod material_threshold;
 pub mod residual_estimator;
 pub mod shape_problem;
 pub mod uzawa;

@@ -8,6 +8,7 @@ mod cell_values;
 mod eigenproblems;
 mod field_files;
 mod fixed_sizes;
+mod floating_bodies;
 mod friction;
 mod gmsh;
 mod gmsh_errors;

@@ -69,6 +69,12 @@ impl Oscillator {
     fn exact_rate(&self, t: f64) -> f64 {
         (self.exact(t + 1e-5) - self.exact(t - 1e-5)) / 2e-5
     }
+
+    /// By the equation of motion.
+    fn exact_second_rate(&self, t: f64) -> f64 {
+        let Oscillator { mass, damping, stiffness, force } = *self;
+        (force * (DRIVEN * t).cos() - damping * self.exact_rate(t) - stiffness * self.exact(t)) / mass
+    }
 }
 
 pub(super) fn cell() -> Result<Arc<Space<2>>, Box<dyn std::error::Error>> {
@@ -131,6 +137,62 @@ fn schemes_for_second_order_have_their_orders() -> Outcome {
     for k in 1..=4 {
         let order = order(BackwardDifferences::new(k)?, Mass::Consistent)?;
         assert!((order - k as f64).abs() < 0.3, "{k} {order}");
+    }
+    Ok(())
+}
+
+/// The order of the second rate at the end of a run, compared with that of the motion at a part of the last step before its end.
+fn order_of_second_rate(
+    scheme: impl Scheme + Clone,
+    before_the_end: f64,
+) -> Result<f64, Box<dyn std::error::Error>> {
+    let space = cell()?;
+    let error = |steps: usize| -> Result<f64, Box<dyn std::error::Error>> {
+        let size = 2.0 / steps as f64;
+        let state = |t: f64| {
+            let (value, rate) = (OSCILLATOR.exact(t), OSCILLATOR.exact_rate(t));
+            State::new(t, same(&space, value), same(&space, rate))
+        };
+        let earlier: Vec<_> =
+            (1..scheme.states()).map(|k| state(-(k as f64) * size)).collect::<Result<_, _>>()?;
+        let form = |step: &Step<2>| OSCILLATOR.form(0.0)(step).motion();
+        let mut motion = TimeLoop::new(form, scheme.clone(), state(0.0)?).with_earlier(earlier);
+        for _ in 0..steps {
+            motion.take(size)?;
+        }
+        let exact = OSCILLATOR.exact_second_rate(2.0 - before_the_end * size);
+        Ok((motion.state().second_rate.values()[1] - exact).abs())
+    };
+    let errors = [error(160)?, error(320)?];
+    // Its size is about 3.
+    assert!(errors[0] < 0.2, "{scheme:?}: {errors:?}");
+    Ok((errors[0] / errors[1]).log2())
+}
+
+/// No scheme's second rate keeps an error that steps do not make smaller, whether it reads that of the first state or not.
+#[test]
+fn second_rates_come_to_those_of_the_motion() -> Outcome {
+    let of_the_family = [
+        (GeneralisedAlpha::trapezoidal(), 2.0),
+        (GeneralisedAlpha::mid_point(), 1.0),
+        (GeneralisedAlpha::with_spectral_radius(1.0)?, 1.0),
+        (GeneralisedAlpha::with_spectral_radius(0.5)?, 1.0),
+        (GeneralisedAlpha::hilber_hughes_taylor(0.2)?, 1.0),
+        (GeneralisedAlpha::wood_bossak_zienkiewicz(0.6)?, 1.0),
+    ];
+    for (scheme, expected) in of_the_family {
+        let order = order_of_second_rate(scheme, 0.0)?;
+        assert!((order - expected).abs() < 0.15, "{scheme:?}: {order} is not {expected}");
+    }
+    for order in [
+        order_of_second_rate(CentralDifferences, 0.0)?,
+        order_of_second_rate(BackwardDifferences::new(2)?, 0.0)?,
+    ] {
+        assert!((order - 2.0).abs() < 0.15, "{order}");
+    }
+    for scheme in [GeneralisedAlpha::mid_point(), GeneralisedAlpha::with_spectral_radius(1.0)?] {
+        let order = order_of_second_rate(scheme, 0.5)?;
+        assert!((order - 2.0).abs() < 0.15, "in the middle of the step: {order}");
     }
     Ok(())
 }

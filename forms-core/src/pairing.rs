@@ -27,7 +27,8 @@ pub enum PairQuadrature {
     /// A rule on each piece of the facet that faces one opposite facet: exact where both surfaces are flat.
     #[default]
     Pieces,
-    /// The rule of the whole facet, whatever lies opposite to it.
+    /// The rule of the whole facet, whatever lies opposite to it. On meshes that do not match the integrand has kinks inside the facet: a
+    /// uniform pressure is not reproduced.
     WholeFacets,
 }
 
@@ -36,7 +37,9 @@ pub enum PairQuadrature {
 /// A point for which none is found adds nothing to an integral over the pairs: it is free.
 ///
 /// Pairs of displaced surfaces, `integral(Touch(u), ..)`, always take rays and the rules of whole facets: `projection` and
-/// `quadrature` hold for fixed pairs.
+/// `quadrature` hold for fixed pairs. So sliding pairs violate the patch test on meshes that do not match, by an error of the pressure next to
+/// the surface that depends on the rule and on which surface is integrated over, and not on the size of the cells (docs/contact_between_bodies.md
+/// has figures).
 #[derive(Clone, Debug)]
 pub struct Pairing {
     /// Surfaces and those opposite to them; their integrals add up.

@@ -111,7 +111,9 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
         }
     }
 
-    /// The direct problem, from u = 0 with u_D imposed and by the law's line search unless its builder says otherwise.
+    /// The direct problem, from u = 0 with u_D imposed and by the law's line search unless its builder says otherwise. Where
+    /// γ₀ is below the law's [threshold](crate::threshold) the solution has a note that names it, and so has the error of a
+    /// solve that fails.
     ///
     /// # Errors
     /// A parameter out of its range.
@@ -123,7 +125,11 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
             .assembler(&self.assembler)
             .constrained(&self.constraints)
             .options(options);
-        let problem = self.on_pattern(problem);
+        let mut problem = self.on_pattern(problem);
+        // Data that do not fit are told by the solution.
+        if let Ok(Some(threshold)) = self.threshold() {
+            problem = problem.with_notes(threshold.warning());
+        }
         Ok(match self.split {
             None => problem,
             Some(split) => problem.assembler_at(move |u| split(&self.assembler, &self.law, &u[0])),

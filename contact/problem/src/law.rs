@@ -4,6 +4,7 @@
 use forms_fem::prelude::*;
 
 use crate::parameter_ranges::ParameterRanges;
+use crate::threshold::Threshold;
 
 /// A forms module with its data and regions bound, that states a contact problem: [`contact_law!`](crate::contact_law) writes
 /// this for a module's `Model`.
@@ -25,6 +26,19 @@ pub trait ContactLaw<const D: usize>: Clone + ParameterRanges {
     /// and forth between stick and slip: laws with friction shorten them by the residual.
     fn line_search(&self) -> LineSearch {
         LineSearch::Off
+    }
+
+    /// The threshold of the law's γ₀ for displacements in a space, with the undeformed body's stiffness. None unless the law says
+    /// it: penalty methods and multipliers have none.
+    ///
+    /// # Errors
+    /// Data that do not fit.
+    fn threshold(
+        &self,
+        _assembler: &Assembler<D>,
+        _space: &Arc<Space<D>>,
+    ) -> Result<Option<Threshold>, AssemblyError> {
+        Ok(None)
     }
 }
 
@@ -159,9 +173,10 @@ pub trait WithShapeGradient<const D: usize>: WithAdjoint<D> {
 /// Further entries, in this order, each with a function of the module: `indicator: β(u)`; `criterion: J(u), adjoint: form(u)`;
 /// `shape_gradient: form(u, p), diameter_gradient: form(u, p)`; `theta: parameter`, for
 /// Nitsche's method ([`WithTheta`](crate::law::WithTheta)), and `threshold: product(elasticity, gamma0)` with it
-/// ([`WithThreshold`](crate::law::WithThreshold)); `positive: parameter`, a member of the data (`base.parameter`
+/// ([`WithThreshold`](crate::law::WithThreshold)), or `threshold_by: function` of the model, an assembler and a space for
+/// [`ContactLaw::threshold`](crate::law::ContactLaw::threshold); `positive: parameter`, a member of the data (`base.parameter`
 /// of extended data) that has to be positive, `non_negative: parameter` and `rotation: parameter` ([`ParameterRanges`]); `coefficient: parameter`, that of
-/// friction (`base.parameter` too); `line_search: OnResidual`, a [`LineSearch`]. A function that the module does not have is an error at its name here.
+/// friction (`base.parameter` too); `line_search: OnResidual`, a [`LineSearch`], or `line_search_by: function` of the model. A function that the module does not have is an error at its name here.
 #[macro_export]
 macro_rules! contact_law {
     ($module:ident {
@@ -172,11 +187,13 @@ macro_rules! contact_law {
             $(, shape_gradient: $shape_gradient:ident, diameter_gradient: $diameter_gradient:ident)?)?
         $(, theta: $($theta:ident).+)?
         $(, threshold: $product:ident($elasticity:ident, $($gamma0:ident).+))?
+        $(, threshold_by: $threshold_by:ident)?
         $(, positive: $($positive:ident).+)*
         $(, non_negative: $($non_negative:ident).+)*
         $(, rotation: $($rotation:ident).+)*
         $(, coefficient: $($coefficient:ident).+)?
         $(, line_search: $line_search:ident)?
+        $(, line_search_by: $line_search_by:ident)?
         $(,)?
     }) => {
         impl<const D: usize> $crate::law::ContactLaw<D> for $module::Model<D>
@@ -196,6 +213,33 @@ macro_rules! contact_law {
             $(
                 fn line_search(&self) -> $crate::fem::LineSearch {
                     $crate::fem::LineSearch::$line_search
+                }
+            )?
+
+            $(
+                fn line_search(&self) -> $crate::fem::LineSearch {
+                    $line_search_by(self)
+                }
+            )?
+
+            $(
+                fn threshold(
+                    &self,
+                    assembler: &$crate::fem::Assembler<D>,
+                    space: &$crate::fem::Arc<$crate::fem::Space<D>>,
+                ) -> Result<Option<$crate::threshold::Threshold>, $crate::fem::AssemblyError> {
+                    let _ = stringify!($product);
+                    $crate::threshold::of_law(self, assembler, space).map(Some)
+                }
+            )?
+
+            $(
+                fn threshold(
+                    &self,
+                    assembler: &$crate::fem::Assembler<D>,
+                    space: &$crate::fem::Arc<$crate::fem::Space<D>>,
+                ) -> Result<Option<$crate::threshold::Threshold>, $crate::fem::AssemblyError> {
+                    $threshold_by(self, assembler, space).map(Some)
                 }
             )?
         }

@@ -17,7 +17,23 @@ contact_law!(forms {
     theta: theta,
     threshold: normal_stress_product(elasticity, gamma0),
     positive: gamma0,
+    line_search_by: shortened_where_nearly_incompressible,
 });
+
+/// λ/μ above which a material is nearly incompressible: ν = 0.476.
+const NEARLY_INCOMPRESSIBLE: f64 = 20.0;
+
+/// Whole steps find the zone of contact in a few iterations. Where λ is far above μ a node that enters the obstacle turns the signs of its
+/// neighbours' stresses, and whole steps may go back and forth between two zones.
+fn shortened_where_nearly_incompressible<const D: usize>(law: &forms::Model<D>) -> LineSearch
+where
+    Dim: Dimension<D>,
+{
+    match law.data.lambda > NEARLY_INCOMPRESSIBLE * law.data.mu {
+        true => LineSearch::OnResidual,
+        false => LineSearch::Off,
+    }
+}
 
 /// The paper's three adjoint states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,18 +1,30 @@
 //! The threshold of γ₀. For θ > −1 Nitsche's method is monotone only if, on every contact cell,
 //! γ ≥ s (1+θ)²/4 λ_T with s > 1, where λ_T is the largest eigenvalue of ∫_F σ_n(v)² = λ ∫_T σ(v):ε(v)
 //! modulo rigid motions (F runs over the contact facets of T). With friction the whole traction counts: ∫_F |σ(v)n|².
+//!
+//! λ_T has the scale of the normal stress, λ + 2μ, and not that of Young's modulus: for ν near ½ the two are far apart, and
+//! [`usual_gamma0`] is the one to take. [`ContactProblem::direct`] looks at the threshold of each law that has one, and
+//! [`Solved::notes`](forms_fem::solve::Solved::notes), or the error of a solve that failed, names it where γ₀ is smaller.
+
+mod eigenvalue;
 
 use std::collections::BTreeMap;
 
 use forms_fem::assemble::ElementMatrix;
-use forms_fem::linear_algebra::SymmetricEigen;
+use forms_fem::mesh::EVERYWHERE;
 use forms_fem::prelude::*;
 
+use self::eigenvalue::largest_eigenvalue;
 use crate::contact_problem::ContactProblem;
-use crate::law::WithThreshold;
+use crate::law::{ContactLaw, WithThreshold};
 
-/// Eigenvalues of ∫_T σ:ε below this part of the largest belong to rigid motions.
-const RIGID: f64 = 1e-10;
+/// γ₀ = 10 (λ + 2μ) \[stress\] of an isotropic material with Lamé's parameters λ and μ: above the threshold on cells of usual shapes up
+/// to degree 2, for any θ of −1, 0, 1 and any Poisson's ratio. For ν = 0.3 it is 13.5 E, for ν = 0.4995 it is 3340 E.
+///
+/// Stretched cells and higher degrees may ask for more; a solution's notes say so ([`Threshold`]).
+pub fn usual_gamma0(lambda: f64, mu: f64) -> f64 {
+    10.0 * (lambda + 2.0 * mu)
+}
 
 /// The threshold of γ₀ for Nitsche's method on a mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +46,8 @@ impl Threshold {
         (gamma0 <= required).then(|| {
             format!(
                 "gamma0 = {gamma0} is below the threshold of Nitsche's method: at theta = {theta} the contact cell at \
-                 {:?} asks for more than {required:.6}; the results cannot be relied on",
+                 {:?} asks for more than {required:.6}; the results cannot be relied on. The scale of gamma0 is that of \
+                 the normal stress, lambda + 2 mu: 10 times that is enough as a rule",
                 worst.as_deref().unwrap_or_default()
             )
         })
@@ -67,26 +80,75 @@ pub fn threshold<L: WithThreshold<D>, const D: usize>(
 where
     Dim: Dimension<D>,
 {
-    let (gamma0, theta) = (problem.law.gamma0(), problem.law.theta());
+    on_cells(&problem.law, &problem.assembler, &problem.space, contact_cells)
+}
+
+/// The threshold of a law on the cells that own the facets of its Γ_C.
+///
+/// # Errors
+/// Data that do not fit.
+pub fn of_law<L: WithThreshold<D>, const D: usize>(
+    law: &L,
+    assembler: &Assembler<D>,
+    space: &Arc<Space<D>>,
+) -> Result<Threshold, AssemblyError>
+where
+    Dim: Dimension<D>,
+{
+    // Nothing is assembled for the variant without a threshold.
+    if law.theta() == -1.0 {
+        return on_cells(law, assembler, space, EVERYWHERE);
+    }
+    let owned = on_cells_of_facets(assembler, space, law.stress_product().name(), &[law.contact_region()])?;
+    on_cells(law, &owned, space, EVERYWHERE)
+}
+
+/// The assembler of the cells that own some facets.
+#[doc(hidden)]
+pub fn on_cells_of_facets<const D: usize>(
+    assembler: &Assembler<D>,
+    space: &Arc<Space<D>>,
+    form: &'static str,
+    regions: &[&str],
+) -> Result<Assembler<D>, AssemblyError> {
+    let refused = |source| AssemblyError::Region { form, symbol: "of contact", source };
+    let mut cells = vec![];
+    for region in regions {
+        cells.extend(space.mesh().facet_region(region).map_err(refused)?.iter().map(|facet| facet.cell));
+    }
+    cells.sort_unstable();
+    cells.dedup();
+    assembler.clone().on_owned_cells(&cells).map_err(refused)
+}
+
+fn on_cells<L: WithThreshold<D>, const D: usize>(
+    law: &L,
+    assembler: &Assembler<D>,
+    space: &Arc<Space<D>>,
+    contact_cells: &str,
+) -> Result<Threshold, AssemblyError>
+where
+    Dim: Dimension<D>,
+{
+    let (gamma0, theta) = (law.gamma0(), law.theta());
     let factor = (1.0 + theta).powi(2) / 4.0;
     if factor == 0.0 {
         return Ok(Threshold { required: 0.0, gamma0, theta, worst: None });
     }
-    let zero = Field::zero(&problem.space);
-    let (unknowns, tests) = ([&zero], [&problem.space]);
-    let product = problem.law.stress_product();
-    let energy = problem.law.energy_on(contact_cells);
-    let energies = problem.assembler.element_matrices(&energy, &unknowns, &tests)?;
-    let products = problem.assembler.element_matrices(&product, &unknowns, &tests)?;
-    let mesh = problem.space.mesh();
+    let zero = Field::zero(space);
+    let (unknowns, tests) = ([&zero], [space]);
+    let product = law.stress_product();
+    let energies = assembler.element_matrices(&law.energy_on(contact_cells), &unknowns, &tests)?;
+    let products = assembler.element_matrices(&product, &unknowns, &tests)?;
+    let mesh = space.mesh();
     let (mut required, mut worst) = (0.0, None);
-    for (cell, largest) in largest_eigenvalues(energies, products) {
+    for (cell, largest) in largest_eigenvalues(energies, products, assembler.threads()) {
         let centre = mesh.cell_centre(cell as usize).to_vec();
         let Some(largest) = largest else {
             return Err(AssemblyError::CellOfFacet {
                 form: product.name(),
                 cells: contact_cells.to_owned(),
-                facets: problem.law.contact_region().to_owned(),
+                facets: law.contact_region().to_owned(),
                 position: centre,
             });
         };
@@ -98,10 +160,22 @@ where
     Ok(Threshold { required, gamma0, theta, worst })
 }
 
+impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
+    /// The threshold of the law's γ₀ on this mesh, with the undeformed body's stiffness; none of a law without one.
+    ///
+    /// # Errors
+    /// Data that do not fit.
+    pub fn threshold(&self) -> Result<Option<Threshold>, AssemblyError> {
+        self.law.threshold(&self.assembler, &self.space)
+    }
+}
+
 /// The largest eigenvalue of each cell that has products of stresses on its facets; none where its energy is missing.
-fn largest_eigenvalues(
+#[doc(hidden)]
+pub fn largest_eigenvalues(
     energies: Vec<ElementMatrix>,
     products: Vec<ElementMatrix>,
+    threads: Threads,
 ) -> Vec<(u32, Option<f64>)> {
     let energies: BTreeMap<u32, ElementMatrix> =
         energies.into_iter().map(|element| (element.cell, element)).collect();
@@ -110,31 +184,12 @@ fn largest_eigenvalues(
         let sum = stresses.entry(element.cell).or_insert_with(|| vec![0.0; element.values.len()]);
         sum.iter_mut().zip(&element.values).for_each(|(sum, value)| *sum += value);
     }
-    let largest =
-        |cell: &u32, stress: &[f64]| energies.get(cell).map(|energy| largest_eigenvalue(stress, energy));
-    stresses.iter().map(|(cell, stress)| (*cell, largest(cell, stress))).collect()
-}
-
-/// The largest λ of S v = λ A v over the complement of A's kernel; infinite where it cannot be determined.
-fn largest_eigenvalue(s: &[f64], a: &ElementMatrix) -> f64 {
-    let size = a.rows;
-    let Some(energy) = SymmetricEigen::of(size, &a.values) else { return f64::INFINITY };
-    let top = largest(&energy.values);
-    // Where A is the identity: its eigenvectors, scaled, without those of the kernel.
-    let basis: Vec<Vec<f64>> = energy
-        .values
-        .iter()
-        .zip(&energy.vectors)
-        .filter(|(value, _)| **value > RIGID * top)
-        .map(|(value, vector)| vector.iter().map(|entry| entry / value.sqrt()).collect())
-        .collect();
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let image = |vector: &Vec<f64>| s.chunks(size).map(|row| dot(row, vector)).collect();
-    let images: Vec<Vec<f64>> = basis.iter().map(image).collect();
-    let products: Vec<f64> = basis.iter().flat_map(|v| images.iter().map(|image| dot(v, image))).collect();
-    SymmetricEigen::of(basis.len(), &products).map_or(f64::INFINITY, |found| largest(&found.values))
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+    let stresses: Vec<(u32, Vec<f64>)> = stresses.into_iter().collect();
+    let largest = |(cell, stress): &(u32, Vec<f64>)| {
+        (*cell, energies.get(cell).map(|energy| largest_eigenvalue(energy.rows, stress, &energy.values)))
+    };
+    let count = threads.count().clamp(1, stresses.len().max(1));
+    let parts = (0..count).map(|k| &stresses[k * stresses.len() / count..(k + 1) * stresses.len() / count]);
+    let found = threads.run(parts.collect(), |part: &[_]| part.iter().map(largest).collect::<Vec<_>>());
+    found.into_iter().flatten().collect()
 }

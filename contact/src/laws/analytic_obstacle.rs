@@ -22,7 +22,7 @@ use crate::contact_law;
 /// |∇φ| ≠ 1 is divided by its slope there.
 #[forms]
 pub mod analytic_obstacle {
-    use super::super::frictional_nitsche::frictional_nitsche::elasticity;
+    pub use super::super::frictional_nitsche::frictional_nitsche::{elasticity, traction_product};
     use super::super::moving_obstacle::moving_obstacle::{in_own_axes, slip};
     pub use crate::operators::linear_criterion::criterion;
     pub use crate::operators::linear_elastic::stress;
@@ -128,6 +128,7 @@ contact_law!(analytic_obstacle {
     criterion: criterion,
     adjoint: discrete_adjoint,
     theta: theta,
+    threshold: traction_product(elasticity, base.gamma0),
     positive: base.mu,
     positive: base.gamma0,
     non_negative: half_sizes,

@@ -9,7 +9,7 @@ use crate::parameter_ranges::ParameterRanges;
 
 /// The multiplier λ is the traction of the obstacle on the body, T(λ) = −\[P_n\]₋ n_y + Π_s(P_t) with
 /// P = λ − γ ((u_n − g) n_y + (u − u₀)_t). Where the equation λ = T(λ) holds the conditions of contact and friction do, for any
-/// γ = γ₀/h_T. θ is not read.
+/// γ = γ₀/h_T, without a threshold. θ is not read.
 ///
 /// It has two unknowns, u and λ on a space on facets (`Space::vector_on_facets(&mesh, region, degree)`): [`multiplier_problem`] solves
 /// it, on `[&displacements, &multipliers]`.

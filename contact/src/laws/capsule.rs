@@ -2,9 +2,11 @@
 //! body.
 
 use forms_fem::forms;
-use forms_fem::prelude::Real;
+use forms_fem::prelude::*;
 
 use crate::contact_law;
+use crate::material_threshold::{NitscheContact, material_threshold};
+use crate::threshold::Threshold;
 
 /// Signed distance \[length\] of a point, positive outside, to a capsule around the origin: all points within `radius` of the
 /// segment from −`half_length` to `half_length` along the first axis. It is a disk or a ball where the segment is a point, in
@@ -103,6 +105,7 @@ contact_law!(capsule {
     region: gamma_c,
     criterion: criterion,
     adjoint: discrete_adjoint,
+    threshold_by: threshold,
     positive: base.mu,
     positive: base.gamma0,
     positive: radius,
@@ -114,3 +117,17 @@ contact_law!(capsule {
     coefficient: base.friction,
     line_search: OnResidual,
 });
+
+fn threshold<const D: usize>(
+    law: &capsule::Model<D>,
+    assembler: &Assembler<D>,
+    space: &Arc<Space<D>>,
+) -> Result<Threshold, AssemblyError>
+where
+    Dim: Dimension<D>,
+{
+    let data = &law.data.base;
+    let contact =
+        NitscheContact::of_surface(&law.regions.gamma_c.0.name, [data.lambda, data.mu, data.gamma0]);
+    material_threshold(assembler, space, &contact)
+}

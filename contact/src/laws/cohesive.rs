@@ -4,7 +4,9 @@ use forms_fem::forms;
 use forms_fem::prelude::*;
 
 use crate::law::{ContactLaw, WithAdjoint};
+use crate::material_threshold::{NitscheContact, Traction, material_threshold};
 use crate::parameter_ranges::{ParameterRanges, Range};
+use crate::threshold::Threshold;
 
 /// Bodies that are glued together by a bilinear law of traction and separation (after Camacho and Ortiz 1996, Alfano and
 /// Crisfield 2001). With Δ = u(Y) − u(X), Δ_n = Δ·n_y and the effective opening δ = √(\[Δ_n\]₊² + β² |Δ_t|²),
@@ -145,6 +147,19 @@ where
 
     fn line_search(&self) -> LineSearch {
         LineSearch::OnResidual
+    }
+
+    /// That of what closes; softening of the glue makes no law monotone.
+    fn threshold(
+        &self,
+        assembler: &Assembler<D>,
+        space: &Arc<Space<D>>,
+    ) -> Result<Option<Threshold>, AssemblyError> {
+        let data = &self.data;
+        let materials = [&data.lambda, &data.mu, &data.gamma0];
+        let contact = NitscheContact::of_pairs(&self.regions.touch.0, materials, data.share);
+        let contact = NitscheContact { traction: Traction::Normal, ..contact };
+        material_threshold(assembler, space, &contact).map(Some)
     }
 }
 

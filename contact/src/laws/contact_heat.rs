@@ -15,7 +15,8 @@ use crate::parameter_ranges::ParameterRanges;
 /// the part of its effusivity e = √(k ρ c), r = e(X)/(e(X) + e(Y)). What leaves one body enters the other in one integral, so that
 /// heat balances at any quadrature.
 ///
-/// It is linear in ϑ: [`heat_problem`] solves it, after each step of the mechanical law.
+/// It is linear in ϑ: [`heat_problem`] solves it, after each step of the mechanical law. γ₀ only enters p; its threshold is looked
+/// at where u is solved for.
 #[forms]
 pub mod contact_heat {
     pub use super::super::two_bodies::two_bodies::{

@@ -1,8 +1,11 @@
 //! Friction with a flat obstacle by Nitsche's method with θ = 0, finite strains of a neo-Hookean body.
 
 use forms_fem::forms;
+use forms_fem::prelude::*;
 
 use crate::contact_law;
+use crate::material_threshold::{NitscheContact, material_threshold};
+use crate::threshold::Threshold;
 
 /// ∫ P(u):∇v − ∫ T(u)·v = ℓ(v), where tractions are forces per reference area: P(u)n replaces σn in T. γ, h_T and areas
 /// are those of the reference configuration, and so are the loads. θ is not read: other variants than θ = 0 would need second
@@ -43,6 +46,7 @@ contact_law!(finite_nitsche {
     region: gamma_c,
     criterion: criterion,
     adjoint: discrete_adjoint,
+    threshold_by: threshold,
     positive: base.mu,
     positive: base.gamma0,
     non_negative: slip_stress,
@@ -50,3 +54,17 @@ contact_law!(finite_nitsche {
     coefficient: friction,
     line_search: OnResidual,
 });
+
+fn threshold<const D: usize>(
+    law: &finite_nitsche::Model<D>,
+    assembler: &Assembler<D>,
+    space: &Arc<Space<D>>,
+) -> Result<Threshold, AssemblyError>
+where
+    Dim: Dimension<D>,
+{
+    let data = &law.data.base;
+    let contact =
+        NitscheContact::of_surface(&law.regions.gamma_c.0.name, [data.lambda, data.mu, data.gamma0]);
+    material_threshold(assembler, space, &contact)
+}

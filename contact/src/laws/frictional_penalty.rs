@@ -4,8 +4,9 @@ use forms_fem::forms;
 
 use crate::contact_law;
 
-/// T = −\[P_n\]₋ n_y + Π_s(P_t) with P = −γ ((u_n − g) n_y + (u − u₀)_t): springs of stiffness γ = γ₀/h_T; the
-/// tangential ones slide. The error is of the order 1/γ. θ is not read.
+/// T = −\[P_n\]₋ n_y + Π_s(P_t) with P = −γ ((u_n − g) n_y + (u − u₀)_t): springs of stiffness γ = γ₀/h_T, whose
+/// tangential ones slide. The error is of the order 1/γ. θ is not read. T has no stress in it, so that the law is monotone without
+/// a threshold of γ₀.
 #[forms]
 pub mod frictional_penalty {
     pub use super::super::frictional_nitsche::frictional_nitsche::{

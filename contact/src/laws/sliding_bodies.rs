@@ -2,8 +2,11 @@
 //! Mlika, Renard and Chouly 2017).
 
 use forms_fem::forms;
+use forms_fem::prelude::*;
 
 use crate::contact_law;
+use crate::material_threshold::{NitscheContact, material_threshold};
+use crate::threshold::Threshold;
 
 /// ∫ P:∇v − Σ ½ ∫ T·(v(X) − v(Y)) dA = ℓ(v). Opposite points lie on rays along the deformed normal and move with u; the slip
 /// counts the rotation of that normal, so that turning both bodies together is no slip, whatever the gap. Also self contact:
@@ -11,6 +14,11 @@ use crate::contact_law;
 ///
 /// Choose the quadrature rule, `Quadrature::Degree(4)` for quadratic displacements: its integrand is no polynomial, and the
 /// estimated degree is above 20.
+///
+/// Facets keep their whole rule, so that a uniform pressure is not reproduced on meshes that do not match: the stress next to the
+/// surface is off by an amount that depends on the rule and on which surface is integrated over and that stays on finer meshes. It vanishes
+/// where the nodes of the two surfaces meet. docs/contact_between_bodies.md has figures; a higher rule makes it smaller, and
+/// [`two_bodies`](super::two_bodies) on pieces has none.
 #[forms]
 pub mod sliding_bodies {
     pub use super::super::two_bodies::two_bodies::{
@@ -63,6 +71,7 @@ contact_law!(sliding_bodies {
     region: touch,
     criterion: criterion,
     adjoint: discrete_adjoint,
+    threshold_by: threshold,
     positive: mu,
     positive: gamma0,
     positive: share,
@@ -70,3 +79,17 @@ contact_law!(sliding_bodies {
     non_negative: friction,
     line_search: OnResidual,
 });
+
+fn threshold<const D: usize>(
+    law: &sliding_bodies::Model<D>,
+    assembler: &Assembler<D>,
+    space: &Arc<Space<D>>,
+) -> Result<Threshold, AssemblyError>
+where
+    Dim: Dimension<D>,
+{
+    let data = &law.data;
+    let materials = [&data.lambda, &data.mu, &data.gamma0];
+    let contact = NitscheContact::of_pairs(&law.regions.touch.0, materials, data.share);
+    material_threshold(assembler, space, &contact)
+}

@@ -1,14 +1,20 @@
 //! Contact of two bodies with friction by Nitsche's method (Chouly, Mlika, Renard 2018), small strains and small sliding.
 
 use forms_fem::forms;
+use forms_fem::prelude::*;
 
 use crate::contact_law;
+use crate::material_threshold::{NitscheContact, material_threshold};
+use crate::threshold::Threshold;
 
 /// Σ a_i(u,v) + Σ ½ ∫ { −(θ/γ) σ(u)n·σ(v)n + (1/γ) T·(θ σ(v)n − γ ⟦v⟧) } = ℓ(v) over the surfaces of both bodies: unbiased. Each
 /// surface takes its own body's σ, h and γ. T acts on X and −T on Y in one integral, so that forces balance at any quadrature.
 ///
 /// Pairs are those of the undeformed mesh. With both surfaces on pieces, the default of a
 /// [`Pairing`](forms_fem::prelude::Pairing), a constant pressure is reproduced to rounding, whatever the meshes.
+///
+/// A point without a partner adds nothing: not −(θ/γ) σ(u)n·σ(v)n either, which is consistent there with and without it, for σn vanishes
+/// on a free surface.
 #[forms]
 pub mod two_bodies {
     use crate::operators::bodies::{own_gamma, own_traction, present_gap};
@@ -89,6 +95,7 @@ contact_law!(two_bodies {
     criterion: criterion,
     adjoint: discrete_adjoint,
     theta: theta,
+    threshold_by: threshold,
     positive: mu,
     positive: gamma0,
     positive: share,
@@ -96,3 +103,18 @@ contact_law!(two_bodies {
     non_negative: friction,
     line_search: OnResidual,
 });
+
+fn threshold<const D: usize>(
+    law: &two_bodies::Model<D>,
+    assembler: &Assembler<D>,
+    space: &Arc<Space<D>>,
+) -> Result<Threshold, AssemblyError>
+where
+    Dim: Dimension<D>,
+{
+    let data = &law.data;
+    let materials = [&data.lambda, &data.mu, &data.gamma0];
+    let contact = NitscheContact::of_pairs(&law.regions.touch.0, materials, data.share);
+    let contact = NitscheContact { theta: data.theta, ..contact };
+    material_threshold(assembler, space, &contact)
+}

@@ -7,7 +7,7 @@ use crate::contact_law;
 
 /// a(u,v) − ∫ T(λ, u)·v = ℓ(v) for a given multiplier λ, T = −\[P_n\]₋ n_y + Π_s(P_t) with P = λ − γ ((u_n − g) n_y + (u − u₀)_t):
 /// the penalty method, shifted by λ. [`solve_by_uzawa`](crate::uzawa::solve_by_uzawa) repeats λ ← T(λ, u); where λ = T(λ, u)
-/// holds at each point the conditions of contact and friction do, for any γ = γ₀/h_T. λ is a
+/// holds at each point the conditions of contact and friction do, for any γ = γ₀/h_T, without a threshold. λ is a
 /// [`History`](forms_fem::prelude::History) at the quadrature points of Γ_C, which hold T as it is: no space is in between. θ is
 /// not read.
 ///

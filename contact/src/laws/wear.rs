@@ -16,9 +16,9 @@ use crate::contact_law;
 #[forms]
 pub mod wear {
     pub use super::super::frictional_nitsche::frictional_nitsche::{
-        Boundary, GammaC, GammaN, Omega, criterion, stress,
+        Boundary, GammaC, GammaN, Omega, criterion, elasticity, stress, traction_product,
     };
-    use super::super::frictional_nitsche::frictional_nitsche::{elasticity, law, loads};
+    use super::super::frictional_nitsche::frictional_nitsche::{law, loads};
     use crate::operators::friction::{augmented_traction, tangential};
     use crate::operators::obstacle::{current_gap, gamma};
     use crate::operators::signed_distance::nitsche_density;
@@ -92,6 +92,7 @@ contact_law!(wear {
     criterion: criterion,
     adjoint: discrete_adjoint,
     theta: base.base.theta,
+    threshold: traction_product(elasticity, base.base.gamma0),
     positive: base.base.mu,
     positive: base.base.gamma0,
     non_negative: base.slip_stress,

@@ -76,7 +76,7 @@ pub use ordering::{Candidate, Chosen, Ordering};
 pub use pattern::SparsityPattern;
 pub use residual_history::ResidualHistory;
 pub use restriction::{Entry, Restriction};
-pub use rigid_motions::{free_motions, rigid_motions};
+pub use rigid_motions::{free_motions, free_motions_of_body, rigid_motions};
 pub use spectrum::{Spectrum, spectrum};
 pub use symbolic::Fill;
 pub use symmetric_eigen::SymmetricEigen;

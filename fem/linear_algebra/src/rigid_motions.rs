@@ -59,31 +59,51 @@ pub type Hindrance<'a> = dyn Fn(&[f64], &[f64]) -> Result<Vec<f64>, LinearAlgebr
 ///
 /// # Errors
 /// If the matrix is smaller than the unknowns, or those of `hindrance`.
-#[inline(never)]
 pub fn free_motions<const D: usize>(
     matrix: &BlockMatrix,
     offset: usize,
     positions: &[[f64; D]],
     hindrance: &Hindrance<'_>,
 ) -> Result<Vec<String>, LinearAlgebraError> {
+    let nodes: Vec<u32> = (0..positions.len() as u32).collect();
+    free_motions_of_body(matrix, offset, positions, &nodes, hindrance)
+}
+
+/// The same of one of several bodies, the one with these nodes: the others stay where they are.
+///
+/// # Errors
+/// As [`free_motions`].
+#[inline(never)]
+pub fn free_motions_of_body<const D: usize>(
+    matrix: &BlockMatrix,
+    offset: usize,
+    positions: &[[f64; D]],
+    nodes: &[u32],
+    hindrance: &Hindrance<'_>,
+) -> Result<Vec<String>, LinearAlgebraError> {
     let scale = super::vector::largest(matrix.values());
-    if D < 2 || positions.is_empty() || !scale.is_finite() {
+    if D < 2 || nodes.is_empty() || !scale.is_finite() {
         return Ok(Vec::new());
     }
+    let unknowns = offset + positions.len() * D;
+    if unknowns > matrix.columns() {
+        let (what, expected, found) = ("the set of columns", unknowns, matrix.columns());
+        return Err(LinearAlgebraError::SizeMismatch { what, expected, found });
+    }
+    let own: Vec<[f64; D]> = nodes.iter().map(|node| positions[*node as usize]).collect();
     let mut hindrances = Vec::new();
-    for motion in rigid_motions(positions) {
+    for motion in rigid_motions(&own) {
         let mut all = vec![0.0; matrix.columns()];
-        let Some(own) = all.get_mut(offset..offset + motion.len()) else {
-            let (what, expected, found) = ("the set of columns", offset + motion.len(), matrix.columns());
-            return Err(LinearAlgebraError::SizeMismatch { what, expected, found });
-        };
-        own.copy_from_slice(&motion);
+        for (node, value) in nodes.iter().zip(motion.chunks_exact(D)) {
+            let start = offset + *node as usize * D;
+            all[start..start + D].copy_from_slice(value);
+        }
         let mut forces = matrix.multiply(&all)?;
         forces.iter_mut().for_each(|force| *force /= scale.max(f64::MIN_POSITIVE));
         hindrances.push(hindrance(&all, &forces)?);
     }
-    let null = null_combinations(hindrances, positions.len());
-    let (centre, size) = frame(positions);
+    let null = null_combinations(hindrances, nodes.len());
+    let (centre, size) = frame(&own);
     Ok(simplest(null, D).iter().map(|motion| in_words(motion, &centre, size)).collect())
 }
 
@@ -199,12 +219,12 @@ fn in_words<const D: usize>(motion: &[f64], centre: &[f64; D], size: f64) -> Str
     format!("{kind} about {} through {}", direction(&spin), numbers(&through))
 }
 
-fn instances<const D: usize>() -> [*const (); 2] {
-    [rigid_motions::<D> as *const (), free_motions::<D> as *const ()]
+fn instances<const D: usize>() -> [*const (); 3] {
+    [rigid_motions::<D> as *const (), free_motions::<D> as *const (), free_motions_of_body::<D> as *const ()]
 }
 /// Compiled here for the plane and for space, and not in every program (as `compiled_here!` of `forms-mesh` does, which this crate does not know).
 #[expect(dead_code, reason = "it is there for the instances that it names")]
-static INSTANCES: [fn() -> [*const (); 2]; 2] = [instances::<2>, instances::<3>];
+static INSTANCES: [fn() -> [*const (); 3]; 2] = [instances::<2>, instances::<3>];
 
 #[cfg(test)]
 mod tests {

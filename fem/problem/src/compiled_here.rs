@@ -57,6 +57,7 @@ where
             Self::facet_groups(),
             Self::field(),
             Self::file(),
+            Self::free_bodies(),
             Self::functional(),
             Self::functions_on_pairs(),
             Self::group_nodes(),

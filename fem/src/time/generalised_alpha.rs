@@ -28,7 +28,8 @@ impl GeneralisedAlpha {
         GeneralisedAlpha { alpha_m: 0.0, alpha_f: 0.0, beta: 0.25, gamma: 0.5 }
     }
 
-    /// The mid-point rule: forces at (u₀ + u₁)/2, inertia (u̇₁ − u̇₀)/Δt, no accelerations at the ends.
+    /// The mid-point rule: forces at (u₀ + u₁)/2, inertia (u̇₁ − u̇₀)/Δt. It has no accelerations at the ends of a step: the
+    /// second rate of its states is (u̇₁ − u̇₀)/Δt, that of the middle of the step before them, and zero in the first one.
     pub fn mid_point() -> Self {
         GeneralisedAlpha { alpha_m: 0.5, alpha_f: 0.5, beta: 0.25, gamma: 0.5 }
     }
@@ -52,7 +53,7 @@ impl GeneralisedAlpha {
     }
 
     /// Chung and Hulbert's choice: the least damping of low frequencies for ρ_∞, the spectral radius at infinite frequency, from 0 (a
-    /// step takes what it cannot resolve away) to 1 (nothing is damped).
+    /// step takes what it cannot resolve away) to 1 (nothing is damped, the [mid-point rule](GeneralisedAlpha::mid_point)).
     ///
     /// # Errors
     /// [`SchemeError`] for another ρ_∞.
@@ -69,10 +70,15 @@ impl GeneralisedAlpha {
     }
 }
 
+/// Whether some of the formulas read the second rate of the state before.
+fn reads(formulas: [&Combination; 5]) -> bool {
+    formulas.iter().any(|combination| combination.states[0][2] != 0.0)
+}
+
 impl Scheme for GeneralisedAlpha {
     fn reads_second_rates(&self) -> bool {
         let Formulas { evaluated, end: [value, rate, _], .. } = self.formulas(&[1.0]);
-        evaluated.iter().chain([&value, &rate]).any(|combination| combination.states[0][2] != 0.0)
+        reads([&evaluated[0], &evaluated[1], &evaluated[2], &value, &rate])
     }
 
     fn formulas(&self, steps: &[f64]) -> Formulas {
@@ -96,15 +102,13 @@ impl Scheme for GeneralisedAlpha {
         let between = |alpha: f64, end: &Combination, which: usize| {
             Combination::sum(&[(1.0 - alpha, end), (alpha, &start(which))])
         };
-        Formulas {
-            evaluated: [
-                between(alpha_f, &value, 0),
-                between(alpha_f, &rate, 1),
-                between(alpha_m, &second_rate, 2),
-            ],
-            end: [value, rate, second_rate],
-            load_at: 1.0 - alpha_f,
-        }
+        let evaluated =
+            [between(alpha_f, &value, 0), between(alpha_f, &rate, 1), between(alpha_m, &second_rate, 2)];
+        // Newmark's formula for ü₁ would carry the error of the first ü₀ on for ever, with a sign that changes in each step, where
+        // nothing else reads accelerations.
+        let all = [&evaluated[0], &evaluated[1], &evaluated[2], &value, &rate];
+        let second_rate = if reads(all) { second_rate } else { evaluated[2].clone() };
+        Formulas { evaluated, end: [value, rate, second_rate], load_at: 1.0 - alpha_f }
     }
 
     // u₁ = u₀ + Δt u̇₀ + Δt²/2 ü₀ + β Δt² (ü₁ − ü₀) compared with the ⅙ of Taylor's series (Zienkiewicz & Xie 1991).

@@ -21,7 +21,12 @@ pub struct State<const D: usize> {
     pub value: Field<D>,
     /// Its rate \[value/time\].
     pub rate: Field<D>,
-    /// The rate of that \[value/time²\].
+    /// The rate of that \[value/time²\], as the scheme knows it. Schemes that read second rates give the first state one that agrees
+    /// with the form when the first step is taken. With other schemes it stays zero, or what it was, until the end of the first step.
+    ///
+    /// At the end of a step it is of second order for the trapezoidal rule, central differences and backward differences of order 2,
+    /// and of first order for schemes of the generalised-α family that balance forces before the end of a step. The mid-point rule
+    /// gives that of the middle of the step, of second order there; schemes for first order give zero.
     pub second_rate: Field<D>,
 }
 

@@ -149,6 +149,33 @@ impl<const D: usize> Assembler<D> {
     /// The committed values: the components at each point, for the cells (or facets) in the order of their
     /// region, point by point.
     ///
+    /// ```
+    /// use forms_fem::prelude::*;
+    ///
+    /// #[forms(dimension = 2)]
+    /// mod largest {
+    ///     pub struct Data {
+    ///         pub before: History<Scalar>,
+    ///     }
+    ///     pub fn after(u: Scalar) -> Scalar {
+    ///         max(before, u)
+    ///     }
+    /// }
+    ///
+    /// let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 1], CellShape::Quadrilateral, 1)?);
+    /// let assembler = Assembler::new(&mesh);
+    /// let data = largest::Data { before: assembler.history(Entity::Cells, "all", 3, 0.25)? };
+    /// let u = Field::interpolate(&Space::scalar(&mesh, 1)?, |x: &[f64; 2]| x[0])?;
+    /// assembler.update_history(&largest::after(&data, &u), &data.before)?;
+    /// assert!(assembler.history_values(&data.before)?.iter().all(|value| *value == [0.25]));
+    /// data.before.commit();
+    /// // Two cells with 2 × 2 points each.
+    /// let values = assembler.history_values(&data.before)?;
+    /// assert_eq!(values.len(), 8);
+    /// assert!(values.iter().all(|value| value[0] >= 0.25 && value[0] < 1.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// A history of another mesh or backend.
     pub fn history_values<V: FieldValue>(

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::condensed_solver::CondensedSystem;
+use super::floating::Floating;
 use super::solver_report::SolverReport;
 use crate::linear_algebra::{
     CsrMatrix, Entry, GmresReport, KrylovReport, LinearAlgebraError, ResidualHistory, SparsityPattern,
@@ -188,7 +189,7 @@ pub enum SolverError {
         "the matrix is singular: nothing determines {}`{field}` at {position:?} (a pivot is {ratio:e} of its scale); \
          {}",
         of(component),
-        because(motions)
+        floating
     )]
     Undetermined {
         /// The unknown's name in the form.
@@ -199,8 +200,8 @@ pub enum SolverError {
         position: Vec<f64>,
         /// As in [`LinearAlgebraError::Singular`].
         ratio: f64,
-        /// The rigid motions that nothing resists, in words, where the unknown is a displacement.
-        motions: Vec<String>,
+        /// What moves freely there.
+        floating: Floating,
     },
     /// The matrix is close to a singular one, and an unknown that it hardly determines.
     #[error(
@@ -310,14 +311,6 @@ fn other_processes(problem: usize, solver: usize) -> String {
 
 fn residuals(history: &ResidualHistory) -> String {
     if history.0.is_empty() { String::new() } else { format!("; residuals: {history:?}") }
-}
-
-fn because(motions: &[String]) -> String {
-    if motions.is_empty() {
-        return "a boundary condition or a pinned value is missing, or the spaces do not fit each other"
-            .to_owned();
-    }
-    format!("the body can move rigidly: {}", motions.join(", "))
 }
 
 #[cfg(test)]

@@ -17,6 +17,11 @@ pub use increment::{Extrapolate, Increment, StepStart};
 /// through the last two states, and from the last one where it fails; and a step in which sliding pairs may have passed through each
 /// other, which has a solution, too, is refused, so that it is halved. [`LoadSteps::run`] is for any state.
 ///
+/// The state S is what one step hands to the next, and what [`LoadPath::state`] is at the end: whatever the closure returns. For
+/// [`LoadSteps::advance`] it is continued along secants ([`Extrapolate`]): a number, a [`Field`](crate::field::Field), or an array of fields,
+/// `[u, p]`, which is what [`Solved::fields`](super::Solved::fields) of a problem with several unknowns is. For [`LoadSteps::run`] it may be anything,
+/// as a tuple of a field and a count.
+///
 /// ```
 /// use forms_fem::solve::LoadSteps;
 /// // The state after a step is the factor's square; steps above 0.3 fail.
@@ -195,8 +200,33 @@ impl LoadSteps {
     }
 
     /// The same with something done at each success, before the next step: histories are committed there.
+    ///
+    /// ```
+    /// use forms_fem::solve::LoadSteps;
+    ///
+    /// // Two unknowns, [u, p]; a step above ¼ fails.
+    /// let (mut committed, mut told) = (vec![], vec![]);
+    /// let steps = LoadSteps::through([0.5, 1.0]);
+    /// let path = steps
+    ///     .each_attempt(|attempt| told.push((attempt.factor, attempt.failure.is_none())))
+    ///     .committing(|[u, _]: &[f64; 2]| committed.push(*u))
+    ///     .advance([0.0, 0.0], |step| match step.factor - step.from > 0.25 {
+    ///         true => Err("too large a step"),
+    ///         false => Ok([step.factor, step.before[1] + 1.0]),
+    ///     })
+    ///     .map_err(|error| error.to_string())?;
+    /// assert_eq!(path.state, [1.0, 4.0]);
+    /// assert_eq!(told[..3], [(0.5, false), (0.25, true), (0.5, true)]);
+    /// assert_eq!(committed, [0.25, 0.5, 0.75, 1.0]);
+    /// # Ok::<(), String>(())
+    /// ```
     pub fn committing<'a, S>(&'a self, commit: impl FnMut(&S) + 'a) -> CommittingSteps<'a, S> {
         CommittingSteps { steps: self, commit: Box::new(commit), each_attempt: Box::new(|_| ()) }
+    }
+
+    /// The same with something done at each attempt, whether it succeeds or fails, as printing it.
+    pub fn each_attempt<'a, S>(&'a self, progress: impl FnMut(&LoadStep) + 'a) -> CommittingSteps<'a, S> {
+        self.committing(|_: &S| ()).each_attempt(progress)
     }
 
     fn go_through<S, E: fmt::Display>(
@@ -269,7 +299,13 @@ pub struct CommittingSteps<'a, S> {
 }
 
 impl<'a, S> CommittingSteps<'a, S> {
-    /// The same with something done at each attempt, as printing it.
+    /// The same with something else done at each success: [`LoadSteps::committing`].
+    pub fn committing(mut self, commit: impl FnMut(&S) + 'a) -> Self {
+        self.commit = Box::new(commit);
+        self
+    }
+
+    /// The same with something done at each attempt: [`LoadSteps::each_attempt`].
     pub fn each_attempt(mut self, progress: impl FnMut(&LoadStep) + 'a) -> Self {
         self.each_attempt = Box::new(progress);
         self

@@ -14,6 +14,7 @@ pub mod condensed_solver;
 mod contrasts;
 pub mod eigenproblem;
 pub mod elimination;
+mod floating;
 mod lent_solver;
 mod linear_and_nonlinear;
 mod linear_part;
@@ -35,6 +36,7 @@ pub use communicator::{CommunicationError, Communicator};
 pub use condensed_solver::CondensedSolver;
 pub use eigenproblem::{Eigenmode, Eigenproblem, EigenproblemError};
 pub use elimination::Elimination;
+pub use floating::Floating;
 #[doc(hidden)]
 pub use lent_solver::LentSolver;
 pub use linear_solver::{CondensingSolver, LinearSolution, LinearSolver, SolverError};

@@ -5,6 +5,7 @@ mod agreement;
 mod diagnosis;
 mod equations;
 mod form_equations;
+mod free_bodies;
 mod setting;
 mod step;
 mod touching_start;
@@ -167,6 +168,13 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
     /// Is called with the start and each iterate.
     pub fn each_step(mut self, progress: impl FnMut(&NewtonStep) + 'a) -> Self {
         self.untyped.progress = Some(Box::new(progress));
+        self
+    }
+
+    /// Remarks on the problem itself, as that a parameter is too small: [`Solved::notes`] and the error of a solve that fails repeat
+    /// them.
+    pub fn with_notes(mut self, notes: impl IntoIterator<Item = String>) -> Self {
+        self.untyped.notes.extend(notes);
         self
     }
 

@@ -32,6 +32,8 @@ pub struct Solved<const D: usize, const N: usize = 1> {
     /// [`Solved::notes`] puts into words.
     pub pairs: Vec<RegionPairs<D>>,
     pub(super) assembler: Assembler<D>,
+    /// Those of [`Problem::with_notes`](super::Problem::with_notes).
+    pub(super) remarks: Vec<String>,
 }
 
 /// A reaction that does not exist.
@@ -64,9 +66,12 @@ impl<const D: usize, const N: usize> Solved<D, N> {
 
     /// Remarks on the solution: surfaces that may touch, but whose points have no opposite one. Bodies that come together later
     /// begin so; a surface that is turned away, or beyond the reach, would stay so, and the bodies pass through each other. And integrals
-    /// over contact pairs whose rule has the compiler's estimate for its degree, where that is above 20.
+    /// over contact pairs whose rule has the compiler's estimate for its degree, where that is above 20. Last, what whoever made the
+    /// problem has to say ([`Problem::with_notes`](super::Problem::with_notes)), as contact problems of a γ₀ that is too small.
     pub fn notes(&self) -> Vec<String> {
-        self.pairs.iter().flat_map(|pairs| [pairs.note(), pairs.note_on_quadrature()]).flatten().collect()
+        let of_pairs =
+            self.pairs.iter().flat_map(|pairs| [pairs.note(), pairs.note_on_quadrature()]).flatten();
+        of_pairs.chain(self.remarks.iter().cloned()).collect()
     }
 
     /// The value of a functional, with the quadrature that the problem was solved with. After [`Problem::on`](super::Problem::on) several

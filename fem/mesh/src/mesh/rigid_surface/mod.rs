@@ -134,6 +134,22 @@ impl RigidSurface<2> {
     /// A polygon: the outward side is on the right of the way from each point to the next. It is closed where the last point is the
     /// first.
     ///
+    /// ```
+    /// # use forms_mesh as forms_fem;
+    /// use forms_fem::element::CellShape;
+    /// use forms_fem::mesh::{RigidSurface, rectangle};
+    ///
+    /// // The lower side of a blunt punch looks down: on the right, so the way goes to the left.
+    /// let punch = RigidSurface::along(&[[1.5, 1.5], [1.2, 1.1], [0.8, 1.1], [0.5, 1.5]])?;
+    /// let block = rectangle([0.0, 0.0], [2.0, 1.0], [8, 4], CellShape::Quadrilateral, 1)?;
+    /// let mesh = block.with_rigid_surfaces(&[("punch", &punch)])?;
+    /// assert_eq!(mesh.rigid_surface_names().collect::<Vec<_>>(), ["punch"]);
+    /// // A closed bar, counter-clockwise: its outward side is outside.
+    /// let bar = RigidSurface::along(&[[0.0, 2.0], [1.0, 2.0], [1.0, 3.0], [0.0, 3.0], [0.0, 2.0]])?;
+    /// assert_eq!((bar.rim(), bar.enclosed()), (0, Some(1.0)));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// Those of [`RigidSurface::new`].
     pub fn along(points: &[[f64; 2]]) -> Result<Self, RigidSurfaceError> {

@@ -177,7 +177,27 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// A start in contact, for load control: one body moved rigidly along a direction from a displacement u until the first
-    /// quadrature point touches, and on by a small overlap. Surfaces meet along the direction, not along their normals.
+    /// quadrature point touches, and on by a small overlap. Surfaces meet along the direction, not along their normals. A body that is
+    /// held by nothing but contact has no stiffness before: from here Newton's method goes on, with [`FirstTouch::start`] for its
+    /// [start](crate::solve::Problem::start).
+    ///
+    /// ```
+    /// use forms_fem::pairs::Approach;
+    /// use forms_fem::prelude::*;
+    ///
+    /// let slab = rectangle([0.0, 0.0], [3.0, 1.0], [6, 2], CellShape::Quadrilateral, 1)?;
+    /// let punch = rectangle([1.0, 1.2], [2.0, 2.2], [3, 3], CellShape::Quadrilateral, 1)?;
+    /// let mesh = Arc::new(Mesh::of_bodies(&[("slab", &slab), ("punch", &punch)])?);
+    /// let space = Space::vector(&mesh, 1)?;
+    /// let pairing = Pairing::between("slab top", "punch bottom");
+    /// let down = Approach { moving: "punch".to_owned(), direction: [0.0, -1.0], overlap: 1e-3 };
+    /// let touch = Assembler::new(&mesh).first_touch(&pairing, 4, &Field::zero(&space), &down)?;
+    /// assert!((touch.distance - 0.2).abs() < 1e-14);
+    /// // The punch has gone down by 0.201; the slab stays.
+    /// assert!((touch.start.evaluate(&[1.5, 1.7])?[1] + 0.201).abs() < 1e-14);
+    /// assert_eq!(touch.start.evaluate(&[1.5, 0.5])?, [0.0, 0.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Assembler::pairs_at`]; a direction of no length, cells to which both surfaces belong or neither, surfaces that do not

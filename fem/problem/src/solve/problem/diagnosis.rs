@@ -1,8 +1,8 @@
 //! Errors of linear solvers told in a problem's own terms: field, component, position, rigid motions.
 
 use super::untyped::UntypedProblem;
-use crate::linear_algebra::{LinearAlgebraError, free_motions};
-use crate::solve::{Elimination, NonlinearProblem, SolverError, WorstEquation};
+use crate::linear_algebra::LinearAlgebraError;
+use crate::solve::{Elimination, Floating, NonlinearProblem, SolverError, WorstEquation};
 
 impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
     /// A singular matrix is reported with the field and the place of an unknown that it does not determine, an equation
@@ -29,16 +29,20 @@ impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
                     }
                     SolverError::LinearAlgebra(LinearAlgebraError::IllConditioned { condition, .. }) => {
                         // A body that can move rigidly is singular, whatever rounding makes of its matrix.
-                        let (motions, ratio) = (self.free_motions(number, elimination), 1.0 / condition);
-                        if motions.is_empty() {
-                            SolverError::IllConditioned { field, component, position, condition }
-                        } else {
-                            SolverError::Undetermined { field, component, position, ratio, motions }
+                        let floating = self.floating(number, index / components, elimination);
+                        let ratio = 1.0 / condition;
+                        match floating {
+                            Floating::Nothing => {
+                                SolverError::IllConditioned { field, component, position, condition }
+                            }
+                            floating => {
+                                SolverError::Undetermined { field, component, position, ratio, floating }
+                            }
                         }
                     }
                     SolverError::LinearAlgebra(LinearAlgebraError::Singular { ratio, .. }) => {
-                        let motions = self.free_motions(number, elimination);
-                        SolverError::Undetermined { field, component, position, ratio, motions }
+                        let floating = self.floating(number, index / components, elimination);
+                        SolverError::Undetermined { field, component, position, ratio, floating }
                     }
                     error => error,
                 };
@@ -96,17 +100,5 @@ impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
         let pairs = self.system.pairs(u).unwrap_or_default();
         let lost = pairs.iter().filter(|pairs| pairs.displaced && pairs.report.open > 0);
         lost.flat_map(|pairs| [Some(pairs.to_string()), pairs.note()]).flatten().collect()
-    }
-
-    /// The rigid motions of an unknown that nothing resists, where it is a vector on the mesh.
-    fn free_motions(&self, number: usize, elimination: &Elimination) -> Vec<String> {
-        let (spaces, space) = (&self.system.spaces, &self.system.spaces[number]);
-        let Some(assembled) = self.assembled.as_ref().filter(|_| space.components() == D) else {
-            return vec![];
-        };
-        let offset = spaces[..number].iter().map(|space| space.unknowns()).sum();
-        // What cannot be said is left out: the error is reported in any case.
-        let residual = |motion: &[f64], forces: &[f64]| elimination.null_space_residual(motion, forces);
-        free_motions(assembled.matrix(), offset, space.positions(), &residual).unwrap_or_default()
     }
 }

@@ -40,6 +40,8 @@ pub(in crate::solve) struct UntypedProblem<'a, const D: usize, const N: usize> {
     pub seconds: f64,
     /// The memory that earlier steps left.
     pub memory: StepMemory,
+    /// Remarks of whoever made the problem.
+    pub notes: Vec<String>,
 }
 
 /// Memory that one step of a history leaves to the next, and the map from its matrix to the reduced one: nothing that a result depends on.
@@ -93,6 +95,7 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
             split: None,
             seconds: 0.0,
             memory: StepMemory::default(),
+            notes: vec![],
         }
     }
 
@@ -112,7 +115,10 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
         }
         let report = solver.get().report();
         self.solver = solver;
-        let (u, residual, history) = found?;
+        let (u, residual, history) = found.map_err(|mut error| {
+            error.notes.extend(self.notes.iter().cloned());
+            error
+        })?;
         Ok(Solved {
             fields: self.system.fields(&u),
             history,
@@ -126,6 +132,7 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
                 Some(_) => self.system.assembler.on_all_cells(),
                 None => self.system.assembler.clone().into_owned(),
             },
+            remarks: self.notes.clone(),
         })
     }
 
