@@ -4,6 +4,7 @@ mod action;
 mod adaptivity;
 mod assembly;
 mod bad_input;
+mod diameter_kinks;
 mod eigenproblems;
 mod field_files;
 mod fixed_sizes;
