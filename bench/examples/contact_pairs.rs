@@ -204,8 +204,7 @@ where
 }
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
-    let threads = std::env::args().nth(1).map_or(Ok(1), |count| count.parse())?;
-    let threads = Threads::new(threads);
+    let threads: Threads = std::env::args().nth(1).map_or(Ok(Threads::ONE), |count| count.parse())?;
     out.line(
         "| elements, points | own facets | points per facet | search, µs | residual, µs | tangent, µs |",
     );

@@ -27,8 +27,7 @@ fn best<E>(runs: usize, mut run: impl FnMut() -> Result<(), E>) -> Result<f64, E
 }
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
-    let threads = std::env::args().nth(1).map_or(Ok(1), |count| count.parse())?;
-    let threads = Threads::new(threads);
+    let threads: Threads = std::env::args().nth(1).map_or(Ok(Threads::ONE), |count| count.parse())?;
     out.line(
         "| n_r | cells | contact facets | entries that change | update, µs | per facet, ns | whole, ms |",
     );

@@ -25,7 +25,7 @@ fn fastest<E: Error + 'static>(mut work: impl FnMut() -> Result<Field<2>, E>) ->
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let threads = match std::env::args().nth(1) {
-        Some(count) => Threads::new(count.parse().map_err(|error| format!("threads \"{count}\": {error}"))?),
+        Some(count) => count.parse().map_err(|error| format!("threads \"{count}\": {error}"))?,
         None => Threads::all(),
     };
     let mesh = |divisions| rectangle([0.0; 2], [1.0; 2], divisions, CellShape::Triangle, 1).map(Arc::new);

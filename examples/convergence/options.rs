@@ -38,7 +38,7 @@ pub struct Options {
     pub split: bool,
     /// Threads for assembly; one per core where it is not given. Results do not depend on it
     #[arg(long, value_name = "N")]
-    pub threads: Option<usize>,
+    pub threads: Option<Threads>,
     /// Goes on where the memory will not do, by an estimate
     #[arg(long)]
     pub any_memory: bool,
@@ -91,7 +91,7 @@ impl Options {
 
     /// The experiment's settings on a mesh.
     pub fn settings(&self, radial: usize, theta: f64) -> Settings {
-        let threads = self.threads.map_or_else(Threads::all, Threads::new);
+        let threads = self.threads.unwrap_or_default();
         Settings { radial, theta, threads, ..Settings::default() }
     }
 }

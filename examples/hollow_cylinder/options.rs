@@ -49,8 +49,8 @@ pub struct Options {
     #[arg(long, num_args = 2, value_names = ["X", "Y"], value_parser = number)]
     push: Vec<f64>,
     /// Threads for assembly; one per core where it is not given. Results do not depend on it
-    #[arg(long, value_name = "N", value_parser = thread_count)]
-    threads: Option<usize>,
+    #[arg(long, value_name = "N")]
+    threads: Option<Threads>,
     /// Goes on where the memory will not do, by an estimate
     #[arg(long)]
     pub any_memory: bool,
@@ -84,7 +84,7 @@ impl Options {
             poisson: self.poisson,
             degree: self.degree,
             extension: self.xi,
-            threads: self.threads.map_or_else(Threads::all, Threads::new),
+            threads: self.threads.unwrap_or_default(),
         };
         settings.check()?;
         // Each factor may be a number and their product none.
@@ -103,11 +103,4 @@ fn number(text: &str) -> Result<f64, String> {
 
 fn whole_number(text: &str) -> Result<usize, String> {
     text.parse().map_err(|_| "a whole number, not negative, is needed".to_owned())
-}
-
-fn thread_count(text: &str) -> Result<usize, String> {
-    match whole_number(text)? {
-        0 => Err("at least one thread is needed".into()),
-        count => Ok(count),
-    }
 }

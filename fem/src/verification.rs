@@ -35,6 +35,10 @@
 //! # }
 //! ```
 
+mod kinked_diameters;
+#[cfg(test)]
+mod tests;
+
 use std::fmt;
 use std::sync::Arc;
 
@@ -46,6 +50,7 @@ use crate::field::{Field, FieldError};
 use crate::linear_algebra::vector::norm;
 use crate::mesh::Mesh;
 use crate::movement::MovementError;
+pub use kinked_diameters::KinkedDiameters;
 
 /// Steps with the active set of the start that a test takes, each half of the one before.
 const STEPS: usize = 7;
@@ -103,6 +108,8 @@ pub struct TaylorReport {
     pub rounding: f64,
     /// ‖f′(0)‖₂ along the direction, as it was given \[unit of f\].
     pub slope: f64,
+    /// Cells whose diameter has a kink at the steps that are judged: of a test by the [`shape`] of the domain.
+    pub kinked_diameters: Option<KinkedDiameters>,
 }
 
 /// Outcomes of a test that shows nothing, or shows a mistake. Each holds the report.
@@ -117,6 +124,23 @@ pub enum TaylorFailure {
         expected: u8,
         /// The lowest order.
         lowest: f64,
+        /// The test.
+        report: TaylorReport,
+    },
+    /// The remainder falls too slowly along a movement for which the diameter of cells has a kink: a function that reads `h` has
+    /// no derivative there. Whether the derivative is right, the test does not say.
+    #[error(
+        "the remainder falls with the order {lowest:.3} instead of {expected}: {kinked}. A function that reads h has no \
+         derivative there: move along another field, or take a mesh whose cells have one longest distance, of rectangles \
+         with a node shifted. A function that does not read h has another derivative than this one\n{report}"
+    )]
+    Diameter {
+        /// The order of a right derivative.
+        expected: u8,
+        /// The lowest order.
+        lowest: f64,
+        /// The cells.
+        kinked: KinkedDiameters,
         /// The test.
         report: TaylorReport,
     },
@@ -185,7 +209,10 @@ impl TaylorReport {
         match telling.filter_map(|step| step.order).rev().take(JUDGED).reduce(f64::min) {
             None => Err(TaylorFailure::Rounding { report: report() }),
             Some(lowest) if lowest > f64::from(expected) - SLACK => Ok(lowest),
-            Some(lowest) => Err(TaylorFailure::Order { expected, lowest, report: report() }),
+            Some(lowest) => Err(match self.kinked_diameters.clone() {
+                Some(kinked) => TaylorFailure::Diameter { expected, lowest, kinked, report: report() },
+                None => TaylorFailure::Order { expected, lowest, report: report() },
+            }),
         }
     }
 
@@ -235,7 +262,7 @@ pub fn taylor<E>(
     let start = value(0.0)?;
     let [scale, slope] = [&start.value[..], derivative].map(norm);
     let rounding = ROUNDING * scale.max(first.abs() * slope);
-    let mut report = TaylorReport { steps: Vec::new(), rounding, slope };
+    let mut report = TaylorReport { steps: Vec::new(), rounding, slope, kinked_diameters: None };
     let (mut step, mut kept) = (first, 0);
     while kept < STEPS && (kept > 0 || report.steps.len() < MOST_HALVINGS) {
         let moved = value(step)?;
@@ -308,7 +335,8 @@ pub fn tangent<F: Form<D>, const D: usize>(
 }
 
 /// Tests a derivative by the shape of the domain along a movement: `value` computes the number on a mesh that has moved,
-/// where spaces number their nodes as before ([`Field::carried_to`]). `derivative` is the derivative along `movement`.
+/// of which spaces number their nodes as before ([`Field::carried_to`]). `derivative` is the derivative along `movement`. Where
+/// the diameter h of cells has a kink along it, the report says so: a function that reads h has no derivative there.
 ///
 /// # Errors
 /// Those of `value`; a movement that turns a cell inside out at the first step, by the cell's number.
@@ -318,86 +346,11 @@ pub fn shape<E: From<MovementError>, const D: usize>(
     derivative: f64,
     mut value: impl FnMut(&Arc<Mesh<D>>) -> Result<Sample, E>,
 ) -> Result<TaylorReport, E> {
-    taylor(first, &[derivative], |step| match step == 0.0 {
+    let mut report = taylor(first, &[derivative], |step| match step == 0.0 {
         true => value(movement.space().mesh()),
         false => value(&movement.move_mesh(step)?),
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn test(derivative: f64, value: impl Fn(f64) -> Sample) -> TaylorReport {
-        taylor(0.5, &[derivative], |step| Ok::<_, AssemblyError>(value(step)))
-            .unwrap_or_else(|error| panic!("{error}"))
-    }
-
-    #[test]
-    fn right_and_wrong_derivatives_are_told_apart() {
-        let exponential = |step: f64| step.exp().into();
-        assert!(test(1.0, exponential).second_order().is_ok_and(|order| (order - 2.0).abs() < 0.05));
-        let wrong = test(1.5, exponential).second_order();
-        assert!(
-            matches!(wrong, Err(TaylorFailure::Order { lowest, .. }) if (lowest - 1.0).abs() < 0.2),
-            "{wrong:?}"
-        );
-        let message = test(1.0, |step| (1.0 / step.min(0.3 - step)).sqrt().into()).second_order();
-        assert!(matches!(message, Err(TaylorFailure::NotFinite { .. })));
-        // A vector of another length than the derivative.
-        assert!(test(1.0, |_| vec![1.0, 2.0].into()).second_order().is_err());
-    }
-
-    #[test]
-    fn affine_functions_pass_with_the_right_derivative_only() {
-        let line = |step: f64| (2.0 + 3.0 * step).into();
-        let affine = test(3.0, line);
-        assert!(affine.is_affine() && affine.second_order() == Ok(f64::INFINITY), "{affine}");
-        assert!(affine.to_string().ends_with("affine along this direction: no remainder but rounding\n"));
-        for wrong in [3.000_01, 0.0, -3.0] {
-            let report = test(wrong, line);
-            let failure = report.second_order();
-            assert!(
-                !report.is_affine() && matches!(failure, Err(TaylorFailure::Order { .. })),
-                "{failure:?}"
-            );
-        }
-        // A law with a kink beyond the first steps: affine where it is tested.
-        let law = |step: f64| Sample {
-            value: vec![(step - 0.2).max(0.0), 1.0 - step],
-            active_set: Some(vec![u32::from(step > 0.2)]),
-        };
-        let along = |derivative: [f64; 2]| {
-            let report = taylor(0.5, &derivative, |step| Ok::<_, AssemblyError>(law(step)));
-            report.unwrap_or_else(|error| panic!("{error}"))
-        };
-        assert_eq!(along([0.0, -1.0]).second_order(), Ok(f64::INFINITY));
-        assert!(matches!(along([1.0, -1.0]).second_order(), Err(TaylorFailure::Order { .. })));
-        assert_eq!(test(0.0, |_| 7.0.into()).second_order(), Ok(f64::INFINITY));
-        // Steps so small that a wrong derivative is rounding, too.
-        for derivative in [2e-9, 4e-9] {
-            let value = |step: f64| Ok::<_, AssemblyError>(Sample::from(1e5 + 2e-9 * step));
-            let blind = taylor(1.0, &[derivative], value).unwrap_or_else(|error| panic!("{error}"));
-            assert!(matches!(blind.second_order(), Err(TaylorFailure::Rounding { .. })));
-        }
-    }
-
-    #[test]
-    fn steps_across_a_kink_are_named_and_left_out() {
-        // f = x² + [x − 0.2]₊ at x = 0: right below the kink, wrong for who does not know of it.
-        let kinked = |step: f64| step * step + (step - 0.2).max(0.0);
-        let told =
-            |step: f64| Sample { value: vec![kinked(step)], active_set: Some(vec![u32::from(step > 0.2)]) };
-        let report = test(0.0, told);
-        let same: Vec<bool> = report.steps.iter().map(|step| step.same_active_set).collect();
-        assert_eq!(same[..3], [false, false, true]);
-        assert_eq!(report.steps[2].order, None);
-        assert!(report.second_order().is_ok_and(|order| (order - 2.0).abs() < 1e-9));
-        assert!(report.to_string().lines().nth(1).is_some_and(|line| line.ends_with("another active set")));
-        // On the kink every step has another set.
-        let on_it =
-            |step: f64| Sample { value: vec![step.abs()], active_set: Some(vec![u32::from(step > 0.0)]) };
-        let failure = test(0.0, on_it).second_order();
-        assert!(matches!(failure, Err(TaylorFailure::ActiveSet { .. })), "{failure:?}");
-    }
+    })?;
+    let judged = report.steps.iter().rev().nth(JUDGED).or(report.steps.first());
+    report.kinked_diameters = judged.and_then(|judged| KinkedDiameters::along(movement, judged.step));
+    Ok(report)
 }

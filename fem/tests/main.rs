@@ -5,6 +5,7 @@ mod adaptivity;
 mod assembly;
 mod bad_input;
 mod cell_values;
+mod diameter_kinks;
 mod eigenproblems;
 mod field_files;
 mod fixed_sizes;

@@ -101,7 +101,10 @@ const WITHOUT_CASE: &[(&str, &str)] = &[
     ),
     ("needs the module's body", "rustc itself refuses an attribute on a module in another file"),
     ("the derivatives of this unfold to more", "a limit of size: its case would compile for long"),
-    ("unfolds to more than 2 million scalar operations", "a limit of size: its case would compile for long"),
+    (
+        "unfolds to more than 1.5 million scalar operations",
+        "a limit of size: its case would compile for long",
+    ),
     (
         "operations stand one inside the other",
         "a limit of depth: its case would be hundreds of functions; the compiler's tests of growth have it",

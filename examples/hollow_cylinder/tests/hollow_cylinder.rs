@@ -169,7 +169,7 @@ fn a_failure_is_explained() {
 #[test]
 fn wrong_options_are_one_line_and_a_code() {
     let directory = tempfile::tempdir().expect("a directory");
-    let cases: [(&[&str], &str); 24] = [
+    let cases: [(&[&str], &str); 29] = [
         (&["--radial", "many"], "--radial"),
         (&["--radial", "0"], "radial"),
         (&["--radial", "-3"], "--radial"),
@@ -188,6 +188,11 @@ fn wrong_options_are_one_line_and_a_code() {
         (&["--xi", "-0.1"], "xi"),
         (&["--xi"], "--xi"),
         (&["--threads", "0"], "at least one thread"),
+        (&["--threads", "1025"], "at most 1024 threads"),
+        (&["--threads", "100000000"], "at most 1024 threads"),
+        (&["--threads", "1000000000000"], "at most 1024 threads"),
+        (&["--threads", "18446744073709551615"], "at most 1024 threads"),
+        (&["--threads", "two"], "whole number of threads"),
         (&["--json", ""], "--json"),
         (&["--colour", "blue"], "--colour"),
         (&["--young", "1\n2"], "--young"),

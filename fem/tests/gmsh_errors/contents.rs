@@ -29,6 +29,21 @@ fn elements() {
     let lines = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n2\n1 0 0 0\n2 1 0 0\n$EndNodes\n$Elements\n1\n\
                  1 1 2 0 1 1 2\n$EndElements\n";
     assert_eq!(message::<2>(lines.as_bytes()), "square.msh: the file has no cells");
+    // A physical group of curves only.
+    let omitted = ". Where a model has physical groups, Gmsh saves the entities of groups only: put those of the cells into a \
+                   physical group, too, or save with the option Mesh.SaveAll = 1";
+    let grouped = lines.replace("1 1 2 0 1 1 2", "1 1 2 5 1 1 2");
+    assert_eq!(message::<2>(grouped.as_bytes()), format!("square.msh: the file has no cells{omitted}"));
+    // Of surfaces only, where the volume is wanted.
+    let surface = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n$Elements\n1\n\
+                   1 2 2 5 1 1 2 3\n$EndElements\n";
+    assert_eq!(
+        message::<3>(surface.as_bytes()),
+        format!(
+            "square.msh, line 12, in $Elements: the cells have two dimensions (element 1 is a triangle of 3 nodes), but a \
+             mesh in three dimensions was asked for{omitted}"
+        )
+    );
 }
 
 #[test]
@@ -85,7 +100,8 @@ fn dimensions() {
     assert_eq!(
         message::<3>(VERSION_4.as_bytes()),
         "square.msh, line 31, in $Elements: the cells have two dimensions (element 2 is a triangle of 3 nodes), but a mesh \
-         in three dimensions was asked for"
+         in three dimensions was asked for. Where a model has physical groups, Gmsh saves the entities of groups only: put \
+         those of the cells into a physical group, too, or save with the option Mesh.SaveAll = 1"
     );
     let tetrahedron = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n\
                        $Elements\n2\n1 2 2 7 1 1 2 3\n2 4 2 0 1 1 2 3 4\n$EndElements\n";

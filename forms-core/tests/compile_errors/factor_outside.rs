@@ -23,6 +23,9 @@ pub mod elastic {
         let gamma = mu / h;
         gamma * integral(Omega, dot(u, v)) + integral(GammaC, v[0]) / gap + integral(Omega, v[0]) * integral(Omega, 1)
     }
+    pub fn one_number(u: Unknown<Vector>, t: Unknown<Scalar>, v: Test<Vector>) -> Form {
+        integral(Omega, inner(sigma(u), eps(v))) + t * integral(GammaC, v[0])
+    }
 }
 
 /// A use of the module: it gives no further errors.

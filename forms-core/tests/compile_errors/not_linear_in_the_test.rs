@@ -21,6 +21,7 @@ pub mod elastic {
     }
     pub fn wrong(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         integral(Omega, dot(u, v) * div(v)) + integral(GammaC, neg_part(dot(v, n)) + u[0] / v[0])
+            + integral(GammaC, neg_part(dot(u, n) + dot(v, n)))
     }
 }
 

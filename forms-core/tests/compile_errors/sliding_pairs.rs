@@ -43,6 +43,12 @@ mod derivatives {
     pub fn across(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         integral(Touch(u), inner(grad(other(u)), this(grad(v))))
     }
+    pub fn one_derivative_more(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Touch(u), gap * inner(jump(hess(u)), jump(hess(v))))
+    }
+    pub fn normal_twice(u: Unknown<Vector>) -> Energy {
+        integral(Touch(u), gap * dot(other(n), toward))
+    }
     pub fn without_a_side(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         integral(Touch(u), gap * dot(v, toward))
     }

@@ -6,7 +6,7 @@ use forms_core::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
-use toy_backend::{expression, residual, tangent};
+use toy_backend::{expression, functional, residual, tangent};
 
 /// Before the modules that it imports from.
 #[forms(crate = forms_core)]
@@ -252,4 +252,65 @@ fn modules_of_one_name_do_not_collide() {
     );
     assert_eq!(expression(&mesh, &one, (Entity::Cells, "all"))[0], [2.0]);
     assert_eq!(expression(&mesh, &two, (Entity::Cells, "all"))[0], [4.0]);
+}
+
+/// Names that are keywords, in all places that travel: functions that call each other, members, regions, modules.
+#[forms(crate = forms_core)]
+pub mod r#loop {
+    pub struct Data {
+        r#type: Param,
+    }
+    #[cells]
+    pub struct r#match;
+
+    fn r#fn(s: Scalar) -> Scalar {
+        r#type * s
+    }
+    pub fn r#use(r#in: Scalar) -> Scalar {
+        let r#let = r#fn(r#in);
+        r#let + 1
+    }
+    pub fn r#struct(r#mut: State<Scalar>) -> Functional {
+        integral(r#match, r#use(r#mut))
+    }
+}
+
+#[forms(crate = forms_core)]
+pub mod keywords {
+    pub use super::r#loop::{r#match, r#struct};
+    use super::r#loop::{r#use as plain, r#use as r#where};
+
+    #[includes(super::r#loop::Data)]
+    pub struct Data {
+        r#as: Param,
+    }
+
+    pub fn r#dyn(r#ref: State<Scalar>) -> Functional {
+        integral(r#match, r#where(r#ref) + r#as * plain(r#ref))
+    }
+}
+
+/// What they import came by another name, and has one here.
+#[forms(crate = forms_core)]
+pub mod again {
+    pub use super::keywords::{r#dyn as r#enum, r#struct};
+    use super::r#loop::r#match;
+
+    #[extends(super::keywords::Data)]
+    pub struct Data {}
+}
+
+#[test]
+fn names_that_are_keywords_travel() {
+    let mesh = Mesh::<2>::cube(&mut Random(1));
+    let volume: f64 = mesh.elements(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
+    let two = || Source::<2>::Constant(vec![2.0]);
+    let value = |form: &dyn Fn() -> f64, expected: f64| assert!((form() / volume - expected).abs() < 1e-12);
+    let data = keywords::Data::<2> { r#type: 3.0, r#as: 10.0 };
+    value(&|| functional(&mesh, &keywords::r#struct(&data, &r#loop::r#match::on("all"), two()), &[]), 7.0);
+    value(&|| functional(&mesh, &keywords::r#dyn(&data, &r#loop::r#match::on("all"), two()), &[]), 77.0);
+    let data = again::Data { base: data };
+    value(&|| functional(&mesh, &again::r#enum(&data, &r#loop::r#match::on("all"), two()), &[]), 77.0);
+    let model = keywords::Model { data: data.base, regions: keywords::Regions::default().r#match("all") };
+    value(&|| functional(&mesh, &model.r#dyn(two()), &[]), 77.0);
 }

@@ -243,7 +243,7 @@ impl Unit<'_> {
                     }
                     Err(Failure::TooLarge) => diagnostics.error_with_help(
                         SourceSpan::of(name),
-                        format!("`{name}` unfolds to more than 2 million scalar operations"),
+                        format!("`{name}` unfolds to more than 1.5 million scalar operations"),
                         "split it into several forms, or compute tensors of high rank in fewer steps",
                     ),
                 }

@@ -43,6 +43,9 @@ pub fn forms(attribute: TokenStream, item: TokenStream) -> TokenStream {
 
 /// Expands `form!(input)` to an expression whose value is the form, or a closure that takes its known fields.
 pub fn form(input: TokenStream) -> TokenStream {
+    if let Err(error) = parse::nesting::check(input.clone()) {
+        return error.into_compile_error();
+    }
     let subject = reuse::Subject::Form(parse::raw::plain(input));
     compile::start_form(reuse::State { attribute: TokenStream::new(), subject, received: vec![] })
 }

@@ -329,14 +329,26 @@ impl Evaluator<'_> {
         let factor = self.expect_scalar(factor, "a factor of an integral")?;
         for node in self.arena.reachable(&[factor]) {
             if matches!(self.arena.node(node).operator, Operator::Field { .. } | Operator::Geometry(_)) {
-                self.diagnostics.error_with_help(
-                    self.arena.span(node),
-                    "this varies in space and cannot stand outside the integral",
-                    "move it into the density",
-                );
+                let help = match self.is_scalar_unknown(node) {
+                    true => {
+                        "move it into the density; an unknown that is one number for a whole body or boundary is not available"
+                    }
+                    false => "move it into the density",
+                };
+                let message = "this varies in space and cannot stand outside the integral";
+                self.diagnostics.error_with_help(self.arena.span(node), message, help);
                 return None;
             }
         }
         Some(factor)
+    }
+
+    /// Is it the value of an unknown or a state of one component, as the function at hand names it?
+    fn is_scalar_unknown(&self, tensor: Tensor) -> bool {
+        let Operator::Field { field, order: 0 } = self.arena.node(tensor).operator else { return false };
+        let arguments = self.calls.first().map(|outermost| &self.module.functions[*outermost].arguments);
+        let role = arguments.and_then(|arguments| arguments.get(field)).map(|argument| argument.role);
+        self.arena.shape(tensor).is_empty()
+            && matches!(role, Some(ArgumentRole::Unknown | ArgumentRole::State))
     }
 }

@@ -27,6 +27,8 @@ struct Algebra<'a> {
     diagnostics: &'a mut Diagnostics,
     known: HashMap<Tensor, Option<Dependence>>,
     regular: HashMap<Tensor, bool>,
+    /// The argument of the innermost nonlinear operation around the node at hand, and what that operation is.
+    inside: Option<(Tensor, &'static str)>,
 }
 
 /// A `Form`: every term is linear in exactly one test function.
@@ -50,7 +52,8 @@ pub fn check_form(
         );
         return false;
     }
-    let mut algebra = Algebra { arena, fields, diagnostics, known: HashMap::new(), regular: HashMap::new() };
+    let mut algebra =
+        Algebra { arena, fields, diagnostics, known: HashMap::new(), regular: HashMap::new(), inside: None };
     let mut right = true;
     for term in terms {
         match algebra.dependence(term.density) {
@@ -241,6 +244,13 @@ impl Algebra<'_> {
             let vanishes = found.iter().all(|one| matches!(one, Zero));
             return Some(if vanishes { Zero } else { Free });
         }
+        // A sum with other terms inside of a nonlinear operation: what is wrong is that the test function stands there at all.
+        if let Some((argument, user)) = self.inside
+            && found.iter().any(|one| matches!(one, Free))
+        {
+            self.not_linear(argument, all[0], user);
+            return None;
+        }
         let mut right = true;
         for (part, one) in parts.iter().zip(&found) {
             if matches!(one, Free) {
@@ -258,15 +268,22 @@ impl Algebra<'_> {
         self.diagnostics.error_with_help(self.arena.span(part), message, help);
     }
 
-    fn free(&mut self, a: Tensor, user: &str) -> Option<Dependence> {
-        let found = self.dependence(a)?;
-        if let Linear(tests) = &found {
-            let name = tests.first().map(|test| self.fields[*test].name.as_str()).unwrap_or_default();
-            let message = format!("not linear in the test function `{name}`: it stands inside {user}");
-            let help = "a form is a sum of terms, each a product of one test function with things free of it";
-            self.diagnostics.error_with_help(self.arena.span(a), message, help);
+    fn free(&mut self, a: Tensor, user: &'static str) -> Option<Dependence> {
+        let outside = self.inside.replace((a, user));
+        let found = self.dependence(a);
+        self.inside = outside;
+        if let Linear(tests) = &found? {
+            let test = tests.first().copied().unwrap_or_default();
+            self.not_linear(a, test, user);
             return None;
         }
         Some(Free)
+    }
+
+    fn not_linear(&mut self, argument: Tensor, test: usize, user: &str) {
+        let name = &self.fields[test].name;
+        let message = format!("not linear in the test function `{name}`: it stands inside {user}");
+        let help = "a form is a sum of terms, each a product of one test function with things free of it";
+        self.diagnostics.error_with_help(self.arena.span(argument), message, help);
     }
 }

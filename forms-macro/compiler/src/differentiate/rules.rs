@@ -231,11 +231,18 @@ impl<'a> Differentiation<'a> {
     }
 
     fn no_third_derivative(&mut self, tensor: Tensor) {
-        self.diagnostics.error_with_help(
-            self.arena.span(tensor),
-            "third derivatives of a field are not available",
-            "second derivatives are the highest, `hess(u)`: for more, make a derivative an unknown of its own",
-        );
+        let (message, help) = match self.along_surface {
+            // What is written is a second derivative: the third one comes from the motion of the pair.
+            true => (
+                "where pairs slide, what is read at the opposite point is differentiated once more, and third derivatives of a field are not available",
+                "read second derivatives at the own point, `this(hess(u))`, or take pairs of fixed points, `integral(Touch, ..)`; or make a derivative an unknown of its own",
+            ),
+            false => (
+                "third derivatives of a field are not available",
+                "second derivatives are the highest, `hess(u)`: for more, make a derivative an unknown of its own",
+            ),
+        };
+        self.diagnostics.error_with_help(self.arena.span(tensor), message, help);
     }
 
     fn by_shape(&self) -> bool {
@@ -288,7 +295,11 @@ impl<'a> Differentiation<'a> {
                 Some(self.column(turning, &[self.dimension], axis, tensor))
             }
             Geometry::ShapeOperator => {
-                self.no_third_derivative(tensor);
+                self.diagnostics.error_with_help(
+                    self.arena.span(tensor),
+                    "where pairs slide, the normal at the opposite point is differentiated once only",
+                    "a form that is tested by a test function needs one derivative of it, an energy two",
+                );
                 None
             }
             Geometry::Normal | Geometry::Curvature => {

@@ -7,12 +7,16 @@ use super::hashing::Map;
 use super::scalar::{Graph, Node, Scalar};
 use super::straight_line::Code;
 
-/// The expressions with the sums in them collected; sums over basis functions stay, since what precedes a basis
-/// function is computed once per point.
-pub fn collected(graph: &mut Graph, roots: &[Scalar]) -> Vec<Scalar> {
-    let varies = graph.mark(|node| matches!(node, Node::Basis(..) | Node::Accumulated(_)));
+/// The expressions with the sums in them collected; sums over basis functions stay, since what stands before a basis
+/// function is computed once per point. `None` where that takes too much work.
+pub fn collected(graph: &mut Graph, roots: &[Scalar]) -> Option<Vec<Scalar>> {
+    if graph.tangled {
+        return None;
+    }
+    let varies = graph.mark(roots, |node| matches!(node, Node::Basis(..) | Node::Accumulated(_)));
+    let (start, limit) = (graph.len(), graph.work() + MOST_WORK + MOST_WORK_PER_NODE * varies.nodes().len());
     let mut known: Map<Scalar, Scalar> = Map::default();
-    for scalar in graph.reachable(roots) {
+    for &scalar in varies.nodes() {
         let now = |scalar: &Scalar| known.get(scalar).copied().unwrap_or(*scalar);
         let changed = match graph.node(scalar).clone() {
             Node::Sum { constant, terms } => {
@@ -23,7 +27,7 @@ pub fn collected(graph: &mut Graph, roots: &[Scalar]) -> Vec<Scalar> {
                 let constant = graph.number(f64::from_bits(constant));
                 let parts = [&terms[..], &[constant]].concat();
                 let sum = graph.sum(&parts);
-                if varies[scalar.0 as usize] { sum } else { horner(graph, sum) }
+                if varies.holds(scalar) { sum } else { take_out(graph, sum, MOST_FACTORS, limit) }
             }
             Node::Product(factors) => {
                 let factors: Vec<_> =
@@ -32,10 +36,21 @@ pub fn collected(graph: &mut Graph, roots: &[Scalar]) -> Vec<Scalar> {
             }
             other => graph.intern(with_operands(other, &now)),
         };
+        if graph.work() > limit {
+            graph.truncate(start);
+            graph.tangled = true;
+            return None;
+        }
         known.insert(scalar, changed);
     }
-    roots.iter().map(|root| known.get(root).copied().unwrap_or(*root)).collect()
+    Some(roots.iter().map(|root| known.get(root).copied().unwrap_or(*root)).collect())
 }
+
+/// What factors that are taken out leave flattens the sums below them, and where these are shared each of their users flattens
+/// them anew: in products of matrices one inside the other the work grows by a factor with each. More than this is not
+/// spent ([`Graph::work`]), and no form in this repository takes as much.
+const MOST_WORK: usize = 100_000;
+const MOST_WORK_PER_NODE: usize = 100;
 
 /// A node that is neither a sum nor a product, on other operands.
 fn with_operands(node: Node, now: &dyn Fn(&Scalar) -> Scalar) -> Node {
@@ -68,14 +83,11 @@ const MOST_TERMS: usize = 30;
 /// dividend: without an end a factor could be taken out that comes back.
 const MOST_FACTORS: usize = 60;
 
-/// A sum with the factor taken out that most of its terms have, and what is left of it likewise.
-fn horner(graph: &mut Graph, sum: Scalar) -> Scalar {
-    take_out(graph, sum, MOST_FACTORS)
-}
-
-fn take_out(graph: &mut Graph, sum: Scalar, factors_left: usize) -> Scalar {
+/// A sum with the factor taken out that most of its terms have, and what is left of it likewise, until so much work has been
+/// done on the graph.
+fn take_out(graph: &mut Graph, sum: Scalar, factors_left: usize, limit: usize) -> Scalar {
     let Node::Sum { constant, terms } = graph.node(sum).clone() else { return sum };
-    if terms.len() > MOST_TERMS || factors_left == 0 {
+    if terms.len() > MOST_TERMS || factors_left == 0 || graph.work() > limit {
         return sum;
     }
     // A factor and whether it divides.
@@ -110,16 +122,16 @@ fn take_out(graph: &mut Graph, sum: Scalar, factors_left: usize) -> Scalar {
         }
     }
     let inside = graph.sum(&inside);
-    let inside = take_out(graph, inside, factors_left - 1);
+    let inside = take_out(graph, inside, factors_left - 1, limit);
     let product = graph.product(&[(factor, if divides { -1 } else { 1 }), (inside, 1)]);
     let outside = graph.sum(&outside);
-    let outside = take_out(graph, outside, factors_left - 1);
+    let outside = take_out(graph, outside, factors_left - 1, limit);
     graph.add(product, outside)
 }
 
 /// The expressions, collected where that saves operations.
 pub fn cheaper(graph: &mut Graph, roots: Vec<Scalar>) -> Vec<Scalar> {
-    let changed = collected(graph, &roots);
+    let Some(changed) = collected(graph, &roots) else { return roots };
     let count = |roots: &[Scalar]| {
         let mut code = Code::new(graph, roots);
         roots.iter().for_each(|root| {

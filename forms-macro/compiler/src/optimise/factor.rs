@@ -98,9 +98,10 @@ type Weigh<'a> = dyn Fn(&Graph, &'static str, BilinearPlan) -> Candidate + 'a;
 type Matrix = SortedMap<Slot, Coefficients>;
 
 fn matrix(graph: &mut Graph, density: Scalar, form: &Bilinear) -> Option<Matrix> {
-    let flux = Linear::new(graph, form.test).coefficients(density)?;
+    let flux = Linear::new(graph, form.test, &[density]).coefficients(density)?;
     let mut matrix = Matrix::new();
-    let mut linear = Linear::new(graph, form.trial);
+    let roots: Vec<Scalar> = flux.values().copied().collect();
+    let mut linear = Linear::new(graph, form.trial, &roots);
     for (slot, coefficient) in flux.iter() {
         let row = linear.coefficients(*coefficient)?;
         if !row.is_empty() {
@@ -141,14 +142,16 @@ fn cheapest(
     weigh: &Weigh,
 ) -> Candidate {
     let entries = entries(matrix);
-    if graph.work() > MOST_WORK {
+    if graph.work() > MOST_WORK || graph.is_crowded() {
         let plan = factored(graph, products, &entries, form.components, false);
         return weigh(graph, name, plan);
     }
     let [first, second] = [true, false].map(|peel| {
         let plan = factored(graph, products, &entries, form.components, peel);
-        let collected = plan.collected(graph);
-        cheaper(weigh(graph, name, collected), weigh(graph, name, plan))
+        match plan.collected(graph) {
+            Some(collected) => cheaper(weigh(graph, name, collected), weigh(graph, name, plan)),
+            None => weigh(graph, name, plan),
+        }
     });
     cheaper(first, second)
 }
@@ -161,8 +164,8 @@ fn cheaper(first: Candidate, second: Candidate) -> Candidate {
 const MOST_PRODUCTS: usize = 8;
 const MOST_TRIED: usize = 8;
 
-/// After this much work on a function ([`Graph::work`]), no more ways are tried: three times what the largest form in this
-/// repository takes, and about two seconds. What is found until then is taken. Without an end, large forms take minutes.
+/// After this much work on a function ([`Graph::work`]), no more ways are tried: four times what the largest law of contact in
+/// this repository takes, and some seconds. What is found until then stands. Without an end, large forms take minutes.
 const MOST_WORK: usize = 20_000_000;
 
 /// Products that are taken out one by one, at each step the one that leaves the cheapest plan. A step may cost a
@@ -179,14 +182,24 @@ fn with_products(graph: &mut Graph, form: &Bilinear, weigh: &Weigh) -> Option<Ca
     let mut products: Vec<Product> = Vec::new();
     let mut density = form.density;
     let mut best: Option<Candidate> = None;
-    if graph.work() > MOST_WORK {
+    if graph.work() > MOST_WORK || graph.is_crowded() {
         return None;
     }
+    let before = graph.work();
     let mut lowest = roughly(graph, &products, density)?;
+    // What one more trial takes, about.
+    let mut trial = graph.work() - before;
     while products.len() < MOST_PRODUCTS {
         let start = graph.len();
         let mut next: Option<(f64, Scalar, Argument)> = None;
-        for (node, argument) in linear_expressions(graph, density, form) {
+        let expressions = linear_expressions(graph, density, form);
+        // A step that cannot be finished is not begun: what it finds would be given up.
+        if graph.work() + expressions.len() * trial > MOST_WORK {
+            return best;
+        }
+        let before = graph.work();
+        let count = expressions.len().max(1);
+        for (node, argument) in expressions {
             if graph.work() > MOST_WORK {
                 return best;
             }
@@ -204,6 +217,7 @@ fn with_products(graph: &mut Graph, form: &Bilinear, weigh: &Weigh) -> Option<Ca
                 next = Some((total, node, argument));
             }
         }
+        trial = (graph.work() - before) / count;
         let Some((total, node, argument)) = next else { break };
         if total > lowest + RISE {
             break;
@@ -233,13 +247,14 @@ fn split(
     argument: Argument,
     form: &Bilinear,
 ) -> Option<(Product, Scalar)> {
+    let factor = linear::guarded(graph, density, node)?;
     let (partner, rest) = linear::split(graph, density, node);
     let (test, trial) = match argument {
-        Argument::Test => (node, partner),
-        Argument::Trial => (partner, node),
+        Argument::Test => (factor, partner),
+        Argument::Trial => (partner, factor),
     };
-    let test = Linear::new(graph, form.test).coefficients(test)?;
-    let trial = Linear::new(graph, form.trial).coefficients(trial)?;
+    let test = Linear::new(graph, form.test, &[test]).coefficients(test)?;
+    let trial = Linear::new(graph, form.trial, &[trial]).coefficients(trial)?;
     // A partner of one component is a row of the matrix.
     let narrow = |coefficients: &Coefficients, components: usize| {
         let mut found: Vec<usize> = coefficients.keys().map(|slot| slot.0).collect();
@@ -255,21 +270,21 @@ fn split(
 /// Expressions in a density that are linear in one of the two functions and may be worth a factor of their own: they
 /// hold two slots per component or more. The largest first.
 fn linear_expressions(graph: &mut Graph, density: Scalar, form: &Bilinear) -> Vec<(Scalar, Argument)> {
-    let marks = [form.test, form.trial].map(|function| graph.mark(|node| function.owns(node)));
+    let functions = [form.test, form.trial];
+    let marks = functions.map(|function| graph.mark(&[density], |node| function.owns(node)));
+    let slots = functions.map(|function| graph.terminals(&[density], |node| function.owns(node)));
     let mut found = Vec::new();
-    for node in graph.reachable(&[density]) {
+    for (place, &node) in marks[0].nodes().iter().enumerate() {
         if !matches!(graph.node(node), Node::Sum { .. } | Node::Select(..)) {
             continue;
         }
-        let index = node.0 as usize;
-        let (argument, function, components) = match (marks[0][index], marks[1][index]) {
-            (true, false) => (Argument::Test, form.test, form.components[0]),
-            (false, true) => (Argument::Trial, form.trial, form.components[1]),
+        let (argument, side) = match (marks[0].holds(node), marks[1].holds(node)) {
+            (true, false) => (Argument::Test, 0),
+            (false, true) => (Argument::Trial, 1),
             _ => continue,
         };
-        let slots =
-            graph.reachable(&[node]).into_iter().filter(|inner| function.owns(graph.node(*inner))).count();
-        if slots >= 2 * components {
+        let slots = slots[side][place];
+        if slots >= 2 * form.components[side] {
             found.push((slots, node, argument));
         }
     }

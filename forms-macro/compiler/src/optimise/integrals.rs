@@ -21,7 +21,7 @@ pub(super) fn split(
         let not_linear = || setting.fields[test.field].name.clone();
         let description = &group.description;
         let density = without(graph, group.density, &others);
-        let flux = Linear::new(graph, test).coefficients(density).ok_or_else(not_linear)?;
+        let flux = Linear::new(graph, test, &[density]).coefficients(density).ok_or_else(not_linear)?;
         let vanishes = description.dependence == Dependence::Linear
             && graph.vanishes_with(density, |node| setting.is_of_unknown(node));
         let of_residual = Description { vanishes, ..description.clone() };
@@ -47,7 +47,7 @@ pub(super) fn action(
     let mut integrals = vec![];
     for (test, others) in tests(setting.fields, group.density, graph) {
         let action = without(graph, action, &others);
-        let flux = Linear::new(graph, test).coefficients(action);
+        let flux = Linear::new(graph, test, &[action]).coefficients(action);
         let flux = flux.ok_or_else(|| setting.fields[test.field].name.clone())?;
         integrals.extend(linear_integral(graph, &group.description, test, &flux));
     }

@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use super::hashing::Map;
+use super::reach::Marks;
 use super::scalar::{Derivative, Graph, Node, Scalar};
 use crate::sorted::SortedMap;
 use crate::tensor::Side;
@@ -46,13 +47,14 @@ pub struct Linear<'a> {
     pub graph: &'a mut Graph,
     pub function: SidedField,
     known: Map<Scalar, Option<Rc<Coefficients>>>,
-    /// The nodes that contain the function, be it with coefficients that cancel.
-    mentioned: Vec<bool>,
+    /// The nodes in which the function stands, be it with coefficients that cancel.
+    mentioned: Marks,
 }
 
 impl<'a> Linear<'a> {
-    pub fn new(graph: &'a mut Graph, function: SidedField) -> Self {
-        let mentioned = graph.mark(|node| function.owns(node));
+    /// Of these expressions, and of what they are made of.
+    pub fn new(graph: &'a mut Graph, function: SidedField, roots: &[Scalar]) -> Self {
+        let mentioned = graph.mark(roots, |node| function.owns(node));
         Linear { graph, function, known: Map::default(), mentioned }
     }
 
@@ -67,7 +69,7 @@ impl<'a> Linear<'a> {
     }
 
     fn mentions(&self, scalar: Scalar) -> bool {
-        self.mentioned[scalar.0 as usize]
+        self.mentioned.holds(scalar)
     }
 
     fn read(&mut self, scalar: Scalar) -> Option<Coefficients> {
@@ -158,20 +160,17 @@ pub fn without(graph: &mut Graph, scalar: Scalar, functions: &[SidedField]) -> S
     if functions.is_empty() {
         return scalar;
     }
-    let marks = graph.mark(|node| functions.iter().any(|function| function.owns(node)));
+    let marks = graph.mark(&[scalar], |node| functions.iter().any(|function| function.owns(node)));
     let zero = graph.number(0.0);
     with(graph, scalar, &marks, &mut |_| None, zero)
 }
 
 /// An expression as node × partner + rest, for a node in which it is linear.
 pub fn split(graph: &mut Graph, scalar: Scalar, node: Scalar) -> (Scalar, Scalar) {
-    let marks = graph.mark_above(node);
+    let marks = graph.mark_above(scalar, node);
     let zero = graph.number(0.0);
     let mut partners: Map<Scalar, Scalar> = Map::default();
-    for inner in graph.reachable(&[scalar]) {
-        if !marks[inner.0 as usize] {
-            continue;
-        }
+    for &inner in marks.nodes().iter().filter(|inner| marks.holds(**inner)) {
         let of = |scalar: &Scalar| partners.get(scalar).copied();
         let partner = match graph.node(inner).clone() {
             _ if inner == node => graph.number(1.0),
@@ -199,19 +198,41 @@ pub fn split(graph: &mut Graph, scalar: Scalar, node: Scalar) -> (Scalar, Scalar
     (partner, rest)
 }
 
-/// The expression with its marked nodes made again; `other` replaces terminals and what is not linear.
+/// A node of an expression as it may be a factor outside of it: inside the branches of `if`s in which it stands, and zero where
+/// these are not taken, unless it is a number there, too. A NaN would come through a partner that is zero. `None` where it
+/// stands in several branches.
+pub fn guarded(graph: &mut Graph, scalar: Scalar, node: Scalar) -> Option<Scalar> {
+    if !graph.behaviour(node).wild {
+        return Some(node);
+    }
+    let marks = graph.mark_above(scalar, node);
+    let mut factor = node;
+    let zero = graph.number(0.0);
+    // Inner ones first: operands are older than what is made of them.
+    for &choice in marks.nodes().iter().filter(|choice| marks.holds(**choice)) {
+        let Node::Select(truth, a, b) = *graph.node(choice) else { continue };
+        let (in_a, in_b) = (marks.holds(a), marks.holds(b));
+        if choice == node || in_a == in_b {
+            continue;
+        }
+        if graph.reaches(scalar, node, choice) {
+            return None;
+        }
+        factor = if in_a { graph.select(truth, factor, zero) } else { graph.select(truth, zero, factor) };
+    }
+    Some(factor)
+}
+
+/// The expression with its marked nodes made anew; `other` stands for terminals and what is not linear.
 fn with(
     graph: &mut Graph,
     scalar: Scalar,
-    marks: &[bool],
+    marks: &Marks,
     replace: &mut dyn FnMut(Scalar) -> Option<Scalar>,
     other: Scalar,
 ) -> Scalar {
     let mut known: Map<Scalar, Scalar> = Map::default();
-    for node in graph.reachable(&[scalar]) {
-        if !marks[node.0 as usize] {
-            continue;
-        }
+    for &node in marks.nodes().iter().filter(|node| marks.holds(**node)) {
         let now = |scalar: &Scalar| known.get(scalar).copied().unwrap_or(*scalar);
         let changed = match (replace(node), graph.node(node).clone()) {
             (Some(changed), _) => changed,

@@ -67,18 +67,18 @@ impl BilinearPlan {
         Operations { point, test, trial, pair: self.sums.iter().map(Vec::len).sum(), finish }
     }
 
-    /// The same with common factors taken out.
-    pub fn collected(&self, graph: &mut Graph) -> Self {
+    /// The same with common factors taken out, where that does not take too much work.
+    pub fn collected(&self, graph: &mut Graph) -> Option<Self> {
         let roots: Vec<Scalar> = self.roots().copied().collect();
-        let changed = collected(graph, &roots);
+        let changed = collected(graph, &roots)?;
         let (tests, rest) = changed.split_at(self.tests.len());
         let (trials, block) = rest.split_at(self.trials.len());
-        BilinearPlan {
+        Some(BilinearPlan {
             tests: tests.to_vec(),
             trials: trials.to_vec(),
             sums: self.sums.clone(),
             block: block.to_vec(),
-        }
+        })
     }
 
     /// All scalars that are computed.

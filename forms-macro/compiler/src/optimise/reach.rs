@@ -53,6 +53,24 @@ impl Graph {
         found
     }
 
+    /// Does the expression hold a node elsewhere than below another one?
+    pub fn reaches(&self, root: Scalar, node: Scalar, other: Scalar) -> bool {
+        let mut seen = vec![false; root.0 as usize + 1];
+        let mut pending = vec![root];
+        while let Some(scalar) = pending.pop() {
+            // Operands are older than what is made of them.
+            if scalar < node || scalar == other || std::mem::replace(&mut seen[scalar.0 as usize], true) {
+                continue;
+            }
+            if scalar == node {
+                return true;
+            }
+            self.count_work(1);
+            self.each_operand(scalar, |operand| pending.push(operand));
+        }
+        false
+    }
+
     /// Does the expression hold a terminal for which `test` is true?
     pub fn depends(&self, root: Scalar, test: impl Fn(&Node) -> bool) -> bool {
         let mut seen = vec![false; root.0 as usize + 1];
@@ -90,28 +108,72 @@ impl Graph {
         vanishes[root.0 as usize]
     }
 
-    /// Which nodes hold a terminal for which `test` is true: operands come before what is made of them.
-    pub fn mark(&self, test: impl Fn(&Node) -> bool) -> Vec<bool> {
-        let mut marks = vec![false; self.len()];
-        self.count_work(self.len());
-        for index in 0..self.len() {
-            let mut mark = test(self.node(Scalar(index as u32)));
-            self.each_operand(Scalar(index as u32), |operand| mark |= marks[operand.0 as usize]);
-            marks[index] = mark;
-        }
-        marks
+    /// Which nodes below `roots` hold a terminal for which `test` is true. Nothing is said of the graph's other nodes: a
+    /// function has many integrals, and each has a few of them.
+    pub fn mark(&self, roots: &[Scalar], test: impl Fn(&Node) -> bool) -> Marks {
+        self.mark_if(roots, |scalar| test(self.node(scalar)))
     }
 
-    /// Which nodes hold a node, or are it.
-    pub fn mark_above(&self, node: Scalar) -> Vec<bool> {
-        let mut marks = vec![false; self.len()];
-        marks[node.0 as usize] = true;
-        self.count_work(self.len() - node.0 as usize);
-        for index in node.0 as usize + 1..self.len() {
-            let mut mark = false;
-            self.each_operand(Scalar(index as u32), |operand| mark |= marks[operand.0 as usize]);
-            marks[index] = mark;
+    /// Which nodes below `root` hold a node, or are it.
+    pub fn mark_above(&self, root: Scalar, node: Scalar) -> Marks {
+        self.mark_if(&[root], |scalar| scalar == node)
+    }
+
+    /// For each node below `roots`, in order, how many terminals it holds for which `test` is true.
+    pub fn terminals(&self, roots: &[Scalar], test: impl Fn(&Node) -> bool) -> Vec<usize> {
+        let nodes = self.reachable(roots);
+        let count = nodes.iter().filter(|scalar| test(self.node(**scalar))).count();
+        // Sets of terminals, as bits: what two operands have in common counts once.
+        let words = count.div_ceil(64);
+        let mut place = vec![0; nodes.last().map_or(0, |last| last.0 as usize + 1)];
+        let mut sets = vec![0_u64; nodes.len() * words];
+        let mut terminals = 0;
+        for (index, &scalar) in nodes.iter().enumerate() {
+            place[scalar.0 as usize] = index;
+            let (below, from_here) = sets.split_at_mut(index * words);
+            if test(self.node(scalar)) {
+                from_here[terminals / 64] |= 1 << (terminals % 64);
+                terminals += 1;
+            }
+            self.each_operand(scalar, |operand| {
+                let start = place[operand.0 as usize] * words;
+                for (own, other) in from_here.iter_mut().zip(&below[start..start + words]) {
+                    *own |= other;
+                }
+            });
         }
-        marks
+        self.count_work(sets.len());
+        let size = |set: &[u64]| set.iter().map(|word| word.count_ones() as usize).sum();
+        if words == 0 { vec![0; nodes.len()] } else { sets.chunks(words).map(size).collect() }
+    }
+
+    fn mark_if(&self, roots: &[Scalar], test: impl Fn(Scalar) -> bool) -> Marks {
+        let nodes = self.reachable(roots);
+        let mut marked = vec![false; nodes.last().map_or(0, |last| last.0 as usize + 1)];
+        for &scalar in &nodes {
+            let mut mark = test(scalar);
+            self.each_operand(scalar, |operand| mark |= marked[operand.0 as usize]);
+            marked[scalar.0 as usize] = mark;
+        }
+        Marks { nodes, marked }
+    }
+}
+
+/// The nodes below some roots, of which some are marked.
+pub struct Marks {
+    nodes: Vec<Scalar>,
+    /// By number of the node.
+    marked: Vec<bool>,
+}
+
+impl Marks {
+    /// Is the node marked? Those that are not below the roots never are.
+    pub fn holds(&self, scalar: Scalar) -> bool {
+        self.marked.get(scalar.0 as usize).copied().unwrap_or(false)
+    }
+
+    /// The nodes below the roots, operands first.
+    pub fn nodes(&self) -> &[Scalar] {
+        &self.nodes
     }
 }

@@ -24,12 +24,15 @@ pub struct Graph {
     size: usize,
     /// Larger than can be handled: what has been built since means nothing.
     pub exhausted: bool,
+    /// Taking out common factors took too much work: it is not tried again.
+    pub tangled: bool,
     /// Nodes and operands that were looked at so far.
     work: Cell<usize>,
 }
 
-/// More nodes and operands than any form has, and few enough for a second and some hundred megabytes.
-const LARGEST: usize = 2_000_000;
+/// Three times as many nodes and operands as the largest law of any test has, and few enough for some seconds and a hundred
+/// megabytes.
+const LARGEST: usize = 1_500_000;
 
 /// constant + Σ coefficient × term.
 struct Combination {
@@ -69,6 +72,11 @@ impl Graph {
 
     pub fn count_work(&self, work: usize) {
         self.work.set(self.work.get() + work);
+    }
+
+    /// Is it so large that trying several ways would most likely make it too large?
+    pub fn is_crowded(&self) -> bool {
+        self.size > LARGEST / 2
     }
 
     /// Number of nodes.

@@ -2,8 +2,8 @@
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// Operators of one statement, and four per bracket around it. A form that people read has fewer than fifty.
-/// The compiler recurses about as deep; rustc's stack of 8 MB holds several times as much, and less than twice as much where
+/// Operators of one statement that may stand one inside the other, and four per bracket around it. A form that people read has
+/// fewer than fifty. The compiler recurses about as deep; rustc's stack of 8 MB holds several times as much, and less than twice as much where
 /// `syn` is not optimised (`deep_nesting` in `tests/arbitrary_tokens`).
 const LIMIT: usize = 512;
 const BRACKET: usize = 4;
@@ -55,11 +55,21 @@ fn ends_statement(token: &TokenTree, next: Option<&TokenTree>) -> bool {
     }
 }
 
+/// The depth that the operators of a statement reach. In a sum of products and calls each sign is one, and the longest term counts
+/// besides: terms stand next to each other. In all else every operator may stand inside the one before.
 fn operators(statement: &[TokenTree]) -> usize {
-    let mut count = 0;
+    let is_sign =
+        |token: &TokenTree, sign: char| matches!(token, TokenTree::Punct(one) if one.as_char() == sign);
+    if matches!(statement.first(), Some(TokenTree::Ident(word)) if word == "let")
+        && let Some(place) = statement.iter().position(|token| is_sign(token, '='))
+    {
+        return 2 + operators(&statement[1..place]) + operators(&statement[place + 1..]);
+    }
+    let (mut signs, mut longest, mut term, mut all) = (0, 0, 0, 0);
+    let mut is_sum = true;
     let mut tokens = statement.iter().peekable();
     while let Some(token) = tokens.next() {
-        count += match token {
+        let count = match token {
             // An attribute, such as a line of documentation.
             TokenTree::Punct(sign)
                 if sign.as_char() == '#' && matches!(tokens.peek(), Some(TokenTree::Group(_))) =>
@@ -67,11 +77,29 @@ fn operators(statement: &[TokenTree]) -> usize {
                 tokens.next();
                 0
             }
-            TokenTree::Punct(_) => 1,
+            TokenTree::Punct(sign) => {
+                match sign.as_char() {
+                    '+' | '-' => {
+                        signs += 1;
+                        all += 1;
+                        (longest, term) = (longest.max(term), 0);
+                        continue;
+                    }
+                    '*' | '/' | ';' | ',' => {}
+                    _ => is_sum = false,
+                }
+                1
+            }
             TokenTree::Group(_) => BRACKET,
-            TokenTree::Ident(word) => usize::from(WORDS.iter().any(|known| word == known)),
+            TokenTree::Ident(word) => {
+                let chains = WORDS.iter().any(|known| word == known);
+                is_sum &= !chains;
+                usize::from(chains)
+            }
             TokenTree::Literal(_) => 0,
         };
+        term += count;
+        all += count;
     }
-    count
+    if is_sum { signs + longest.max(term) } else { all }
 }

@@ -1,6 +1,6 @@
 //! Raw identifiers that are no keywords: `r#u` is `u` to Rust, and so it is here.
 
-use proc_macro2::{Group, Ident, TokenStream, TokenTree};
+use proc_macro2::{Group, Ident, Span, TokenStream, TokenTree};
 
 /// The tokens with plain names wherever a plain name says the same.
 pub fn plain(tokens: TokenStream) -> TokenStream {
@@ -8,6 +8,14 @@ pub fn plain(tokens: TokenStream) -> TokenStream {
     match has_raw_names(tokens.clone()) {
         true => replace(tokens),
         false => tokens,
+    }
+}
+
+/// The name that a text says, `r#type` also.
+pub fn name(text: &str, span: Span) -> Ident {
+    match text.strip_prefix("r#") {
+        Some(word) => Ident::new_raw(word, span),
+        None => Ident::new(text, span),
     }
 }
 

@@ -76,7 +76,7 @@ fn tokens(stream: TokenStream) -> usize {
 }
 
 /// Seconds of the processor that this thread has had, where the system tells.
-fn processor_time() -> Option<f64> {
+pub fn processor_time() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/thread-self/stat").ok()?;
     let fields: Vec<&str> = text.rsplit_once(')')?.1.split_whitespace().collect();
     // In hundredths, in user and in system mode.
@@ -119,7 +119,7 @@ fn statements(body: TokenStream) -> [usize; 2] {
 }
 
 /// Characters and tokens of what is emitted for a form.
-fn emitted(what: &str, dimension: usize, text: &str) -> [usize; 2] {
+pub fn emitted(what: &str, dimension: usize, text: &str) -> [usize; 2] {
     let start = processor_time();
     let emitted = Source::new(dimension, text).emitted();
     if let (Some(start), Some(end)) = (start, processor_time()) {

@@ -4,6 +4,7 @@
 mod assembly;
 mod comparison;
 mod data;
+mod effort;
 mod emitted;
 mod emitted_code;
 mod generator;

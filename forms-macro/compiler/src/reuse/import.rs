@@ -1,7 +1,7 @@
 //! An import and the text that came for it → the functions that it needs, added to the importing module.
 
 use proc_macro2::{Delimiter, Ident, TokenStream, TokenTree};
-use quote::{ToTokens, format_ident};
+use quote::ToTokens;
 use syn::{Item, ItemFn, ItemMod, Visibility};
 
 use super::payload::{Payload, origin_of, rename_calls};
@@ -9,8 +9,8 @@ use super::uses::{Asked, Import};
 use super::{extension, inclusion, needs};
 use crate::check::builtins::nearest;
 use crate::diagnostics::{Diagnostics, SourceSpan};
-use crate::parse::read_function;
 use crate::parse::syntax::{Foreign, Mistaken, Module};
+use crate::parse::{raw, read_function};
 use crate::sorted::SortedMap;
 
 /// An import that has been found.
@@ -247,7 +247,7 @@ fn closure(key: &str, payload: &Payload) -> SortedMap<String, ItemFn> {
         });
         let mut item = item.clone();
         item.vis = Visibility::Inherited;
-        item.sig.ident = format_ident!("{canonical}", span = item.sig.ident.span());
+        item.sig.ident = raw::name(&canonical, item.sig.ident.span());
         if let Ok(block) = syn::parse2(rename_calls(body, &names)) {
             *item.block = block;
         }
@@ -263,7 +263,9 @@ fn canonical_name(name: &str, payload: &Payload) -> String {
         item.sig.ident == name
             && origin_of(&item.attrs).is_some_and(|origin| origin.starts_with(&format!("`{name}`")))
     });
-    if own { format!("{name}__{}", payload.identity) } else { name.to_string() }
+    // `r#type` has a name that is no keyword.
+    let plain = name.strip_prefix("r#").unwrap_or(name);
+    if own { format!("{plain}__{}", payload.identity) } else { name.to_string() }
 }
 
 /// Tells `visit` each name before parentheses.

@@ -15,10 +15,11 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
+use proc_macro2::{Delimiter, Group, Span, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
 use syn::{Attribute, Item, ItemFn, ItemMod, Visibility};
 
+use crate::parse::raw;
 use crate::sorted::{SortedMap, SortedSet};
 
 use super::extension::is_extends;
@@ -71,7 +72,7 @@ pub fn write(item: &ItemMod, imported: &[Imported], broken: bool) -> Text {
             }
         }
         if !matches!(one.visibility, Visibility::Inherited) {
-            let canonical = Ident::new(&one.canonical, Span::call_site());
+            let canonical = raw::name(&one.canonical, Span::call_site());
             let local = &one.local;
             content.extend(quote! { pub use #canonical as #local; });
         }
@@ -121,7 +122,7 @@ pub fn rename_calls(tokens: TokenStream, names: &SortedMap<String, String>) -> T
     let is_call = |index: usize| matches!(tokens.get(index + 1), Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Parenthesis);
     let change = |(index, token): (usize, &TokenTree)| match token {
         TokenTree::Ident(name) if is_call(index) => match names.get(&name.to_string()) {
-            Some(other) => TokenTree::Ident(Ident::new(other, name.span())),
+            Some(other) => TokenTree::Ident(raw::name(other, name.span())),
             None => token.clone(),
         },
         TokenTree::Group(group) => {

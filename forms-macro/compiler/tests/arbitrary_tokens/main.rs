@@ -310,6 +310,9 @@ fn nest_deep() {
         ] {
             check_text(density(&text), &text);
         }
+        // The longest sums that are compiled, of calls.
+        let sums = format!("{}v", "f(u, 2) * v + ".repeat(depth.min(480)));
+        check_text(density(&sums), &sums);
         let boxes = format!("v as {}u{}", "Box<".repeat(depth), ">".repeat(depth));
         check_text(density(&boxes), &boxes);
         // Names that build on one another are not limited: the stages recurse as deep as the chain is long.

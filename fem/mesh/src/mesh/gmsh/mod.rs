@@ -23,6 +23,8 @@ const WORDS: Words = Words {
     part: |surface| format!("surface {surface}"),
     advice: kinds::advice,
     bent: " (a second-order cell may bend too much: option Mesh.HighOrderOptimize, or smaller cells)",
+    omitted: ". Where a model has physical groups, Gmsh saves the entities of groups only: put those of the cells into a \
+              physical group, too, or save with the option Mesh.SaveAll = 1",
 };
 
 /// A mesh from a file, and what is worth knowing of it.

@@ -32,14 +32,15 @@ struct Chosen<'a> {
 fn choose<'a>(contents: &'a Contents, dimension: usize) -> Result<Chosen<'a>> {
     let highest = contents.elements.iter().map(|element| element.kind.dimension).max().unwrap_or(0);
     if highest < 2 {
-        return Err(ImportProblem::NoCells.into());
+        return Err(ImportProblem::NoCells { advice: contents.omission() }.into());
     }
     let elements = contents.elements.iter().enumerate();
     let mut cells: Vec<_> = elements.filter(|(_, element)| element.kind.dimension == highest).collect();
     let first = cells[0].1;
     if highest != dimension {
         let (found, kind, element) = (highest, first.kind.name, contents.element(first.tag));
-        let problem = ImportProblem::Dimension { found, asked: dimension, element, kind };
+        let advice = if found < dimension { contents.omission() } else { "" };
+        let problem = ImportProblem::Dimension { found, asked: dimension, element, kind, advice };
         return Err(Flaw::at(first.at, problem));
     }
     let mut kinds: Vec<(&'static Kind, &'static Cell)> = Vec::with_capacity(2);

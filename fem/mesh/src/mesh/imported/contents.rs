@@ -19,6 +19,8 @@ pub(in crate::mesh) struct Words {
     pub(in crate::mesh) advice: fn(&Kind) -> &'static str,
     /// Help where a second-order cell folds.
     pub(in crate::mesh) bent: &'static str,
+    /// Help where a file has groups and no cells.
+    pub(in crate::mesh) omitted: &'static str,
 }
 
 /// A file's nodes, elements and groups, under their tags.
@@ -92,6 +94,12 @@ impl Contents {
 
     pub(in crate::mesh) fn nodes_of(&self, element: &Element) -> &[u64] {
         &self.element_nodes[element.start..element.start + element.kind.nodes]
+    }
+
+    /// Help where elements of a dimension are missing: a format may write those of groups only.
+    pub(super) fn omission(&self) -> &'static str {
+        let has_groups = !self.names.is_empty() || self.memberships.iter().any(|one| !one.groups.is_empty());
+        if has_groups { self.words.omitted } else { "" }
     }
 
     /// The name of a group, or the format's words for it if it has none.

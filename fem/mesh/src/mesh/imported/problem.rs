@@ -73,11 +73,14 @@ pub enum ImportProblem {
         second_element: Item,
     },
     /// No elements that could be cells.
-    #[error("the file has no cells")]
-    NoCells,
+    #[error("the file has no cells{advice}")]
+    NoCells {
+        /// Help, where the file has groups.
+        advice: &'static str,
+    },
     /// The cells live in another number of dimensions.
     #[error(
-        "the cells have {} ({element} is a {kind}), but a mesh in {} was asked for",
+        "the cells have {} ({element} is a {kind}), but a mesh in {} was asked for{advice}",
         dimensions(*found),
         dimensions(*asked)
     )]
@@ -90,6 +93,8 @@ pub enum ImportProblem {
         element: Item,
         /// Its type.
         kind: &'static str,
+        /// Help, where the file has groups and none of cells.
+        advice: &'static str,
     },
     /// A plane mesh whose nodes do not have the same z.
     #[error(

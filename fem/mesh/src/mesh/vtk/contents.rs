@@ -14,6 +14,7 @@ const WORDS: Words = Words {
     part: |region| if region < 0 { "no region".to_owned() } else { format!("region {region}") },
     advice: kinds::advice,
     bent: " (a second-order cell may bend too much, or list its points in another order than VTK's)",
+    omitted: "",
 };
 
 /// A point, for a message.

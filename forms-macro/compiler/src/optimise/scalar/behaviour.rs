@@ -1,6 +1,8 @@
 //! Limits of simplification: nodes that may be no number where all fields are finite are kept, and factors 1 + 0/x are kept
 //! for a divisor x that has cancelled. So no NaN is hidden: u/u is NaN where u is zero.
 
+use std::ops::RangeInclusive;
+
 use super::{Graph, Node, Scalar};
 use crate::tensor::Function;
 
@@ -10,6 +12,11 @@ pub struct Behaviour {
     /// It may be no number, or infinite, where all fields are finite: it holds a quotient, a logarithm or the like of what
     /// varies. Zero times this is kept, as is what is left where it cancels.
     pub singular: bool,
+    /// It may be no number, or infinite, where all fields are finite and moderate and parameters are whatever they may be: a branch
+    /// that is not taken may hold such a thing, and it must stay inside.
+    pub wild: bool,
+    /// It holds a field, a position or a parameter, and is no size of a cell or facet.
+    pub given: bool,
     /// It holds a field or a position. Parameters and the sizes of cells and facets do not vary: a form divides by those that
     /// are not zero.
     pub varies: bool,
@@ -25,24 +32,43 @@ impl Graph {
     pub(super) fn behaviour_of(&self, node: &Node) -> Behaviour {
         let mut found = Behaviour::default();
         self.each_operand_of(node, |operand| {
-            let Behaviour { singular, varies } = self.behaviour(operand);
+            let Behaviour { singular, wild, given, varies } = self.behaviour(operand);
             found.singular |= singular;
+            found.wild |= wild;
+            found.given |= given;
             found.varies |= varies;
         });
         match node {
-            Node::Number(bits) => found.singular = !f64::from_bits(*bits).is_finite(),
-            Node::Field { .. } => found.varies = true,
-            Node::Geometry(geometry, _) => found.varies = geometry.varies(),
-            Node::Product(factors) => {
-                found.singular |=
-                    factors.iter().any(|(factor, exponent)| *exponent < 0 && self.behaviour(*factor).varies);
+            Node::Number(bits) => {
+                found.singular = !f64::from_bits(*bits).is_finite();
+                found.wild = found.singular;
             }
-            Node::Apply(function, _) => found.singular |= found.varies && has_bounds(*function),
+            Node::Parameter(_) => found.given = true,
+            Node::Field { .. } => (found.varies, found.given) = (true, true),
+            Node::Geometry(geometry, _) => {
+                found.varies = geometry.varies();
+                found.given = found.varies;
+            }
+            Node::Product(factors) => {
+                for (factor, exponent) in factors {
+                    let factor = self.behaviour(*factor);
+                    found.singular |= *exponent < 0 && factor.varies;
+                    found.wild |= factor.given && !MODERATE.contains(exponent);
+                }
+            }
+            Node::Apply(function, _) => {
+                found.singular |= found.varies && has_bounds(*function);
+                found.wild |= found.given && (has_bounds(*function) || grows_fast(*function));
+            }
             Node::Power(_, exponent) => {
                 let whole = self.value(*exponent).is_some_and(|value| value >= 0.0 && value == value.trunc());
                 found.singular |= found.varies && !whole;
+                found.wild |= found.given;
             }
-            Node::External { .. } => found.singular |= found.varies,
+            Node::External { .. } => {
+                found.singular |= found.varies;
+                found.wild |= found.given;
+            }
             // `normalize` and the derivative of `norm`: what is chosen does not divide where the divisor is zero.
             Node::Select(truth, zero, quotient) => {
                 if let Node::LessEqual(divisor, bound) = *self.node(*truth)
@@ -51,6 +77,7 @@ impl Graph {
                     && *self.node(*quotient) == Node::Product(vec![(divisor, -1)])
                 {
                     found.singular = self.behaviour(divisor).singular;
+                    found.wild = self.behaviour(divisor).wild;
                 }
             }
             _ => {}
@@ -116,7 +143,7 @@ impl Graph {
             return;
         };
         for (factor, exponent) in factors.iter().filter(|(factor, _)| !self.guards.contains_key(factor)) {
-            let Behaviour { singular, varies } = self.behaviour(*factor);
+            let Behaviour { singular, varies, .. } = self.behaviour(*factor);
             if singular || (*exponent < 0 && varies) {
                 found.push(*factor);
             }
@@ -175,6 +202,15 @@ impl Graph {
             _ => vec![],
         }
     }
+}
+
+/// Exponents with which no number that anyone computes with is infinite.
+const MODERATE: RangeInclusive<i32> = 0..=4;
+
+/// Has a function values that are too large for a number at moderate arguments?
+fn grows_fast(function: Function) -> bool {
+    use Function::*;
+    matches!(function, Exp | Sinh | Cosh | Tan)
 }
 
 /// Does a function have arguments without a value, or with an infinite one?
