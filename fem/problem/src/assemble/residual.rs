@@ -17,6 +17,7 @@ use crate::assemble::scatter::group_nodes::GroupNodes;
 use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView, views};
 use crate::lanes::InstructionSet;
+use crate::linear_algebra::vector::largest;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
 use crate::threads::Threads;
@@ -252,8 +253,8 @@ enum Added {
 pub enum Terms {
     /// The amount of each entry of an element vector, in its own row: what must balance there.
     OfRows,
-    /// The largest amount in an element vector among those of the same component, in all of its rows: what an entry was computed from,
-    /// where the terms of a row cancel inside of the cell.
+    /// The largest amount in an element vector, in all rows to which it adds: what an entry was computed from, where the terms of a row
+    /// cancel inside of the cell.
     OfCells,
 }
 
@@ -315,7 +316,7 @@ impl<const D: usize> VectorVisitor<'_, D> {
                             for vector in vectors.chunks_exact(length) {
                                 let first = sizes.len();
                                 sizes.resize(first + length, 0.0_f64);
-                                spread_largest(vector, components, &mut sizes[first..]);
+                                spread_largest(vector, &mut sizes[first..]);
                             }
                             &sizes
                         }
@@ -333,15 +334,11 @@ impl<const D: usize> VectorVisitor<'_, D> {
     }
 }
 
-/// Writes the largest amount of each component of a vector into all of its places that are not zero: at a facet the nodes away from it
-/// have no part in the vector.
-fn spread_largest(vector: &[f64], components: usize, sizes: &mut [f64]) {
-    for component in 0..components {
-        let own = || vector.iter().skip(component).step_by(components);
-        let most = own().fold(0.0, |most: f64, value| most.max(value.abs()));
-        let places = sizes.iter_mut().skip(component).step_by(components);
-        places.zip(own()).filter(|(_, value)| **value != 0.0).for_each(|(size, _)| *size = most);
-    }
+/// Writes the largest amount of a vector into all of its places that are not zero: at a facet the nodes away from it have no part in
+/// the vector.
+fn spread_largest(vector: &[f64], sizes: &mut [f64]) {
+    let most = largest(vector);
+    sizes.iter_mut().zip(vector).filter(|(_, value)| **value != 0.0).for_each(|(size, _)| *size = most);
 }
 
 compiled_here!(

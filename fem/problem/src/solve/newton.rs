@@ -191,7 +191,7 @@ pub fn newton_eliminating<P: NonlinearProblem>(
         last_step: None,
         last_correction: None,
         corrected_long_step: false,
-        zeroed: false,
+        zeroings: 0,
         worst: None,
         options,
         progress,
@@ -218,8 +218,8 @@ struct Iteration<'a> {
     last_correction: Option<LastCorrection>,
     /// The rounding of a long step was corrected.
     corrected_long_step: bool,
-    /// Components that are rounding only were made zero.
-    zeroed: bool,
+    /// How often components that are rounding only were made zero.
+    zeroings: usize,
     /// The equation that is off by the most of its terms, where one was.
     worst: Option<WorstEquation>,
     options: &'a NewtonOptions,

@@ -5,7 +5,7 @@
 use std::ops::Range;
 
 use super::Iteration;
-use crate::linear_algebra::vector::norm;
+use crate::linear_algebra::vector::{largest, norm};
 use crate::solve::elimination::Elimination;
 
 /// An iterate is judged once the residual of each field has dropped to this part of the largest that it had, or stays.
@@ -27,14 +27,15 @@ pub struct FieldUnknowns {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Component {
     first: usize,
-    end: usize,
+    /// The unknowns of its field.
+    field: Range<usize>,
     stride: usize,
 }
 
 impl Component {
     /// Its unknowns among all.
     pub fn unknowns(&self) -> impl Iterator<Item = usize> + use<> {
-        (self.first..self.end).step_by(self.stride)
+        (self.first..self.field.end).step_by(self.stride)
     }
 
     /// The first of its unknowns.
@@ -45,6 +46,11 @@ impl Component {
     /// The largest amount in it.
     pub fn largest(&self, full: &[f64]) -> f64 {
         self.unknowns().fold(0.0, |largest, unknown| largest.max(full[unknown].abs()))
+    }
+
+    /// The largest amount in all components of its field, which have one unit.
+    pub fn largest_in_field(&self, full: &[f64]) -> f64 {
+        largest(&full[self.field.clone()])
     }
 
     /// The difference of its largest and its smallest value: what does not change with an offset.
@@ -77,7 +83,7 @@ impl Fields {
             if begin < end {
                 all.push(begin..end);
                 let stride = count.max(1);
-                let of = |place| Component { first: begin + place, end, stride };
+                let of = |place| Component { first: begin + place, field: begin..end, stride };
                 components.extend((0..stride.min(end - begin)).map(of));
             }
         }

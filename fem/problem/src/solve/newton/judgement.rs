@@ -48,6 +48,15 @@ const UNIFORM: f64 = 1e-9;
 /// A step of this part of a component leaves the tangent about as it is.
 const SHORT_STEP: f64 = 1e-3;
 
+/// A component of this part of its field may be zero: corrections of this size that do not become shorter are rounding of the others.
+const ZERO_COMPONENT: f64 = 1e-12;
+
+/// A step that leaves this part of a component has led to zero, or it is rounding that is left.
+const NOTHING_LEFT: f64 = 1e-3;
+
+/// Most times that components are made zero.
+const ZEROINGS: usize = 3;
+
 /// A component is taken for zero where its correction takes away all but this part of it.
 const LEFT_OVER: f64 = 0.1;
 
@@ -114,7 +123,7 @@ impl Iteration<'_> {
             problem.tangent(&self.u).map_err(NewtonFailure::Assembly)?;
         }
         let rows = self.judge_rows(problem, elimination, reduced_residual)?;
-        let correction = match rows.hold || self.some_component_stays() {
+        let correction = match rows.hold || self.some_field_stays() || self.some_component_vanishes() {
             true => self.correction(elimination, reduced_residual, solver)?,
             false => None,
         };
@@ -259,8 +268,9 @@ impl Iteration<'_> {
         correction: &[f64],
     ) -> Result<bool, NewtonFailure<P::Error>> {
         for component in &self.fields.components {
-            let (change, most) = (component.largest(correction), component.largest(&self.u));
-            if change > UNKNOWN_ROUNDING * most && change > LARGEST_ROUNDING * component.range(&self.u) {
+            let change = component.largest(correction);
+            let rounding = UNKNOWN_ROUNDING * component.largest_in_field(&self.u);
+            if change > rounding && change > LARGEST_ROUNDING * component.range(&self.u) {
                 return Ok(false);
             }
             let (mut own, mut uniform) = (vec![0.0; self.u.len()], vec![0.0; self.u.len()]);
@@ -271,7 +281,8 @@ impl Iteration<'_> {
             let sums = problem.products(&self.u, &own).map_err(NewtonFailure::Assembly)?.sizes;
             let weights = problem.products(&self.u, &uniform).map_err(NewtonFailure::Assembly)?.sizes;
             let small = |unknown: usize| {
-                correction[unknown].abs() * weights[unknown] <= LARGEST_ROUNDING * sums[unknown]
+                let change = correction[unknown].abs();
+                change * weights[unknown] <= LARGEST_ROUNDING * sums[unknown] || change <= rounding
             };
             if !component.unknowns().all(small) {
                 return Ok(false);
@@ -280,8 +291,18 @@ impl Iteration<'_> {
         Ok(true)
     }
 
+    /// Whether the last step led a component to zero, but for rounding.
+    fn some_component_vanishes(&self) -> bool {
+        let Some(step) = &self.last_step else { return false };
+        let vanishes = |component: &Component| {
+            let left = component.largest(&self.u);
+            left > 0.0 && left <= NOTHING_LEFT * component.largest(step)
+        };
+        self.fields.components.iter().any(vanishes)
+    }
+
     /// Whether the residual of a field stays as it is.
-    fn some_component_stays(&self) -> bool {
+    fn some_field_stays(&self) -> bool {
         let count = self.norms.last().map_or(0, |last| last.residual.len());
         (0..count).any(|field| self.has_stalled(field))
     }
@@ -298,7 +319,9 @@ impl Iteration<'_> {
         for component in &self.fields.components {
             let (change, most) = (component.largest(correction), component.largest(&self.u));
             let range = component.range(&self.u);
-            let mut allowed = (tolerance * range).max(UNKNOWN_ROUNDING * most);
+            // A component may be zero, and its corrections the rounding of others.
+            let rounding = UNKNOWN_ROUNDING * component.largest_in_field(&self.u);
+            let mut allowed = (tolerance * range).max(rounding);
             if change > allowed && range <= UNIFORM * most {
                 let resisted = self.resistance(problem, component)?;
                 allowed = allowed.max(tolerance * resisted * most);
@@ -346,7 +369,7 @@ impl Iteration<'_> {
         correction: &[f64],
         forces: &[f64],
     ) -> Result<Option<Vec<f64>>, NewtonFailure<P::Error>> {
-        if self.zeroed {
+        if self.zeroings >= ZEROINGS {
             return Ok(None);
         }
         let mut zeroed = self.u.clone();
@@ -367,7 +390,7 @@ impl Iteration<'_> {
         {
             return Ok(None);
         }
-        self.zeroed = true;
+        self.zeroings += 1;
         Ok(Some(change))
     }
 
@@ -428,7 +451,8 @@ impl Iteration<'_> {
     ) -> Result<(), NewtonFailure<E>> {
         for (component, _) in unsettled {
             let (change, most) = (component.largest(correction), component.largest(&self.u));
-            if change > LARGEST_ROUNDING * most {
+            let in_field = component.largest_in_field(&self.u);
+            if change > LARGEST_ROUNDING * most && change > ZERO_COMPONENT * in_field {
                 return Err(NewtonFailure::Uncertain { part: change / most.max(f64::MIN_POSITIVE) });
             }
         }
