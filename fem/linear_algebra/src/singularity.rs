@@ -28,7 +28,8 @@ pub fn check_regular(
 ) -> Result<(), LinearAlgebraError> {
     // The diagonal says nothing of the scale of a row whose largest entries are elsewhere, as in a saddle point.
     let (of_rows, of_columns) = scale(matrix)?;
-    let mut y: Vec<f64> = irregular(matrix.rows()).zip(&of_rows).map(|(value, scale)| value / scale).collect();
+    let mut y: Vec<f64> =
+        irregular(matrix.rows()).zip(&of_rows).map(|(value, scale)| value / scale).collect();
     solve(&mut y)?;
     let (mut product, mut terms) = (0.0_f64, 0.0_f64);
     for (row, scale) in of_rows.iter().enumerate() {

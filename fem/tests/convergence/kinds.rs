@@ -61,9 +61,7 @@ macro_rules! solve_and_judge {
         let options = NewtonOptions { max_iterations: 100, ..NewtonOptions::default() };
         let problem = Problem::new(&form, space).constrained(&constraints).start(&start);
         let found = problem.solver(&mut *linear).options(options).solve();
-        let found = found
-            .map(|solved| solved.field().values().to_vec())
-            .map_err(|error| error.to_string());
+        let found = found.map(|solved| solved.field().values().to_vec()).map_err(|error| error.to_string());
         let mut equations = Problem::new(&form, space);
         let elimination = Elimination::of(&[&constraints]).unwrap();
         let ends = (start.values().to_vec(), exact);
@@ -85,7 +83,8 @@ fn apart(numbers: &mut Numbers) -> (String, Outcome) {
     let form = scalar::Model { data, regions: scalar::Regions::default() }.apart();
     let (constraints, start) = (Constraints::new(&space), Field::interpolate(&space, |_| far).unwrap());
     let exact = Some(vec![1.0; space.unknowns()]);
-    let (name, outcome) = solve_and_judge!(ScalarCase { space: &space, constraints, start, exact }, form, numbers);
+    let (name, outcome) =
+        solve_and_judge!(ScalarCase { space: &space, constraints, start, exact }, form, numbers);
     (format!("{k:?} {c:?} from {far:e}, {name}"), outcome)
 }
 
@@ -104,16 +103,13 @@ fn kinked(numbers: &mut Numbers) -> (String, Outcome) {
     let space = Space::discontinuous_scalar(&mesh, 0).unwrap();
     let (k, at, c) = (numbers.power(0.0, 12.0), numbers.power(1.0, 8.0), numbers.within(0.1, 0.9));
     let far = at * numbers.power(0.0, 6.0);
-    let data = scalar::Data {
-        k: Given::constant(k),
-        f: Given::constant(at),
-        c: Given::constant(c),
-        ..plain_data()
-    };
+    let data =
+        scalar::Data { k: Given::constant(k), f: Given::constant(at), c: Given::constant(c), ..plain_data() };
     let form = scalar::Model { data, regions: scalar::Regions::default() }.kinked();
     let (constraints, start) = (Constraints::new(&space), Field::interpolate(&space, |_| far).unwrap());
     let exact = Some(vec![root(|u| u + k * (u - at).max(0.0) + 0.1 * u.tanh() - c)]);
-    let (name, outcome) = solve_and_judge!(ScalarCase { space: &space, constraints, start, exact }, form, numbers);
+    let (name, outcome) =
+        solve_and_judge!(ScalarCase { space: &space, constraints, start, exact }, form, numbers);
     (format!("k {k:e} at {at:e}, c {c} from {far:e}, {name}"), outcome)
 }
 
@@ -126,7 +122,8 @@ fn hardening(numbers: &mut Numbers) -> (String, Outcome) {
     let form = scalar::Model { data, regions: scalar::Regions::default() }.hardening();
     let (constraints, start) = (Constraints::new(&space), Field::interpolate(&space, |_| far).unwrap());
     let exact = Some(vec![root(|u| u + k * u.powi(3) + 0.1 * u.tanh() - c)]);
-    let (name, outcome) = solve_and_judge!(ScalarCase { space: &space, constraints, start, exact }, form, numbers);
+    let (name, outcome) =
+        solve_and_judge!(ScalarCase { space: &space, constraints, start, exact }, form, numbers);
     (format!("k {k:e}, c {c} from {far:e}, {name}"), outcome)
 }
 
@@ -164,7 +161,9 @@ fn conduction(numbers: &mut Numbers) -> (String, Outcome) {
     let case = ScalarCase { space: &space, constraints, start, exact: None };
     let (name, outcome) = solve_and_judge!(case, form, numbers);
     (
-        format!("k {k:?} c {soft:?} unit {unit:e} offset {offset:e} far {far:e} both {both} {periodic}, {name}"),
+        format!(
+            "k {k:?} c {soft:?} unit {unit:e} offset {offset:e} far {far:e} both {both} {periodic}, {name}"
+        ),
         outcome,
     )
 }
@@ -184,7 +183,8 @@ fn walled(numbers: &mut Numbers) -> (String, Outcome) {
         ..plain_data()
     };
     let form = scalar::Model { data, regions: scalar::Regions::default().wall("boundary") }.walled();
-    let (constraints, start) = (Constraints::new(&space), Field::interpolate(&space, |x| far * x[1]).unwrap());
+    let (constraints, start) =
+        (Constraints::new(&space), Field::interpolate(&space, |x| far * x[1]).unwrap());
     let case = ScalarCase { space: &space, constraints, start, exact: None };
     let (name, outcome) = solve_and_judge!(case, form, numbers);
     (format!("penalty {penalty:e} unit {unit:e} offset {offset:e} far {far:e}, {name}"), outcome)
@@ -264,11 +264,11 @@ fn three_fields(numbers: &mut Numbers) -> (String, Outcome) {
     given[1].fix("right", |x| x[1]).unwrap();
     let (name, mut linear) = solver(numbers.choice(COUNT));
     let spaces = [&bodies, &scalars, &scalars];
-    let problem = Problem::new(&form, spaces).constrained(&held).constrained(&given[0]).constrained(&given[1]);
+    let problem =
+        Problem::new(&form, spaces).constrained(&held).constrained(&given[0]).constrained(&given[1]);
     let found = problem.solver(&mut *linear).solve().map_err(|error| error.to_string());
-    let found = found.map(|solved| {
-        solved.fields.iter().flat_map(|field| field.values().to_vec()).collect::<Vec<_>>()
-    });
+    let found = found
+        .map(|solved| solved.fields.iter().flat_map(|field| field.values().to_vec()).collect::<Vec<_>>());
     let mut groups = halves(&bodies, 0);
     groups.extend(halves(&scalars, bodies.unknowns()));
     groups.extend(halves(&scalars, bodies.unknowns() + scalars.unknowns()));
@@ -293,13 +293,8 @@ fn contact(numbers: &mut Numbers) -> (String, Outcome) {
     let (press, rubber) = (numbers.power(-3.0, -0.8), numbers.choice(2) == 0);
     let penalty = numbers.power(2.0, 12.0);
     let theta = [-1.0, 0.0, 1.0][numbers.choice(3)];
-    let data = solid::Data {
-        mu: Given::function(of),
-        gap: 0.0,
-        penalty,
-        theta,
-        gamma0: Given::constant(100.0),
-    };
+    let data =
+        solid::Data { mu: Given::function(of), gap: 0.0, penalty, theta, gamma0: Given::constant(100.0) };
     let model = solid::Model { data, regions: solid::Regions::default().contact("bottom") };
     let mut constraints = Constraints::new(&space);
     constraints.fix("top", |_| [0.0, -press]).unwrap();
@@ -309,5 +304,8 @@ fn contact(numbers: &mut Numbers) -> (String, Outcome) {
         true => solve_and_judge!(case, model.rubber(), numbers),
         false => solve_and_judge!(case, model.nitsche(), numbers),
     };
-    (format!("stiff {stiff:e} press {press:e} penalty {penalty:e} θ {theta} rubber {rubber}, {name}"), outcome)
+    (
+        format!("stiff {stiff:e} press {press:e} penalty {penalty:e} θ {theta} rubber {rubber}, {name}"),
+        outcome,
+    )
 }

@@ -65,7 +65,8 @@ pub mod coupled {
         integral(Omega, first * (dot(grad(u[0]), grad(v[0])) - load * v[0]))
             + integral(
                 Omega,
-                second * (dot(grad(u[1]), grad(v[1])) + (pow(u[1], 3) + u[1] - load - coupling * u[0]) * v[1]),
+                second
+                    * (dot(grad(u[1]), grad(v[1])) + (pow(u[1], 3) + u[1] - load - coupling * u[0]) * v[1]),
             )
     }
     /// Three fields, each with a scale of its own; the first drives the second, the second the third.
@@ -78,7 +79,10 @@ pub mod coupled {
         w: Test<Scalar>,
     ) -> Form {
         integral(Omega, first * (inner(eps(u), eps(v)) + div(u) * div(v) - load * v[1]))
-            + integral(Omega, second * (dot(grad(c), grad(q)) + (pow(c, 3) + c - load - coupling * div(u)) * q))
+            + integral(
+                Omega,
+                second * (dot(grad(c), grad(q)) + (pow(c, 3) + c - load - coupling * div(u)) * q),
+            )
             + integral(Omega, third * ((1 + c * c) * dot(grad(t), grad(w)) - (1 + coupling * c) * w))
     }
 }

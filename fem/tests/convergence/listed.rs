@@ -15,7 +15,8 @@ fn data() -> scalar::Data<2> {
 fn a_stiff_cell_does_not_hide_a_soft_one() {
     let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 1], CellShape::Quadrilateral, 1).unwrap());
     let space = Space::discontinuous_scalar(&mesh, 0).unwrap();
-    let of = |left: f64, right: f64| Given::function(move |x: &[f64; 2]| if x[0] < 0.5 { left } else { right });
+    let of =
+        |left: f64, right: f64| Given::function(move |x: &[f64; 2]| if x[0] < 0.5 { left } else { right });
     let data = scalar::Data { k: of(1e11, 0.0), c: of(0.0, 1.0), ..data() };
     let form = scalar::Model { data, regions: scalar::Regions::default() }.apart();
     for number in 0..COUNT {
@@ -32,7 +33,8 @@ fn a_stiff_cell_does_not_hide_a_soft_one() {
 fn a_far_guess_does_not_decide_when_to_stop() {
     let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Quadrilateral, 1).unwrap());
     let space = Space::discontinuous_scalar(&mesh, 0).unwrap();
-    let data = scalar::Data { k: Given::constant(1e6), f: Given::constant(1e5), c: Given::constant(0.5), ..data() };
+    let data =
+        scalar::Data { k: Given::constant(1e6), f: Given::constant(1e5), c: Given::constant(0.5), ..data() };
     let form = scalar::Model { data, regions: scalar::Regions::default() }.kinked();
     let far = Field::interpolate(&space, |_| 1e6).unwrap();
     let solved = Problem::new(&form, &space).start(&far).solve().unwrap();
@@ -45,8 +47,12 @@ fn tiny_units_do_not_converge_at_once() {
     let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1).unwrap());
     let space = Space::scalar(&mesh, 1).unwrap();
     let solved = [1.0, 1e-302].map(|unit| {
-        let data =
-            scalar::Data { k: Given::constant(unit), c: Given::constant(unit), f: Given::constant(unit), ..data() };
+        let data = scalar::Data {
+            k: Given::constant(unit),
+            c: Given::constant(unit),
+            f: Given::constant(unit),
+            ..data()
+        };
         let form = scalar::Model { data, regions: scalar::Regions::default() }.conduction();
         let mut constraints = Constraints::new(&space);
         constraints.fix("left", |_| 0.0).unwrap();
@@ -70,7 +76,8 @@ mod multiplier {
 
     /// Contact with a multiplier, as in tutorial 9.
     pub fn contact(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
-        integral(Omega, inner(2 * eps(u) + div(u) * I, eps(v))) + integral(Top, p * v[1])
+        integral(Omega, inner(2 * eps(u) + div(u) * I, eps(v)))
+            + integral(Top, p * v[1])
             + integral(Top, (p - max(0, p + switch * (u[1] - gap))) * q / switch)
     }
 

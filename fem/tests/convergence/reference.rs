@@ -90,7 +90,9 @@ pub fn judge(
                 better
             });
             let error = difference(&u, &reference, groups);
-            if error > TOLERANCE { println!("found {u:?}\nreference {reference:?}"); }
+            if error > TOLERANCE {
+                println!("found {u:?}\nreference {reference:?}");
+            }
             if error <= TOLERANCE { Outcome::Right } else { Outcome::Wrong { error } }
         }
         Err(why) => {
@@ -100,7 +102,9 @@ pub fn judge(
             }
             let mut settled = 0;
             for _ in 0..STEPS {
-                let Some(change) = newton_step(equations, elimination, &u) else { return Outcome::Refused { why } };
+                let Some(change) = newton_step(equations, elimination, &u) else {
+                    return Outcome::Refused { why };
+                };
                 let next: Vec<f64> = u.iter().zip(&change).map(|(u, change)| u + change).collect();
                 settled = if difference(&u, &next, groups) <= 1e-3 * TOLERANCE { settled + 1 } else { 0 };
                 u = next;

@@ -32,6 +32,7 @@ pub mod solved;
 pub mod solver_report;
 pub mod tangent_solver;
 
+pub use crate::assemble::Terms;
 pub use communicator::{CommunicationError, Communicator};
 pub use condensed_solver::CondensedSolver;
 pub use eigenproblem::{Eigenmode, Eigenproblem, EigenproblemError};
@@ -46,7 +47,6 @@ pub use load_steps::{
 };
 pub use lu_solver::LuSolver;
 pub use multigrid_solver::{MultigridSolver, MultigridSolverOptions, MultigridSolverReport};
-pub use crate::assemble::Terms;
 pub use newton::{
     ActivePoints, FieldUnknowns, LineSearch, NewtonError, NewtonFailure, NewtonOptions, NewtonSolution,
     NewtonStep, NonlinearProblem, NonlinearTangent, Products, Start, Tangent, WorstEquation, newton,

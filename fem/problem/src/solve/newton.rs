@@ -25,9 +25,7 @@ use convergence::{Fields, Norms, mark};
 use judgement::{LastCorrection, Verdict};
 pub use line_search::LineSearch;
 use line_search::{Forced, Taken, along_potential, along_residual, check_potential};
-pub use report::{
-    NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep, WorstEquation,
-};
+pub use report::{NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep, WorstEquation};
 pub use tangent::{NonlinearTangent, Products, Tangent};
 
 /// A system R(u) = 0 with a (generalised) derivative. Vectors and matrices have all unknowns, the prescribed

@@ -27,8 +27,8 @@ use super::any_form::{AnyForm, Held};
 use super::communicator::Communicator;
 use super::linear_part::Assembled;
 use super::{
-    ActivePoints, FieldUnknowns, Increment, LinearSolver, NewtonError, NewtonOptions, NewtonStep, NonlinearProblem,
-    NonlinearTangent, PerUnknown, Products, RigidLoads, Solved, Tangent,
+    ActivePoints, FieldUnknowns, Increment, LinearSolver, NewtonError, NewtonOptions, NewtonStep,
+    NonlinearProblem, NonlinearTangent, PerUnknown, Products, RigidLoads, Solved, Tangent,
 };
 use crate::assemble::{Assembler, AssemblyError, BlockPattern, Terms};
 use crate::constraints::Constraints;

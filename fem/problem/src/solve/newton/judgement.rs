@@ -133,7 +133,8 @@ impl Iteration<'_> {
             if self.stays() && self.is_small_everywhere(problem, &correction)? {
                 return Ok(Verdict::Solution);
             }
-            let zeroed = self.without_vanishing_components(problem, elimination, &correction, &rows.forces)?;
+            let zeroed =
+                self.without_vanishing_components(problem, elimination, &correction, &rows.forces)?;
             return match zeroed {
                 Some(change) => Ok(Verdict::Correct(change)),
                 None => progress.map(|()| Verdict::GoOn),
@@ -219,10 +220,8 @@ impl Iteration<'_> {
             };
             let failing = (0..residual.len()).filter(|place| residual[*place].abs() > allowed[*place]);
             let worst = failing.max_by(|a, b| off(*a).total_cmp(&off(*b)));
-            self.worst = worst.map(|place| WorstEquation {
-                unknown: elimination.free()[place],
-                off: off(place),
-            });
+            self.worst =
+                worst.map(|place| WorstEquation { unknown: elimination.free()[place], off: off(place) });
         }
         Ok(Rows { hold, after_long_step, forces })
     }

@@ -3,8 +3,8 @@
 use crate::assemble::{AssemblyError, Terms};
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::{
-    ActivePoints, Elimination, FieldUnknowns, LinearSolver, NewtonError, NewtonOptions, NewtonSolution, NewtonStep,
-    NonlinearProblem, NonlinearTangent, Products, Start, Tangent, newton_eliminating,
+    ActivePoints, Elimination, FieldUnknowns, LinearSolver, NewtonError, NewtonOptions, NewtonSolution,
+    NewtonStep, NonlinearProblem, NonlinearTangent, Products, Start, Tangent, newton_eliminating,
 };
 
 /// [`newton_eliminating`] for the problem of any form, compiled once: a user's form brings its kernels, not Newton's method.
