@@ -54,7 +54,7 @@ pub enum Traction {
     Whole,
 }
 
-/// What the threshold of γ₀ rests on.
+/// Surfaces, stresses and parameters that the threshold of γ₀ depends on.
 #[derive(Clone, Debug)]
 pub struct NitscheContact<'a, const D: usize> {
     /// Names of the surfaces that are integrated over. A rigid one has no stress, and is left out.
@@ -74,7 +74,7 @@ pub struct NitscheContact<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> NitscheContact<'a, D> {
-    /// Of a surface on rigid obstacles, with friction and θ = 0.
+    /// The data of a surface on rigid obstacles, with friction and θ = 0.
     pub fn of_surface(surface: &'a str, [lambda, mu, gamma0]: [impl Into<Given<f64, D>>; 3]) -> Self {
         NitscheContact {
             surfaces: vec![surface],
@@ -87,7 +87,7 @@ impl<'a, const D: usize> NitscheContact<'a, D> {
         }
     }
 
-    /// Of the surfaces of a region's contact pairs that are integrated over, with friction and θ = 0.
+    /// The data of the surfaces of a region's contact pairs that are integrated over, with friction and θ = 0.
     pub fn of_pairs(pairs: &'a Region, [lambda, mu, gamma0]: [&Given<f64, D>; 3], share: f64) -> Self {
         let facings = pairs.pairing.iter().flat_map(|pairing| &pairing.surfaces);
         let mut surfaces: Vec<&str> = facings.map(|facing| facing.own.as_str()).collect();

@@ -335,7 +335,7 @@ pub fn tangent<F: Form<D>, const D: usize>(
 }
 
 /// Tests a derivative by the shape of the domain along a movement: `value` computes the number on a mesh that has moved,
-/// of which spaces number their nodes as before ([`Field::carried_to`]). `derivative` is the derivative along `movement`. Where
+/// whose spaces number their nodes as before ([`Field::carried_to`]). `derivative` is the derivative along `movement`. Where
 /// the diameter h of cells has a kink along it, the report says so: a function that reads h has no derivative there.
 ///
 /// # Errors

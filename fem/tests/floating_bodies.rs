@@ -33,7 +33,7 @@ fn loaded_punch() -> warm::Model {
     warm::Model { regions: warm::Regions::default().loaded("punch top") }
 }
 
-/// Two blocks, of which the upper one is held by nothing, or guided by its top.
+/// Two blocks, the upper one held by nothing, or guided by its top.
 #[test]
 fn a_free_body_is_named_with_its_motions() {
     let punch = rectangle([1.0, 1.0], [2.0, 2.0], [2, 2], CellShape::Triangle, 1).unwrap();

@@ -126,7 +126,7 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
             .constrained(&self.constraints)
             .options(options);
         let mut problem = self.on_pattern(problem);
-        // Data that do not fit are told by the solution.
+        // Data that do not fit are reported by the solution.
         if let Ok(Some(threshold)) = self.threshold() {
             problem = problem.with_notes(threshold.warning());
         }

@@ -104,6 +104,9 @@ where
 }
 
 /// The assembler of the cells that own some facets.
+///
+/// # Errors
+/// If a region is unknown.
 #[doc(hidden)]
 pub fn on_cells_of_facets<const D: usize>(
     assembler: &Assembler<D>,

@@ -69,7 +69,7 @@ pub fn free_motions<const D: usize>(
     free_motions_of_body(matrix, offset, positions, &nodes, hindrance)
 }
 
-/// The same of one of several bodies, the one with these nodes: the others stay where they are.
+/// Free motions of one of several bodies, the one with these nodes: the others stay where they are.
 ///
 /// # Errors
 /// As [`free_motions`].

@@ -1,4 +1,4 @@
-//! Branches that are not taken, of laws that read stresses and stand before other factors: a plan of the tangent takes such
+//! Branches that are not taken, of laws that read stresses and precede other factors: a plan of the tangent takes such
 //! factors apart, and what is no number in a branch must stay inside of it. On contact pairs, facets and cells.
 
 use forms_core::contract::{Dim, Dimension, Entity, Form, Pairing};

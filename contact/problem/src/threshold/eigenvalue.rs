@@ -41,7 +41,7 @@ fn factor(size: usize, matrix: &[f64]) -> Option<Factor> {
     (!negative).then_some(Factor { columns, pivots })
 }
 
-/// The largest λ of S v = λ A v over the complement of A's kernel, on which S vanishes too; infinite where it cannot be told, as of an A that
+/// The largest λ of S v = λ A v over the complement of A's kernel, on which S vanishes too; infinite where it cannot be found, as of an A that
 /// is not positive semidefinite. Both matrices have `size` rows, and are given row by row.
 ///
 /// With S = B Bᵀ it is the largest eigenvalue of Bᵀ A⁺ B, a matrix as large as the rank of S: the number of a facet's stresses and points.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// What moves freely at an unknown that a singular matrix does not determine, as far as it is known.
+/// The body or tool that moves freely at an unknown that a singular matrix does not determine, as far as it is known.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Floating {
     /// Nothing that is a rigid motion.

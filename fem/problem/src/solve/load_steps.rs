@@ -199,7 +199,7 @@ impl LoadSteps {
         self.go_through(state, None, |step| solve(step.factor, step.before), &mut |_| (), &mut |_| ())
     }
 
-    /// The same with something done at each success, before the next step: histories are committed there.
+    /// Load steps with something done at each success, before the next step: histories are committed there.
     ///
     /// ```
     /// use forms_fem::solve::LoadSteps;
@@ -224,7 +224,7 @@ impl LoadSteps {
         CommittingSteps { steps: self, commit: Box::new(commit), each_attempt: Box::new(|_| ()) }
     }
 
-    /// The same with something done at each attempt, whether it succeeds or fails, as printing it.
+    /// Load steps with something done at each attempt, whether it succeeds or fails, as printing it.
     pub fn each_attempt<'a, S>(&'a self, progress: impl FnMut(&LoadStep) + 'a) -> CommittingSteps<'a, S> {
         self.committing(|_: &S| ()).each_attempt(progress)
     }
@@ -305,7 +305,7 @@ impl<'a, S> CommittingSteps<'a, S> {
         self
     }
 
-    /// The same with something done at each attempt: [`LoadSteps::each_attempt`].
+    /// Load steps with something done at each attempt: [`LoadSteps::each_attempt`].
     pub fn each_attempt(mut self, progress: impl FnMut(&LoadStep) + 'a) -> Self {
         self.each_attempt = Box::new(progress);
         self

@@ -244,7 +244,7 @@ impl Algebra<'_> {
             let vanishes = found.iter().all(|one| matches!(one, Zero));
             return Some(if vanishes { Zero } else { Free });
         }
-        // A sum with other terms inside of a nonlinear operation: what is wrong is that the test function stands there at all.
+        // A sum with other terms inside of a nonlinear operation: what is wrong is that the test function is there at all.
         if let Some((argument, user)) = self.inside
             && found.iter().any(|one| matches!(one, Free))
         {

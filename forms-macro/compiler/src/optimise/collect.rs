@@ -7,7 +7,7 @@ use super::hashing::Map;
 use super::scalar::{Graph, Node, Scalar};
 use super::straight_line::Code;
 
-/// The expressions with the sums in them collected; sums over basis functions stay, since what stands before a basis
+/// The expressions with the sums in them collected; sums over basis functions stay, since what precedes a basis
 /// function is computed once per point. `None` where that takes too much work.
 pub fn collected(graph: &mut Graph, roots: &[Scalar]) -> Option<Vec<Scalar>> {
     if graph.tangled {

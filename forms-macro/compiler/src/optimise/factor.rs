@@ -165,7 +165,7 @@ const MOST_PRODUCTS: usize = 8;
 const MOST_TRIED: usize = 8;
 
 /// After this much work on a function ([`Graph::work`]), no more ways are tried: four times what the largest law of contact in
-/// this repository takes, and some seconds. What is found until then stands. Without an end, large forms take minutes.
+/// this repository takes, and some seconds. What is found until then is taken. Without an end, large forms take minutes.
 const MOST_WORK: usize = 20_000_000;
 
 /// Products that are taken out one by one, at each step the one that leaves the cheapest plan. A step may cost a

@@ -47,7 +47,7 @@ pub struct Linear<'a> {
     pub graph: &'a mut Graph,
     pub function: SidedField,
     known: Map<Scalar, Option<Rc<Coefficients>>>,
-    /// The nodes in which the function stands, be it with coefficients that cancel.
+    /// The nodes that contain the function, be it with coefficients that cancel.
     mentioned: Marks,
 }
 
@@ -198,9 +198,9 @@ pub fn split(graph: &mut Graph, scalar: Scalar, node: Scalar) -> (Scalar, Scalar
     (partner, rest)
 }
 
-/// A node of an expression as it may be a factor outside of it: inside the branches of `if`s in which it stands, and zero where
-/// these are not taken, unless it is a number there, too. A NaN would come through a partner that is zero. `None` where it
-/// stands in several branches.
+/// A node of an expression as it may be a factor outside of it: inside the branches of `if`s that contain it, and zero where
+/// these are not taken, unless it is a number there, too. A NaN would come through a partner that is zero. `None` where
+/// several branches contain it.
 pub fn guarded(graph: &mut Graph, scalar: Scalar, node: Scalar) -> Option<Scalar> {
     if !graph.behaviour(node).wild {
         return Some(node);
@@ -223,7 +223,7 @@ pub fn guarded(graph: &mut Graph, scalar: Scalar, node: Scalar) -> Option<Scalar
     Some(factor)
 }
 
-/// The expression with its marked nodes made anew; `other` stands for terminals and what is not linear.
+/// The expression with its marked nodes made anew; `other` replaces terminals and what is not linear.
 fn with(
     graph: &mut Graph,
     scalar: Scalar,

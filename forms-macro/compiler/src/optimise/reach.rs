@@ -159,7 +159,7 @@ impl Graph {
     }
 }
 
-/// The nodes below some roots, of which some are marked.
+/// The nodes below some roots, some of them marked.
 pub struct Marks {
     nodes: Vec<Scalar>,
     /// By number of the node.

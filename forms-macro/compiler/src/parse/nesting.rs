@@ -2,7 +2,7 @@
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// Operators of one statement that may stand one inside the other, and four per bracket around it. A form that people read has
+/// Operators of one statement that may be one inside the other, and four per bracket around it. A form that people read has
 /// fewer than fifty. The compiler recurses about as deep; rustc's stack of 8 MB holds several times as much, and less than twice as much where
 /// `syn` is not optimised (`deep_nesting` in `tests/arbitrary_tokens`).
 const LIMIT: usize = 512;
@@ -56,7 +56,7 @@ fn ends_statement(token: &TokenTree, next: Option<&TokenTree>) -> bool {
 }
 
 /// The depth that the operators of a statement reach. In a sum of products and calls each sign is one, and the longest term counts
-/// besides: terms stand next to each other. In all else every operator may stand inside the one before.
+/// besides: terms are next to each other. In all else every operator may be inside the one before.
 fn operators(statement: &[TokenTree]) -> usize {
     let is_sign =
         |token: &TokenTree, sign: char| matches!(token, TokenTree::Punct(one) if one.as_char() == sign);

@@ -33,7 +33,7 @@ pub(super) struct Component {
 }
 
 impl Component {
-    /// Its unknowns among all.
+    /// Unknowns of the component among all.
     pub fn unknowns(&self) -> impl Iterator<Item = usize> + use<> {
         (self.first..self.field.end).step_by(self.stride)
     }

@@ -99,7 +99,10 @@ struct Rows {
 }
 
 impl Iteration<'_> {
-    /// Whether the last iterate is the solution, or what to do; an error if there is no sense in going on.
+    /// Whether the last iterate is the solution, or what to do.
+    ///
+    /// # Errors
+    /// If there is no sense in going on.
     pub fn judge<P: NonlinearProblem>(
         &mut self,
         problem: &mut P,

@@ -86,7 +86,7 @@ impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
     /// Each cell is to be owned by one process.
     fn check_partition(&self, communicator: &dyn Communicator) -> Result<(), CommunicationError> {
         let count = self.system.spaces[0].mesh().cell_count() as u32;
-        // Two sums: of the cells' number, and of numbers that stand for the cells.
+        // Two sums: of the cells' number, and of numbers that represent the cells.
         let number = |cell: u32| Fingerprint::default().numbers([u64::from(cell)]).finish();
         let sums = |cells: &mut dyn Iterator<Item = u32>| {
             cells.fold([0_u64; 2], |[count, sum], cell| [count + 1, sum.wrapping_add(number(cell))])
