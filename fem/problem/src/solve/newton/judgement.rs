@@ -51,6 +51,9 @@ const SHORT_STEP: f64 = 1e-3;
 /// A component of this part of its field may be zero: corrections of this size that do not become shorter are rounding of the others.
 const ZERO_COMPONENT: f64 = 1e-12;
 
+/// Where residuals stay, an unknown that is zero may have corrections of this part of its field.
+const LOCAL_ROUNDING: f64 = 1e-13;
+
 /// A step that leaves this part of a component has led to zero, or it is rounding that is left.
 const NOTHING_LEFT: f64 = 1e-3;
 
@@ -270,11 +273,14 @@ impl Iteration<'_> {
         correction: &[f64],
     ) -> Result<bool, NewtonFailure<P::Error>> {
         for component in &self.fields.components {
-            let change = component.largest(correction);
-            let rounding = UNKNOWN_ROUNDING * component.largest_in_field(&self.u);
-            if change > rounding && change > LARGEST_ROUNDING * component.range(&self.u) {
+            let (change, range) = (component.largest(correction), component.range(&self.u));
+            let in_field = component.largest_in_field(&self.u);
+            // A pressure may be the same everywhere.
+            let uniform = range <= UNIFORM * in_field && change <= ZERO_COMPONENT * in_field;
+            if !uniform && change > UNKNOWN_ROUNDING * in_field && change > LARGEST_ROUNDING * range {
                 return Ok(false);
             }
+            let rounding = LOCAL_ROUNDING * in_field;
             let (mut own, mut uniform) = (vec![0.0; self.u.len()], vec![0.0; self.u.len()]);
             for unknown in component.unknowns() {
                 (own[unknown], uniform[unknown]) = (self.u[unknown].abs(), 1.0);
