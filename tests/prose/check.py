@@ -23,7 +23,7 @@ LIMITS = {
     "so many": (0, 0, 0),
     "is told": (0, 1, 0),
     "stand, stands": (0, 0, 59),
-    "beside": (0, 7, 79),
+    "beside": (0, 0, 79),
     "of which, of whom": (0, 0, 19),
     "nothing else running": (0, 0, 0),
     "times of day": (0, 0, 0),
