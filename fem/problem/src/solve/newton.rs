@@ -189,6 +189,8 @@ pub fn newton_eliminating<P: NonlinearProblem>(
         last_step: None,
         last_correction: None,
         corrected_long_step: false,
+        last_is_correction: false,
+        polished: false,
         zeroings: 0,
         worst: None,
         options,
@@ -214,6 +216,10 @@ struct Iteration<'a> {
     /// The change of all unknowns in the last step, where it is known.
     last_step: Option<Vec<f64>>,
     last_correction: Option<LastCorrection>,
+    /// The last step was a correction, which says nothing of the progress of Newton's method.
+    last_is_correction: bool,
+    /// The correction that a tolerance below rounding asks for was made.
+    polished: bool,
     /// The rounding of a long step was corrected.
     corrected_long_step: bool,
     /// How often components that are rounding only were made zero.
@@ -322,6 +328,7 @@ impl Iteration<'_> {
         let lengths = self.fields.norms(&solution.solution);
         change.iter_mut().for_each(|change| *change *= part);
         self.last_step = Some(change);
+        self.last_is_correction = false;
         self.enter(problem, elimination, &found, step, Some(lengths))?;
         Ok(found)
     }
@@ -344,6 +351,7 @@ impl Iteration<'_> {
         };
         let lengths = self.fields.norms(&reduced);
         self.last_step = Some(change);
+        self.last_is_correction = true;
         self.enter(problem, elimination, &found, step, Some(lengths))?;
         Ok(found)
     }

@@ -47,6 +47,11 @@ impl Iteration<'_> {
                 false => NewtonFailure::Cycling { first, period },
             });
         }
+        self.check_iterations()
+    }
+
+    /// An error if the iterations are used up.
+    pub fn check_iterations<E>(&self) -> Result<(), NewtonFailure<E>> {
         let iterations = self.history.len() - 1;
         if iterations >= self.options.max_iterations {
             return Err(NewtonFailure::NotConverged { iterations });

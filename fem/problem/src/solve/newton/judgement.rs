@@ -48,6 +48,9 @@ const UNIFORM: f64 = 1e-9;
 /// A step of this part of a component leaves the tangent about as it is.
 const SHORT_STEP: f64 = 1e-3;
 
+/// A component below this part of its field counts as zero.
+const ZERO_PART: f64 = 1e-10;
+
 /// A component of this part of its field may be zero: corrections of this size that do not become shorter are rounding of the others.
 const ZERO_COMPONENT: f64 = 1e-12;
 
@@ -120,7 +123,10 @@ impl Iteration<'_> {
         if total <= self.options.absolute_tolerance || largest(reduced_residual) == 0.0 {
             return Ok(Verdict::Solution);
         }
-        let progress = self.check_progress();
+        let progress = match self.last_is_correction {
+            true => self.check_iterations(),
+            false => self.check_progress(),
+        };
         let ends = progress.is_err();
         if self.history.len() == 1 || !(ends || self.is_worth_judging()) {
             return progress.map(|()| Verdict::GoOn);
@@ -145,6 +151,11 @@ impl Iteration<'_> {
                 Some(change) => Ok(Verdict::Correct(change)),
                 None => progress.map(|()| Verdict::GoOn),
             };
+        }
+        // A tolerance below the rounding of rows asks for what one more solve can give.
+        if self.options.relative_tolerance < ROW_ROUNDING && !self.polished {
+            self.polished = true;
+            return Ok(Verdict::Correct(correction));
         }
         if rows.after_long_step && !self.corrected_long_step {
             self.corrected_long_step = true;
@@ -328,7 +339,9 @@ impl Iteration<'_> {
             let (change, most) = (component.largest(correction), component.largest(&self.u));
             let range = component.range(&self.u);
             // A component may be zero, and its corrections the rounding of others.
-            let rounding = UNKNOWN_ROUNDING * component.largest_in_field(&self.u);
+            let in_field = component.largest_in_field(&self.u);
+            let part = if most <= ZERO_PART * in_field { ZERO_COMPONENT } else { UNKNOWN_ROUNDING };
+            let rounding = part * in_field;
             let mut allowed = (tolerance * range).max(rounding);
             if change > allowed && range <= UNIFORM * most {
                 let resisted = self.resistance(problem, component)?;
@@ -348,8 +361,12 @@ impl Iteration<'_> {
             rest[unknown] = correction[unknown].abs();
         }
         let made = problem.products(&self.u, &rest).map_err(NewtonFailure::Assembly)?.sizes;
-        let negligible = made.iter().zip(forces).all(|(made, force)| *made <= UNKNOWN_ROUNDING * force);
-        Ok(if negligible { vec![] } else { unsettled })
+        let negligible = |terms: &[f64]| {
+            let rows = made.iter().zip(forces).zip(terms);
+            rows.into_iter().all(|((made, force), term)| *made <= UNKNOWN_ROUNDING * (force + term))
+        };
+        let terms = problem.sizes_of_terms(&self.u, Terms::OfRows).map_err(NewtonFailure::Assembly)?;
+        Ok(if negligible(terms.as_deref().unwrap_or(forces)) { vec![] } else { unsettled })
     }
 
     /// The part, from 0 to 1, of a uniform value of a component that every row resists: 0 for a stress, 1 for a mass. Where all
