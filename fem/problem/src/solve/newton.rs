@@ -22,7 +22,7 @@ use crate::linear_algebra::{BlockMatrix, CsrMatrix};
 use condensed::{nonlinear_changes, share_linear_part};
 pub use convergence::FieldUnknowns;
 use convergence::{Fields, Norms, mark};
-use judgement::{LastCorrection, Verdict};
+use judgement::{Corrections, Verdict};
 pub use line_search::LineSearch;
 use line_search::{Forced, Taken, along_potential, along_residual, check_potential};
 pub use report::{NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep, WorstEquation};
@@ -187,7 +187,7 @@ pub fn newton_eliminating<P: NonlinearProblem>(
         active: vec![],
         forced: None,
         last_step: None,
-        last_correction: None,
+        corrections: None,
         corrected_long_step: false,
         last_is_correction: false,
         polished: false,
@@ -215,7 +215,7 @@ struct Iteration<'a> {
     forced: Option<Forced>,
     /// The change of all unknowns in the last step, where it is known.
     last_step: Option<Vec<f64>>,
-    last_correction: Option<LastCorrection>,
+    corrections: Option<Corrections>,
     /// The last step was a correction, which says nothing of the progress of Newton's method.
     last_is_correction: bool,
     /// The correction that a tolerance below rounding asks for was made.

@@ -37,7 +37,10 @@ const SOFTNESS: f64 = 100.0;
 const UNKNOWN_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Corrections that become shorter by less than this factor do not converge any more.
-const SHORTER: f64 = 0.5;
+const SHORTER: f64 = 0.1;
+
+/// Corrections that stay this often are rounding: once with the last tangent, and once with a new one.
+const TRIES: usize = 2;
 
 /// What rounding may make of a component of the solution, as a part of its largest value.
 const LARGEST_ROUNDING: f64 = 1e-6;
@@ -79,20 +82,13 @@ pub(super) enum Verdict {
     GoOn,
 }
 
-/// The kind of a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum StepKind {
-    /// With the tangent at the iterate before.
-    Newton,
-    /// With an earlier tangent: the correction of an iterate whose rows hold.
-    Correction,
-}
-
-/// The last correction, as a part of what is allowed, and the step that came after it.
+/// Corrections of iterates whose rows hold.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct LastCorrection {
-    size: f64,
-    then: StepKind,
+pub(super) struct Corrections {
+    /// The last one that was shorter than those before, as a part of what is allowed.
+    least: f64,
+    /// How many came after it.
+    tries: usize,
 }
 
 /// Rows of an iterate.
@@ -142,7 +138,8 @@ impl Iteration<'_> {
         // If the tangent cannot be solved with, the next step reports it.
         let Some(correction) = correction else { return progress.map(|()| Verdict::GoOn) };
         if !rows.hold {
-            if self.stays() && self.is_small_everywhere(problem, &correction)? {
+            let stagnates = matches!(progress, Err(NewtonFailure::Stagnated));
+            if (stagnates || self.stays()) && self.is_small_everywhere(problem, &correction)? {
                 return Ok(Verdict::Solution);
             }
             let zeroed =
@@ -172,20 +169,21 @@ impl Iteration<'_> {
             return Ok(Verdict::Correct(change));
         }
         let size = unsettled.iter().map(|(_, size)| *size).fold(0.0, f64::max);
-        let before = self.last_correction.replace(LastCorrection { size, then: StepKind::Correction });
-        let stays = before.filter(|before| size > SHORTER * before.size);
-        let is_rounding = ends || stays.is_some_and(|before| before.then == StepKind::Newton);
-        if is_rounding && !matches!(progress, Err(NewtonFailure::NotConverged { .. })) {
-            match self.judge_rounding(&unsettled, &correction) {
-                Ok(()) => return Ok(Verdict::Solution),
-                Err(uncertain) if ends => return Err(uncertain),
-                Err(_) => {}
+        let tries = match self.corrections {
+            Some(Corrections { least, tries }) if size > SHORTER * least => tries + 1,
+            _ => 0,
+        };
+        self.corrections = Some(Corrections { least: size, tries });
+        if (ends || tries >= TRIES) && !matches!(progress, Err(NewtonFailure::NotConverged { .. })) {
+            match self.judge_rounding(problem, &unsettled, &correction)? {
+                None => return Ok(Verdict::Solution),
+                Some(part) if ends => return Err(NewtonFailure::Uncertain { part }),
+                Some(_) => {}
             }
         }
         progress?;
-        if stays.is_some() {
-            self.last_correction = Some(LastCorrection { size, then: StepKind::Newton });
-            return Ok(Verdict::GoOn);
+        if tries > 0 {
+            return Ok(Verdict::GoOn); // perhaps another tangent makes it shorter
         }
         Ok(Verdict::Correct(correction))
     }
@@ -468,19 +466,31 @@ impl Iteration<'_> {
         Ok(without <= VANISHED * now)
     }
 
-    /// Accepts corrections that do not become shorter as rounding of the solution, or refuses the solution.
-    fn judge_rounding<E>(
+    /// None if corrections that do not become shorter are rounding of the solution; otherwise their part of it.
+    fn judge_rounding<P: NonlinearProblem>(
         &self,
+        problem: &mut P,
         unsettled: &[(Component, f64)],
         correction: &[f64],
-    ) -> Result<(), NewtonFailure<E>> {
+    ) -> Result<Option<f64>, NewtonFailure<P::Error>> {
+        let mut rest = vec![0.0; correction.len()];
+        let mut part = None;
         for (component, _) in unsettled {
             let (change, most) = (component.largest(correction), component.largest(&self.u));
             let in_field = component.largest_in_field(&self.u);
             if change > LARGEST_ROUNDING * most && change > ZERO_COMPONENT * in_field {
-                return Err(NewtonFailure::Uncertain { part: change / most.max(f64::MIN_POSITIVE) });
+                part = Some(change / most.max(f64::MIN_POSITIVE));
+                component.unknowns().for_each(|unknown| rest[unknown] = correction[unknown].abs());
             }
         }
-        Ok(())
+        if part.is_none() {
+            return Ok(None);
+        }
+        // A solution that is zero, under forces that balance, has no other scale than these forces.
+        let made = problem.products(&self.u, &rest).map_err(NewtonFailure::Assembly)?.sizes;
+        let terms = problem.sizes_of_terms(&self.u, Terms::OfRows).map_err(NewtonFailure::Assembly)?;
+        let Some(terms) = terms else { return Ok(part) };
+        let negligible = made.iter().zip(&terms).all(|(made, term)| *made <= ROW_ROUNDING * term);
+        Ok(part.filter(|_| !negligible))
     }
 }
