@@ -140,7 +140,11 @@ impl Iteration<'_> {
 
     /// Whether it is worth while to judge the last iterate. It decides nothing: it spares work at iterates that are far off.
     pub fn is_worth_judging(&self) -> bool {
-        self.has_dropped_to(WORTH_JUDGING)
+        let [.., before, last] = &self.norms[..] else { return false };
+        (0..last.residual.len()).all(|field| {
+            let (now, before) = (last.residual[field], before.residual[field]);
+            now <= WORTH_JUDGING * self.largest_residual(field) || now > 0.5 * before || before == 0.0
+        })
     }
 
     /// Whether the residual of each field is this part of the largest that it had, or stays as it is.
