@@ -488,7 +488,7 @@ impl Iteration<'_> {
         }
         // A solution that is zero, under forces that balance, has no other scale than these forces.
         let made = problem.products(&self.u, &rest).map_err(NewtonFailure::Assembly)?.sizes;
-        let terms = problem.sizes_of_terms(&self.u, Terms::OfRows).map_err(NewtonFailure::Assembly)?;
+        let terms = problem.sizes_of_terms(&self.u, Terms::OfCells).map_err(NewtonFailure::Assembly)?;
         let Some(terms) = terms else { return Ok(part) };
         let negligible = made.iter().zip(&terms).all(|(made, term)| *made <= ROW_ROUNDING * term);
         Ok(part.filter(|_| !negligible))
