@@ -36,8 +36,8 @@ const SOFTNESS: f64 = 100.0;
 /// A correction below this part of the unknowns themselves is as good as their rounding.
 const UNKNOWN_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// Corrections that become shorter by less than this factor do not converge any more.
-const SHORTER: f64 = 0.1;
+/// Corrections that become shorter by less than this factor do not converge any more. At a triple root they become shorter by 2/3.
+const SHORTER: f64 = 0.75;
 
 /// Corrections that stay this often are rounding: once with the last tangent, and once with a new one.
 const TRIES: usize = 2;
@@ -169,11 +169,13 @@ impl Iteration<'_> {
             return Ok(Verdict::Correct(change));
         }
         let size = unsettled.iter().map(|(_, size)| *size).fold(0.0, f64::max);
-        let tries = match self.corrections {
-            Some(Corrections { least, tries }) if size > SHORTER * least => tries + 1,
-            _ => 0,
+        let Corrections { least, tries } = match self.corrections {
+            Some(Corrections { least, tries }) if size > SHORTER * least => {
+                Corrections { least: least.min(size), tries: tries + 1 }
+            }
+            _ => Corrections { least: size, tries: 0 },
         };
-        self.corrections = Some(Corrections { least: size, tries });
+        self.corrections = Some(Corrections { least, tries });
         if (ends || tries >= TRIES) && !matches!(progress, Err(NewtonFailure::NotConverged { .. })) {
             match self.judge_rounding(problem, &unsettled, &correction)? {
                 None => return Ok(Verdict::Solution),
