@@ -17,7 +17,6 @@ use crate::assemble::scatter::group_nodes::GroupNodes;
 use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView, views};
 use crate::lanes::InstructionSet;
-use crate::linear_algebra::vector::largest;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
 use crate::threads::Threads;
@@ -256,6 +255,8 @@ pub enum Terms {
     /// The largest amount in an element vector, in all rows to which it adds: what an entry was computed from, where the terms of a row
     /// cancel inside of the cell.
     OfCells,
+    /// The same among the entries of one component, in the rows of that component.
+    OfCellsByComponent,
 }
 
 impl<const D: usize> LinearVisitor<D> for VectorVisitor<'_, D> {
@@ -311,12 +312,13 @@ impl<const D: usize> VectorVisitor<'_, D> {
                             sizes.extend(vectors.iter().map(|value| value.abs()));
                             &sizes
                         }
-                        Added::Sizes(Terms::OfCells) => {
+                        Added::Sizes(terms) => {
+                            let stride = if terms == Terms::OfCells { 1 } else { components };
                             sizes.clear();
                             for vector in vectors.chunks_exact(length) {
                                 let first = sizes.len();
                                 sizes.resize(first + length, 0.0_f64);
-                                spread_largest(vector, &mut sizes[first..]);
+                                spread_largest(vector, stride, &mut sizes[first..]);
                             }
                             &sizes
                         }
@@ -334,11 +336,15 @@ impl<const D: usize> VectorVisitor<'_, D> {
     }
 }
 
-/// Writes the largest amount of a vector into all of its places that are not zero: at a facet the nodes away from it have no part in
-/// the vector.
-fn spread_largest(vector: &[f64], sizes: &mut [f64]) {
-    let most = largest(vector);
-    sizes.iter_mut().zip(vector).filter(|(_, value)| **value != 0.0).for_each(|(size, _)| *size = most);
+/// Writes the largest amount of every `stride`-th entry of a vector into those of its places that are not zero: at a facet the nodes away
+/// from it have no part in the vector.
+fn spread_largest(vector: &[f64], stride: usize, sizes: &mut [f64]) {
+    for first in 0..stride {
+        let own = || vector.iter().skip(first).step_by(stride);
+        let most = own().fold(0.0, |most: f64, value| most.max(value.abs()));
+        let places = sizes.iter_mut().skip(first).step_by(stride).zip(own());
+        places.filter(|(_, value)| **value != 0.0).for_each(|(size, _)| *size = most);
+    }
 }
 
 compiled_here!(

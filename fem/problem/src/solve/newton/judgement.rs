@@ -36,8 +36,8 @@ const SOFTNESS: f64 = 100.0;
 /// A correction below this part of the unknowns themselves is as good as their rounding.
 const UNKNOWN_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// Corrections that become shorter by less than this factor do not converge any more. At a triple root they become shorter by 2/3.
-const SHORTER: f64 = 0.75;
+/// Corrections that become shorter by less than this factor do not converge any more.
+const SHORTER: f64 = 0.5;
 
 /// Corrections that stay this often are rounding: once with the last tangent, and once with a new one.
 const TRIES: usize = 2;
@@ -490,7 +490,8 @@ impl Iteration<'_> {
         }
         // A solution that is zero, under forces that balance, has no other scale than these forces.
         let made = problem.products(&self.u, &rest).map_err(NewtonFailure::Assembly)?.sizes;
-        let terms = problem.sizes_of_terms(&self.u, Terms::OfCells).map_err(NewtonFailure::Assembly)?;
+        let terms =
+            problem.sizes_of_terms(&self.u, Terms::OfCellsByComponent).map_err(NewtonFailure::Assembly)?;
         let Some(terms) = terms else { return Ok(part) };
         let negligible = made.iter().zip(&terms).all(|(made, term)| *made <= ROW_ROUNDING * term);
         Ok(part.filter(|_| !negligible))
