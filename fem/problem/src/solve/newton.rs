@@ -200,7 +200,7 @@ pub fn newton_eliminating<P: NonlinearProblem>(
     let Iteration { u, history, worst, .. } = iteration;
     match found {
         Ok(residual) => Ok(NewtonSolution { u, residual, history }),
-        Err(why) => Err(NewtonError { why, history, u, worst, notes: vec![] }),
+        Err(why) => Err(NewtonError { why, history, u, worst: worst.map(Box::new), notes: vec![] }),
     }
 }
 

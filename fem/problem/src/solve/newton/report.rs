@@ -220,7 +220,7 @@ pub struct NewtonError<E: std::error::Error> {
     /// The last iterate: all unknowns, space after space, with the prescribed values ([`Field::from_values`](crate::field::Field::from_values)).
     pub u: Vec<f64>,
     /// The equation that held worst at the last iterate that was judged, if one did not hold.
-    pub worst: Option<WorstEquation>,
+    pub worst: Option<Box<WorstEquation>>,
     /// Remarks of the problem, as that points of sliding pairs have lost each other.
     pub notes: Vec<String>,
 }

@@ -189,7 +189,7 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
                 error.why = NewtonFailure::LinearSolver(named);
             }
             error.notes = self.lost_pairs(&error.u);
-            error.notes.extend(error.worst.and_then(|worst| self.equation_that_is_off(worst)));
+            error.notes.extend(error.worst.as_deref().and_then(|worst| self.equation_that_is_off(*worst)));
             if matches!(error.why, NewtonFailure::NotFinite) {
                 error.notes.extend(self.place_without_a_number(&error.u));
             }
