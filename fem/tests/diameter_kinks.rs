@@ -23,8 +23,7 @@ mod sizes {
 fn a_taylor_test_names_the_kink_of_the_diameter() {
     let test = |mesh: &Arc<Mesh<2>>, movement: fn(&[f64; 2]) -> [f64; 2], factor: f64| {
         let along = Field::interpolate(&Space::of_geometry(mesh).unwrap(), movement).unwrap();
-        let form =
-            sizes::of_cells_along(&sizes::Omega::on("all"), &along, &along.rate_of_diameter().unwrap());
+        let form = sizes::of_cells_along(&sizes::Omega::on("all"), &along, along.rate_of_diameter().unwrap());
         let slope = factor * Assembler::new(mesh).functional(&form).unwrap();
         let report = verification::shape(&along, 0.1, slope, |moved| {
             let value = Assembler::new(moved).functional(&sizes::of_cells(&sizes::Omega::on("all"))).unwrap();
