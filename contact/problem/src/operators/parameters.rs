@@ -8,7 +8,7 @@ pub mod penalty {
     /// The parameter without the cell's size.
     pub struct Data {
         /// γ₀ \[stress\]; γ = γ₀ / h_T. For Nitsche's method ten times λ + 2μ as a rule
-        /// ([`usual_gamma0`](crate::threshold::usual_gamma0)); penalty methods take it as stiff as they can.
+        /// (`forms_contact::threshold::usual_gamma0`); penalty methods take it as stiff as they can.
         pub gamma0: Param,
     }
 

@@ -14,7 +14,7 @@ pub mod bodies {
         /// μ, shear modulus \[stress\].
         pub mu: Given<Scalar>,
         /// γ₀ \[stress\]; γ = γ₀ / h_T: ten times λ + 2μ of the own body as a rule
-        /// ([`usual_gamma0`](crate::threshold::usual_gamma0)).
+        /// (`forms_contact::threshold::usual_gamma0`).
         pub gamma0: Given<Scalar>,
         /// Part of each surface's integral: ½ where both surfaces are integrated over, 1 where one of them is.
         #[default(0.5)]
