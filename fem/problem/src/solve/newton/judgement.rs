@@ -66,6 +66,9 @@ const NOTHING_LEFT: f64 = 1e-3;
 /// Most times that components are made zero.
 const ZEROINGS: usize = 3;
 
+/// A field of this part of the largest that it was is zero.
+const VANISHED_FIELD: f64 = 1e-100;
+
 /// A component is taken for zero where its correction takes away all but this part of it.
 const LEFT_OVER: f64 = 0.1;
 
@@ -116,7 +119,10 @@ impl Iteration<'_> {
         if !total.is_finite() {
             return Err(NewtonFailure::NotFinite);
         }
-        if total <= self.options.absolute_tolerance || largest(reduced_residual) == 0.0 {
+        if total <= self.options.absolute_tolerance
+            || largest(reduced_residual) == 0.0
+            || self.all_fields_vanished()
+        {
             return Ok(Verdict::Solution);
         }
         let progress = match self.last_is_correction {
@@ -308,6 +314,17 @@ impl Iteration<'_> {
             }
         }
         Ok(true)
+    }
+
+    /// Whether each field is zero next to the largest that it was: where a solution is zero, iterates may come to it by a constant factor
+    /// in each step, and no iterate has another scale.
+    fn all_fields_vanished(&self) -> bool {
+        let [_, .., last] = &self.norms[..] else { return false };
+        (0..last.u.len()).all(|field| {
+            let most = self.norms.iter().map(|norms| norms.u[field]).fold(0.0, f64::max);
+            // Exactly zero may be a place that it came by.
+            last.u[field] > 0.0 && last.u[field] <= VANISHED_FIELD * most
+        })
     }
 
     /// Whether the last step led a component to zero, but for rounding.
