@@ -19,7 +19,7 @@ pub mod isotropic {
         pub lambda: Given<Scalar>,
         /// μ \[stress\].
         pub mu: Given<Scalar>,
-        /// What products of tractions are divided by \[stress\]; 1 for the products themselves.
+        /// The divisor of products of tractions \[stress\]; 1 for the products themselves.
         pub scale: Given<Scalar>,
         /// 1 where the whole traction counts, 0 where its normal part does.
         pub tangential: Param,
@@ -109,7 +109,7 @@ impl<'a, const D: usize> NitscheContact<'a, D> {
 /// [`threshold`](crate::threshold), times the share of each surface's integral. The neo-Hookean and the St Venant–Kirchhoff material
 /// begin with Hooke's law; what compression adds to their stiffness is not looked at.
 ///
-/// Where γ₀ varies, the threshold's γ₀ is that of its worst cell, the one with the least γ₀ compared with what it asks for.
+/// The threshold's γ₀, where it varies, is that of its worst cell, the one with the least γ₀ compared with what it asks for.
 ///
 /// # Errors
 /// Data that do not fit.

@@ -26,7 +26,7 @@ mod hole {
     #[facets]
     pub struct Hole;
 
-    /// What the hole gains in area, to first order.
+    /// Gain of the hole's area, to first order.
     pub fn goal(u: State<Vector>) -> Functional {
         integral(Hole, -dot(u, n))
     }
@@ -66,7 +66,7 @@ fn arch() -> Outcome<Mesh<2>> {
     Ok(mesh)
 }
 
-/// What is varied.
+/// The varied quantity.
 #[derive(Clone, Copy)]
 struct Variant {
     degree: usize,

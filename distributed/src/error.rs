@@ -38,9 +38,9 @@ pub enum PetscError {
     OtherCalls {
         /// Their numbers.
         processes: Vec<usize>,
-        /// What they do.
+        /// Call that the others make.
         elsewhere: String,
-        /// What this process does.
+        /// Call that this process makes.
         here: String,
     },
     /// An error of other processes in what all do together.
@@ -52,7 +52,7 @@ pub enum PetscError {
     /// Something that has to be the same on all processes.
     #[error("the processes have different {what}")]
     Different {
-        /// What it is.
+        /// Name of the thing.
         what: &'static str,
     },
     /// [`crate::World`] was made twice.

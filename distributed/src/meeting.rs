@@ -12,7 +12,7 @@ use crate::mpi::{self, Handle, call_mpi};
 /// Time between two looks at whether the others have come.
 const LOOK: Duration = Duration::from_millis(1);
 
-/// What a process is about to do with the others.
+/// A call that a process is about to make with the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Call {
     /// It asks whether all succeeded in something, and says whether it did.
@@ -94,7 +94,7 @@ impl Meetings {
         Ok(Meetings { communicator, size })
     }
 
-    /// What all processes say. `None` if some have not come by the end of `patience`; then there is no further meeting.
+    /// Statements of all processes. `None` if some have not come by the end of `patience`; then there is no further meeting.
     pub fn all(&self, own: Call, patience: Option<Duration>) -> Result<Option<Vec<Call>>, PetscError> {
         let words = Box::new(own.words());
         let mut all = vec![[0_u64; 2]; self.size];

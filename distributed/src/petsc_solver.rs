@@ -280,10 +280,10 @@ impl LinearSolver for PetscSolver<'_> {
     }
 }
 
-/// What PETSc's solver tells of a solution.
+/// Report of PETSc's solver on a solution.
 #[derive(Debug, Default)]
 struct Found {
-    /// Why it stopped: negative where it did not converge.
+    /// Reason why it stopped: negative where it did not converge.
     reason: c_int,
     iterations: Index,
     /// Norms of the right-hand side and of the residual.

@@ -30,7 +30,7 @@ static STARTED: AtomicBool = AtomicBool::new(false);
 
 /// MPI and PETSc, started; they end when this is dropped. All processes must make the same calls in the same order.
 ///
-/// Where they do not, because one of them has failed or their data differ, the calls return errors that say so, and no process waits
+/// If they do not, because one of them has failed or their data differ, the calls return errors that say so, and no process waits
 /// for another in vain. A panic ends all processes.
 #[derive(Debug)]
 pub struct World {
@@ -194,7 +194,7 @@ impl World {
         Ok(())
     }
 
-    /// What all processes are about to do, which has to be the same.
+    /// The call that all processes are about to make, which has to be the same.
     fn meet(&self, own: Call) -> Result<Vec<Call>, PetscError> {
         let all = self.meetings.all(own, None)?.unwrap_or_default();
         check_same(own, &all)?;

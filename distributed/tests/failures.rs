@@ -77,7 +77,7 @@ fn fails_on_two_and_four(arguments: &[&str], causes: &[&str]) {
     fails(4, arguments, causes);
 }
 
-/// What the others say of a process that failed.
+/// Message of the others about a process that failed.
 const ELSEWHERE: &str = "failed, and says why itself";
 
 #[test]

@@ -273,7 +273,7 @@ fn element_kernels_count_the_measure_of_listed_cells() -> Outcome {
     Ok(())
 }
 
-/// What assemblers of parts of the cells find adds up to the whole, where skewed and straight cells have rules of their own.
+/// Sums of assemblers of parts of the cells add up to the whole, where skewed and straight cells have rules of their own.
 #[test]
 fn shares_of_cells_add_up() -> Outcome {
     let box_ = cuboid([0.0; 3], [4.0, 1.0, 1.0], [4, 2, 1], CellShape::Hexahedron, 1)?;

@@ -1,4 +1,4 @@
-//! What pairs do at meshes that do not match, and at points without a partner: the patch test by surfaces that slide, and the variants of
+//! Pairs at meshes that do not match, and at points without a partner: the patch test by surfaces that slide, and the variants of
 //! Nitsche's method with and without the stresses of open points.
 
 use forms_contact::ContactProblem;

@@ -30,7 +30,7 @@ pub mod forms {
     }
 }
 
-/// What a process is given.
+/// Input of a process.
 #[derive(Clone, Copy, Debug)]
 pub struct Given {
     /// Cells along a side.
@@ -41,7 +41,7 @@ pub struct Given {
     pub load: f64,
     /// u on the boundary.
     pub boundary: f64,
-    /// Where u is prescribed.
+    /// Region where u is prescribed.
     pub region: &'static str,
 }
 

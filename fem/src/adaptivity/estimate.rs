@@ -176,7 +176,7 @@ impl ErrorEstimate {
     }
 }
 
-/// What η leaves out is reported above this part of it.
+/// The part that η leaves out is reported above this part of it.
 const DEFECT: f64 = 0.05;
 
 /// I p and p − I p, in the space of p.

@@ -104,7 +104,7 @@ pub mod solid {
     fn stress(u: Vector) -> Tensor {
         mu * (2 * eps(u) + 1.5 * div(u) * I)
     }
-    /// How far a point is below the flat, whose normal (0, −1) points into it.
+    /// Distance of a point below the flat, whose normal (0, −1) points into it.
     fn below(u: Vector) -> Scalar {
         -u[1] - gap
     }

@@ -1,4 +1,4 @@
-//! What an answer is compared with.
+//! References that an answer is compared with.
 
 use forms_fem::assemble::AssemblyError;
 use forms_fem::prelude::*;

@@ -290,7 +290,7 @@ pub mod keywords {
     }
 }
 
-/// What they import came by another name, and has one here.
+/// Names that they import came under another name, and has one here.
 #[forms(crate = forms_core)]
 pub mod again {
     pub use super::keywords::{r#dyn as r#enum, r#struct};

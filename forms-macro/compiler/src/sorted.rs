@@ -25,7 +25,7 @@ impl<K: Ord, V> SortedMap<K, V> {
         SortedMap::default()
     }
 
-    /// Where a key is, or where it would be.
+    /// Place of a key, or the place that it would have.
     fn place<Q: Ord + ?Sized>(&self, key: &Q) -> Result<usize, usize>
     where
         K: Borrow<Q>,

@@ -47,7 +47,7 @@ pub enum CommunicationError {
     /// The processes do not solve the same problem.
     #[error("the processes have different problems: what differs is {what}")]
     Different {
-        /// What differs, in words.
+        /// The difference, in words.
         what: String,
     },
     /// Assemblers with cells of their own that several processes have, or none.

@@ -6,7 +6,7 @@
 //! 1. y = L⁻¹ b,   2. (S + B_cc) x_c = L_c y_c by dense LU,   3. y_c ← L_cᵀ x_c, x = L⁻ᵀ y,
 //!
 //! so a Newton step costs two half solves and a small dense LU; the transposed system costs the same.
-//! Where c grows, K is factored again with the larger c; where that does not pay or K is not positive
+//! If c grows, K is factored again with the larger c; where that does not pay or K is not positive
 //! definite, a [`TangentSolver`] takes over.
 
 mod condensed_system;

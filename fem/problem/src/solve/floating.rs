@@ -1,4 +1,4 @@
-//! What moves freely where a matrix is singular, in words.
+//! Bodies and tools that move freely where a matrix is singular, in words.
 
 use std::fmt;
 

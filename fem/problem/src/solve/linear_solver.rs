@@ -200,7 +200,7 @@ pub enum SolverError {
         position: Vec<f64>,
         /// As in [`LinearAlgebraError::Singular`].
         ratio: f64,
-        /// What moves freely there.
+        /// The body or tool that moves freely there.
         floating: Floating,
     },
     /// The matrix is close to a singular one, and an unknown that it hardly determines.

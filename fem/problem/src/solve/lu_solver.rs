@@ -16,7 +16,7 @@ const ROUNDING_OF_ROWS: f64 = 1e-15;
 /// A scaled matrix whose smallest singular value is below this part of its norm may leave a solution three digits or fewer: it is
 /// asked for each solution what rounding of the matrix makes of it.
 const ILL_CONDITIONED: f64 = 1e-13;
-/// What rounding may make of a solution, as a part of its largest entry.
+/// Largest effect of rounding on a solution, as a part of its largest entry.
 const UNCERTAIN: f64 = 1e-6;
 /// Most steps of iterative refinement of the whole solution; with partial pivoting one nearly always suffices.
 const REFINEMENTS: usize = 2;

@@ -222,7 +222,7 @@ struct Iteration<'a> {
     polished: bool,
     /// The rounding of a long step was corrected.
     corrected_long_step: bool,
-    /// How often components that are rounding only were made zero.
+    /// Number of times that components of rounding only were made zero.
     zeroings: usize,
     /// The equation that is off by the most of its terms, where one was.
     worst: Option<WorstEquation>,

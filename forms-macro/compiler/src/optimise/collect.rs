@@ -46,7 +46,7 @@ pub fn collected(graph: &mut Graph, roots: &[Scalar]) -> Option<Vec<Scalar>> {
     Some(roots.iter().map(|root| known.get(root).copied().unwrap_or(*root)).collect())
 }
 
-/// What factors that are taken out leave flattens the sums below them, and where these are shared each of their users flattens
+/// The rest after factors are taken out flattens the sums below them, and where these are shared each of their users flattens
 /// them anew: in products of matrices one inside the other the work grows by a factor with each. More than this is not
 /// spent ([`Graph::work`]), and no form in this repository takes as much.
 const MOST_WORK: usize = 100_000;

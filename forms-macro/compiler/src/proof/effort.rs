@@ -1,4 +1,4 @@
-//! What compiling takes grows with a form as the form does: counted as the work of planning ([`Source::work`]), which does not
+//! The cost of compiling a form grows as the form does: counted as the work of planning ([`Source::work`]), which does not
 //! depend on the machine, and bounded in seconds of the processor.
 
 use super::growth::{emitted, processor_time};
@@ -85,7 +85,7 @@ fn sums_of_integrals() {
     emitted("600 integrals in two parts", 2, &halves);
 }
 
-/// What is too large is refused soon: all that is done for it counts.
+/// A form that is too large is refused soon: all that is done for it counts.
 #[test]
 fn tensors_of_rank_four() {
     grows_as("rank four", rank_four, 2, &[1, 2, 3, 4], 4);

@@ -4,7 +4,7 @@
 //! generic over that type, each program would compile all of it (groups, interpolation, projections) once per function. So the type is
 //! erased here: [`AnyExpression`] answers four questions through a virtual call, and everything above it takes `&dyn AnyExpression`.
 //!
-//! What needs the kernel's static type stays behind `values`: the loop over the points of a group, with the kernel inlined. A
+//! Code that needs the kernel's static type stays behind `values`: the loop over the points of a group, with the kernel inlined. A
 //! projection of a stress on 1,000 cells of four points thus makes one virtual call per group of cells, and the kernel is inlined at
 //! all 4,000 points. `histories` is a walk of its own, because the histories that a kernel reads are needed before the first point.
 

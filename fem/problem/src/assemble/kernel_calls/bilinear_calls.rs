@@ -12,7 +12,7 @@ use crate::lanes::{SharedWork, SimdLane};
 
 /// A call for the cells of a batch.
 pub(in crate::assemble) enum MatrixCall<'a, L, const D: usize> {
-    /// What is constant on the cells, before the first point; room for the factors of the given numbers of test and trial functions and
+    /// Quantities that are constant on the cells, before the first point; room for the factors of the given numbers of test and trial functions and
     /// points.
     Cell { geometry: &'a CellGeometry<L>, functions: [usize; 2], points: usize },
     /// The factors of all functions at the q-th point.

@@ -42,7 +42,7 @@ const SHORTER: f64 = 0.5;
 /// Corrections that stay this often are rounding: once with the last tangent, and once with a new one.
 const TRIES: usize = 2;
 
-/// What rounding may make of a component of the solution, as a part of its largest value.
+/// Largest effect of rounding on a component of the solution, as a part of its largest value.
 const LARGEST_ROUNDING: f64 = 1e-6;
 
 /// A component that varies by less than this part of itself is uniform.
@@ -57,7 +57,7 @@ const ZERO_PART: f64 = 1e-10;
 /// A component of this part of its field may be zero: corrections of this size that do not become shorter are rounding of the others.
 const ZERO_COMPONENT: f64 = 1e-12;
 
-/// Where residuals stay, an unknown that is zero may have corrections of this part of its field.
+/// Corrections of an unknown that is zero, where residuals stay, as a part of its field.
 const LOCAL_ROUNDING: f64 = 1e-13;
 
 /// A step that leaves this part of a component has led to zero, or it is rounding that is left.
@@ -90,7 +90,7 @@ pub(super) enum Verdict {
 pub(super) struct Corrections {
     /// The last one that was shorter than those before, as a part of what is allowed.
     least: f64,
-    /// How many came after it.
+    /// Number of those that came after it.
     tries: usize,
 }
 

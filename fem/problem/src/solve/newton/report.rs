@@ -20,7 +20,7 @@ use crate::solve::linear_solver::SolverError;
 ///    each component of each field (Deuflhard 2011).
 ///
 /// Neither depends on the start, nor on how far the residual has dropped. An iterate that meets the first condition only is corrected.
-/// Where corrections do not become shorter, they are what rounding makes of the solution: it is accepted up to 10⁻⁶ of the largest
+/// If corrections do not become shorter, they are what rounding makes of the solution: it is accepted up to 10⁻⁶ of the largest
 /// value of the component, and refused beyond ([`NewtonFailure::Uncertain`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct NewtonOptions {

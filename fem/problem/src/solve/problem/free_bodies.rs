@@ -57,7 +57,7 @@ fn tool_at<const D: usize>(space: &Space<D>, node: usize) -> Option<String> {
 }
 
 impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
-    /// What floats at a node of an unknown that the matrix does not determine: a rigid tool, the node's body with its motions, or all bodies
+    /// The part that floats at a node of an unknown that the matrix does not determine: a rigid tool, the node's body with its motions, or all bodies
     /// together with theirs.
     pub(super) fn floating(&self, number: usize, node: usize, elimination: &Elimination) -> Floating {
         let (spaces, space) = (&self.system.spaces, &*self.system.spaces[number]);

@@ -1,6 +1,6 @@
 //! Element vectors with loops of known lengths.
 //!
-//! What a kernel adds to a test function is linear in its value and gradient. So the kernel is not called for each basis function, but
+//! A kernel's contribution to a test function is linear in its value and gradient. So the kernel is not called for each basis function, but
 //! at each point for D + 1 unit functions: one with value one, and one per axis of the reference cell with derivative one along it. A
 //! basis function combines the answers (`fluxes`) by its own tabulated value and derivatives.
 //!
