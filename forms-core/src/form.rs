@@ -1,11 +1,9 @@
-//! Compiled forms, as they hand kernels and the compiler's knowledge to a backend.
-//!
-//! A form is a value of a type that `#[forms]` emits. The backend walks its integrals with a visitor,
-//! so each kernel arrives with its static type and is inlined into the backend's loops.
+//! Descriptions of compiled functions: regions, fields, data, integrals and formulas. The values themselves are in
+//! `function.rs`.
 
 use crate::degree::Degree;
 use crate::dimension::Constants;
-use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel, Side};
+use crate::kernel::Side;
 use crate::pairing::Pairing;
 use crate::source::{FieldValue, Source};
 use crate::table::Table;
@@ -59,7 +57,7 @@ pub enum Role {
     State,
     /// A field, function of position or history among the data.
     Given,
-    /// The direction for the k-th unknown: only [`Form::action`] reads it. It has no source among the inputs.
+    /// The direction for the k-th unknown: only the action of a tangent reads it. It has no source among the inputs.
     Direction(usize),
 }
 
@@ -172,30 +170,6 @@ impl<const D: usize> Inputs<D> {
     }
 }
 
-/// A receiver of the integrals of a residual, or of a tangent's action.
-pub trait LinearVisitor<const D: usize> {
-    /// The error that stops the walk.
-    type Error;
-    /// One integral.
-    fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Self::Error>;
-}
-
-/// A receiver of the integrals of a tangent.
-pub trait BilinearVisitor<const D: usize> {
-    /// The error that stops the walk.
-    type Error;
-    /// One integral.
-    fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Self::Error>;
-}
-
-/// A receiver of densities and derived fields.
-pub trait ExpressionVisitor<const D: usize> {
-    /// The error that stops the walk.
-    type Error;
-    /// One expression; for a derived field, `integral.region` means nothing.
-    fn visit<K: ExpressionKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), Self::Error>;
-}
-
 /// A function of a forms module as mathematics, with its derivatives and the meaning of the names in them.
 ///
 /// It is made from the checked form, so that a wrong sign can be seen; rustdoc shows the same.
@@ -210,74 +184,4 @@ pub struct Formula {
 impl Formula {
     /// That of a form which was not made by `#[forms]`: nothing.
     pub const NONE: Formula = Formula { unicode: "", latex: "" };
-}
-
-/// A residual R(u; v), linear in its test functions, and its tangent ∂R/∂u by the compiler.
-pub trait Form<const D: usize> {
-    /// The form's name in its module.
-    fn name(&self) -> &'static str;
-    /// Its fields, by index.
-    fn fields(&self) -> &'static [FieldDescription];
-    /// Data, regions, parameters.
-    fn inputs(&self) -> &Inputs<D>;
-    /// Itself as mathematics.
-    fn formula(&self) -> &'static Formula {
-        &Formula::NONE
-    }
-    /// Walks the integrals of the residual.
-    fn residual<V: LinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
-    /// Walks the same residual with one integral for all that [`Dependence`] keeps apart on a region where several
-    /// integrals depend on the unknowns: each facet is visited once. Their degree is that of the highest.
-    #[inline]
-    fn whole_residual<V: LinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error> {
-        self.residual(visitor)
-    }
-    /// Walks the integrals of the tangent; those of [`Dependence::Constant`] do not appear.
-    fn tangent<V: BilinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
-    /// Walks the same tangent with one integral for all of a region, as [`Form::whole_residual`] does the residual.
-    #[inline]
-    fn whole_tangent<V: BilinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error> {
-        self.tangent(visitor)
-    }
-    /// Walks the integrals of the tangent applied to a direction, ∂R/∂u (u; v) w: as those of a residual, with kernels that
-    /// read the fields of [`Role::Direction`], and the unknowns only where the tangent depends on them. One matrix-free
-    /// product costs about as much as a residual.
-    fn action<V: LinearVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
-    /// Walks the switches of each integral that has kinks: a vector that is positive, entry by entry,
-    /// where `pos_part`, `neg_part`, `heaviside`, `max`, `min`, `abs`, `sign` or a comparison is "on".
-    fn switches<V: ExpressionVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
-}
-
-/// A number: the integral of a density without test function. Energies are functionals and forms.
-pub trait Functional<const D: usize> {
-    /// The functional's name in its module.
-    fn name(&self) -> &'static str;
-    /// Its fields, by index.
-    fn fields(&self) -> &'static [FieldDescription];
-    /// Data, regions, parameters.
-    fn inputs(&self) -> &Inputs<D>;
-    /// Itself as mathematics.
-    fn formula(&self) -> &'static Formula {
-        &Formula::NONE
-    }
-    /// Walks the densities.
-    fn density<V: ExpressionVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
-}
-
-/// A derived field: a function of the module, evaluated where the user asks.
-pub trait Expression<const D: usize> {
-    /// The function's name in its module.
-    fn name(&self) -> &'static str;
-    /// Its fields, by index.
-    fn fields(&self) -> &'static [FieldDescription];
-    /// Data and parameters; it has no regions.
-    fn inputs(&self) -> &Inputs<D>;
-    /// Itself as mathematics.
-    fn formula(&self) -> &'static Formula {
-        &Formula::NONE
-    }
-    /// Shape of its value.
-    fn shape(&self) -> &'static [usize];
-    /// Hands the kernel over.
-    fn expression<V: ExpressionVisitor<D>>(&self, visitor: &mut V) -> Result<(), V::Error>;
 }

@@ -130,7 +130,7 @@ pub enum Side {
 /// One entry of the field data that a kernel reads at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FieldSlot {
-    /// Index into [`crate::form::Inputs::sources`] and [`crate::form::Form::fields`].
+    /// Index into [`crate::form::Inputs::sources`] and [`crate::function::Function::fields`].
     pub field: usize,
     /// Value, gradient or second derivatives.
     pub order: Order,
@@ -334,7 +334,7 @@ pub trait BilinearKernel<const D: usize>: Clone + Send + Sync + 'static {
 }
 
 /// A density, a derived field, or any other function of position: no test function.
-pub trait ExpressionKernel<const D: usize>: Send + Sync {
+pub trait ExpressionKernel<const D: usize>: Send + Sync + 'static {
     /// Inputs at each point.
     const REQUIREMENTS: Requirements;
     /// Shape of the value: `[]` scalar, `[D]` vector, `[D, D]` tensor, or any extents up to rank 4.

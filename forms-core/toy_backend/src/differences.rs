@@ -1,10 +1,10 @@
 //! Tangents against differences of residuals, residuals against differences of energies.
 
-use forms_core::contract::{Form, Functional};
+use super::contract::{Energy, Form};
 
 use super::mesh::Mesh;
 use super::random::Random;
-use super::{Nodal, action, functional, residual, tangent};
+use super::{Nodal, action, energy, residual, tangent};
 
 /// The unknowns, moved by step × direction.
 fn moved(unknowns: &[Nodal], direction: &[f64], step: f64) -> Vec<Nodal> {
@@ -20,14 +20,14 @@ fn unit(count: usize, index: usize) -> Vec<f64> {
 
 /// The tangent column by column against central differences of the residual, and by a Taylor test; the action against
 /// the tangent.
-pub fn check_tangent<F: Form<D>, const D: usize>(
+pub fn check_tangent<const D: usize>(
     mesh: &Mesh<D>,
-    form: &F,
+    form: &Form<D>,
     unknowns: &[Nodal],
     random: &mut Random,
 ) {
-    let at = |unknowns: &[Nodal]| residual::<f64, F, D>(mesh, form, unknowns);
-    let matrix = tangent::<f64, F, D>(mesh, form, unknowns);
+    let at = |unknowns: &[Nodal]| residual::<f64, D>(mesh, form, unknowns);
+    let matrix = tangent::<f64, D>(mesh, form, unknowns);
     let scale = matrix.iter().flatten().fold(1.0_f64, |largest, entry| largest.max(entry.abs()));
     // Central differences, column by column: error h² f‴ / 6 + rounding / h.
     let (columns, step) = (matrix[0].len(), 1e-5);
@@ -56,7 +56,7 @@ pub fn check_tangent<F: Form<D>, const D: usize>(
         Nodal { components: field.components, values: values.to_vec() }
     });
     let directions: Vec<Nodal> = directions.collect();
-    let found = action::<f64, F, D>(mesh, form, unknowns, &directions);
+    let found = action::<f64, D>(mesh, form, unknowns, &directions);
     for (row, (found, slope)) in found.iter().zip(&slope).enumerate() {
         let bound = 1e-14 * scale * columns as f64;
         assert!((found - slope).abs() <= bound, "action, row {row}: {found}, by the matrix {slope}");
@@ -77,7 +77,7 @@ pub fn check_variation<F: Form<D> + Functional<D>, const D: usize>(
     energy: &F,
     unknowns: &[Nodal],
 ) {
-    let found = residual::<f64, F, D>(mesh, energy, unknowns);
+    let found = residual::<f64, D>(mesh, energy, unknowns);
     let scale = found.iter().fold(1.0_f64, |largest, entry| largest.max(entry.abs()));
     for (index, found) in found.iter().enumerate() {
         let unit = unit(index + 1, index);

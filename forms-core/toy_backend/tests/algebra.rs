@@ -3,7 +3,7 @@
 #[macro_use]
 mod operators;
 
-use forms_core::contract::{Dim, Dimension};
+use toy_backend::contract::{Dim, Dimension};
 use operators::*;
 
 fn sum(terms: impl Iterator<Item = f64>) -> f64 {
@@ -62,7 +62,7 @@ operator! { perpendicular: Scalar { dot(perp([u[0], s]), [s, u[1]]) } |p: &At| -
 operator! { axial_part: Scalar { if D == 2 { s * (grad(u)[1][0] - grad(u)[0][1]) } else { s * grad(u)[0][1] } }
 |p: &At| p.s * if p.d == 2 { p.grad_u[1][0] - p.grad_u[0][1] } else { p.grad_u[0][1] } }
 
-#[forms(crate = forms_core, dimension = 2)]
+#[forms(crate = toy_backend, matrix_free, dimension = 2)]
 pub mod plane {
     pub fn of_vector(u: Vector, s: Scalar) -> Scalar {
         curl(s * u)
@@ -71,7 +71,7 @@ pub mod plane {
         curl(s * u[0])
     }
 }
-#[forms(crate = forms_core, dimension = 3)]
+#[forms(crate = toy_backend, matrix_free, dimension = 3)]
 pub mod space {
     #[cells]
     pub struct Omega;
@@ -237,7 +237,7 @@ operator! { complementary_error_function: Scalar { erfc(s + u[0]) } |p: &At| 1.0
 operator! { square: Scalar { sqr(s + 1) } |p: &At| (p.s + 1.0).powi(2) }
 operator! { hypotenuse: Scalar { hypot(u[0], 1 + s) } |p: &At| p.u[0].hypot(1.0 + p.s) }
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod replaced {
     #[cells]
     pub struct Omega;
@@ -262,8 +262,8 @@ fn derivative_by_a_test_function() {
         let mut state = State::<D>::new(43);
         let omega = replaced::Omega::on("all");
         let (found, expected) = (replaced::by_derivative(&omega), replaced::by_hand(&omega));
-        let of_found = residual::<f64, _, D>(&state.mesh, &found, &state.unknowns);
-        let of_expected = residual::<f64, _, D>(&state.mesh, &expected, &state.unknowns);
+        let of_found = residual::<f64, D>(&state.mesh, &found, &state.unknowns);
+        let of_expected = residual::<f64, D>(&state.mesh, &expected, &state.unknowns);
         assert!(of_expected.iter().any(|entry| entry.abs() > 1e-3));
         for (found, expected) in of_found.iter().zip(&of_expected) {
             assert!((found - expected).abs() <= 1e-13, "{found} is not {expected}");

@@ -1,7 +1,7 @@
 //! Branches that are not taken, of laws that read stresses and precede other factors: a plan of the tangent takes such
 //! factors apart, and what is no number in a branch must stay inside of it. On contact pairs, facets and cells.
 
-use forms_core::contract::{Dim, Dimension, Entity, Form, Pairing};
+use toy_backend::contract::{Dim, Dimension, Entity, Form, Pairing};
 use forms_core::forms;
 use forms_core::real::Real;
 use toy_backend::lanes::Four;
@@ -14,7 +14,7 @@ pub fn root<R: Real>(p: R) -> R {
     p.powf(R::from(0.3))
 }
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod laws {
     extern "Rust" {
         fn root(p: Scalar) -> Scalar;
@@ -180,12 +180,12 @@ where
     let nodes = mesh.nodes.len();
     let unknowns = [Nodal { components: D, values: vec![0.0; D * nodes] }, random.field(nodes, 1, 1.0, 0.5)];
     for vector in
-        [residual::<f64, _, D>(mesh, form, &unknowns), residual::<Four, _, D>(mesh, form, &unknowns)]
+        [residual::<f64, D>(mesh, form, &unknowns), residual::<Four, D>(mesh, form, &unknowns)]
     {
         let wrong = vector.iter().filter(|entry| **entry != 0.0).count();
         assert_eq!(wrong, 0, "{name} in {D}D: {wrong} of {} entries of the residual", vector.len());
     }
-    for matrix in [tangent::<f64, _, D>(mesh, form, &unknowns), tangent::<Four, _, D>(mesh, form, &unknowns)]
+    for matrix in [tangent::<f64, D>(mesh, form, &unknowns), tangent::<Four, D>(mesh, form, &unknowns)]
     {
         let wrong = matrix.iter().filter(|row| row.iter().any(|entry| *entry != 0.0)).count();
         assert_eq!(wrong, 0, "{name} in {D}D: {wrong} of {} rows of the tangent", matrix.len());
@@ -228,7 +228,7 @@ fn the_branch_that_is_taken_counts() {
     let data = laws::Data::<2> { lambda: 1.3, mu: 0.7, gamma0: 5.0, m: 0.95, zero: 0.0 };
     let form = laws::pow_on_pairs(&data, &laws::Touch::on(Pairing::within("boundary")));
     let unknowns = [random.field(nodes, 2, 0.0, 0.1), random.field(nodes, 1, 1.0, 0.5)];
-    let matrix = tangent::<f64, _, 2>(&mesh, &form, &unknowns);
+    let matrix = tangent::<f64, 2>(&mesh, &form, &unknowns);
     assert!(matrix.iter().flatten().any(|entry| *entry != 0.0));
     toy_backend::differences::check_tangent(&mesh, &form, &unknowns, &mut random);
 }

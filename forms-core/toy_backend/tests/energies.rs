@@ -1,13 +1,13 @@
 //! Energies: residual and tangent by the compiler against closed forms and against nested derivatives.
 
-use forms_core::contract::*;
-use forms_core::contract::{Dim, Dimension};
+use toy_backend::contract::*;
+use toy_backend::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::mesh::{Mesh, determinant, inverse};
 use toy_backend::random::Random;
 use toy_backend::{Nodal, expression, functional, residual, tangent};
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod hyperelastic {
     pub struct Data {
         lambda: Param,
@@ -125,10 +125,10 @@ where
     let unknowns = [u];
     let energy = hyperelastic::energy(&data(), &omega());
     let weak = hyperelastic::weak_form(&data(), &omega());
-    assert_near(&residual::<f64, _, D>(&mesh, &energy, &unknowns), &expected);
-    assert_near(&residual::<f64, _, D>(&mesh, &weak, &unknowns), &expected);
+    assert_near(&residual::<f64, D>(&mesh, &energy, &unknowns), &expected);
+    assert_near(&residual::<f64, D>(&mesh, &weak, &unknowns), &expected);
     let tangents =
-        [tangent::<f64, _, D>(&mesh, &energy, &unknowns), tangent::<f64, _, D>(&mesh, &weak, &unknowns)];
+        [tangent::<f64, D>(&mesh, &energy, &unknowns), tangent::<f64, D>(&mesh, &weak, &unknowns)];
     assert_near(&tangents[0].concat(), &tangents[1].concat());
 }
 
@@ -145,21 +145,21 @@ where
 {
     let (mesh, u) = state::<D>();
     let energy = hyperelastic::energy(&data(), &omega());
-    let matrix = tangent::<f64, _, D>(&mesh, &energy, std::slice::from_ref(&u));
+    let matrix = tangent::<f64, D>(&mesh, &energy, std::slice::from_ref(&u));
     let hessian = hyperelastic::hessian(&data(), &omega(), u.source());
     // What w is does not matter to the tangent of a linear form; to the residual it does.
     let w = Random(22).field(mesh.nodes.len(), D, 0.0, 1.0);
     let unknowns = [w];
-    assert_near(&tangent::<f64, _, D>(&mesh, &hessian, &unknowns).concat(), &matrix.concat());
+    assert_near(&tangent::<f64, D>(&mesh, &hessian, &unknowns).concat(), &matrix.concat());
     let product: Vec<f64> =
         matrix.iter().map(|row| row.iter().zip(&unknowns[0].values).map(|(k, w)| k * w).sum()).collect();
-    assert_near(&residual::<f64, _, D>(&mesh, &hessian, &unknowns), &product);
+    assert_near(&residual::<f64, D>(&mesh, &hessian, &unknowns), &product);
     // The residual is the energy's slope: central differences, error h² E‴ / 6.
     let at = |step: f64| {
         let values = u.values.iter().zip(&unknowns[0].values).map(|(u, w)| u + step * w).collect();
         functional(&mesh, &energy, &[Nodal { components: D, values }])
     };
-    let slope: f64 = residual::<f64, _, D>(&mesh, &energy, std::slice::from_ref(&u))
+    let slope: f64 = residual::<f64, D>(&mesh, &energy, std::slice::from_ref(&u))
         .iter()
         .zip(&unknowns[0].values)
         .map(|(r, w)| r * w)
@@ -180,14 +180,14 @@ fn an_energy_of_two_fields_has_a_symmetric_tangent() {
     let mesh = Mesh::<3>::cube(&mut random);
     let unknowns = [random.field(8, 3, 0.0, 0.5), random.field(8, 1, 0.0, 0.5)];
     let form = hyperelastic::coupled(&data(), &omega());
-    let matrix = tangent::<f64, _, 3>(&mesh, &form, &unknowns);
+    let matrix = tangent::<f64, 3>(&mesh, &form, &unknowns);
     for (i, row) in matrix.iter().enumerate() {
         for (j, entry) in row.iter().enumerate() {
             assert!((entry - matrix[j][i]).abs() <= 1e-14);
         }
     }
     // Residual against the energy, entry by entry; the remainder is h² E‴ / 6.
-    let found = residual::<f64, _, 3>(&mesh, &form, &unknowns);
+    let found = residual::<f64, 3>(&mesh, &form, &unknowns);
     for (index, found) in found.iter().enumerate() {
         let at = |step: f64| {
             let mut moved = unknowns.clone();

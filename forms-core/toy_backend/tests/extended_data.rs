@@ -1,15 +1,15 @@
 //! Data that extend another module's, and defaults: what forms read through a base is what they read from members of their
 //! own.
 
-use forms_core::contract::*;
-use forms_core::contract::{Dim, Dimension};
+use toy_backend::contract::*;
+use toy_backend::contract::{Dim, Dimension};
 use forms_core::{form, forms};
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{Nodal, expression, functional, residual, tangent};
 
 /// Extends what extends another, before both.
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod loaded {
     pub use super::library::contact::{GammaC, Omega, direct, pressure};
 
@@ -48,7 +48,7 @@ pub mod loaded {
 mod library {
     use forms_core::forms;
 
-    #[forms(crate = forms_core)]
+    #[forms(crate = toy_backend, matrix_free)]
     pub mod contact {
         use crate::elasticity::stress;
 
@@ -77,7 +77,7 @@ mod library {
     }
 }
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod elasticity {
     pub struct Data {
         #[doc(alias = "λ")]
@@ -91,7 +91,7 @@ pub mod elasticity {
 }
 
 /// Data that extend others, imported as the type that they are; and data whose members all have defaults.
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod imported {
     pub use super::library::contact::{Data, Omega};
 
@@ -100,7 +100,7 @@ pub mod imported {
     }
 }
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod all_by_default {
     pub use super::library::contact::Omega;
 
@@ -114,7 +114,7 @@ pub mod all_by_default {
 }
 
 /// The meaning of `loaded`, with all members in one struct.
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod typed_out {
     pub struct Data {
         weight: Param,
@@ -230,17 +230,17 @@ where
     let unknowns = [u.clone()];
     let (mine, theirs) = (model.direct(), other.direct());
     close(
-        &residual::<f64, _, D>(&mesh, &mine, &unknowns),
-        &residual::<f64, _, D>(&mesh, &theirs, &unknowns),
+        &residual::<f64, D>(&mesh, &mine, &unknowns),
+        &residual::<f64, D>(&mesh, &theirs, &unknowns),
         1e-14,
     );
-    let mine = tangent::<f64, _, D>(&mesh, &mine, &unknowns);
-    close(&mine.concat(), &tangent::<f64, _, D>(&mesh, &theirs, &unknowns).concat(), 1e-14);
+    let mine = tangent::<f64, D>(&mesh, &mine, &unknowns);
+    close(&mine.concat(), &tangent::<f64, D>(&mesh, &theirs, &unknowns).concat(), 1e-14);
     let (mine, theirs) = (model.adjoint(u.source()), other.adjoint(u.source()));
     let unknowns = [p];
     close(
-        &residual::<f64, _, D>(&mesh, &mine, &unknowns),
-        &residual::<f64, _, D>(&mesh, &theirs, &unknowns),
+        &residual::<f64, D>(&mesh, &mine, &unknowns),
+        &residual::<f64, D>(&mesh, &theirs, &unknowns),
         1e-14,
     );
     let (mine, theirs) = (model.criterion(u.source()), other.criterion(u.source()));
@@ -261,7 +261,7 @@ fn data_that_extend_others_are_imported_as_they_are() {
     let theirs = all_by_default::mass(&all_by_default::Required::<2> {}.into(), &omega);
     let unknowns = [change];
     let [mine, theirs] =
-        [tangent::<f64, _, 2>(&mesh, &mine, &unknowns), tangent::<f64, _, 2>(&mesh, &theirs, &unknowns)];
+        [tangent::<f64, 2>(&mesh, &mine, &unknowns), tangent::<f64, 2>(&mesh, &theirs, &unknowns)];
     close(&mine.concat(), &theirs.concat(), 1e-14);
 }
 
@@ -360,14 +360,14 @@ fn a_form_without_a_module_imports_what_reads_a_base() {
         gap: Given<Scalar> = 0.05,
         lambda: Param = 1.5,
         mu: Param = 0.7,
-        crate = forms_core,
+        crate = toy_backend, matrix_free,
     );
     let typed = form!(
         |u: State<Vector>| -> Functional {
             let sigma = 1.4 * eps(u) + 1.5 * div(u) * I;
             integral(facets("boundary"), pos_part(3 / h * (dot(u, n) - 0.05) - dot(sigma * n, n)))
         },
-        crate = forms_core,
+        crate = toy_backend, matrix_free,
     );
     let (mine, theirs) = (imported(u.source()), typed(u.source()));
     close(&[functional(&mesh, &mine, &[])], &[functional(&mesh, &theirs, &[])], 1e-14);

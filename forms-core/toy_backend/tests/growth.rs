@@ -1,6 +1,6 @@
 //! Functions are inlined at each call: what is shared stays shared, whatever the depth of the calls.
 
-use forms_core::contract::*;
+use toy_backend::contract::*;
 use forms_core::forms;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
@@ -9,7 +9,7 @@ use toy_backend::{expression, residual, tangent};
 /// Forty levels, each calling the next one twice, and a module with the last.
 macro_rules! chain {
     ($($name:ident $next:ident)*) => {
-        #[forms(crate = forms_core)]
+        #[forms(crate = toy_backend, matrix_free)]
         pub mod deep {
             pub struct Data { a: Param }
             #[cells]
@@ -50,8 +50,8 @@ fn forty_levels() {
 
     let form = deep::form(&data, &deep::Omega::on("all"));
     let w = Random(6).field(mesh.nodes.len(), 1, 0.5, 0.4);
-    let found = residual::<f64, _, 2>(&mesh, &form, std::slice::from_ref(&w));
-    let matrix = tangent::<f64, _, 2>(&mesh, &form, std::slice::from_ref(&w));
+    let found = residual::<f64, 2>(&mesh, &form, std::slice::from_ref(&w));
+    let matrix = tangent::<f64, 2>(&mesh, &form, std::slice::from_ref(&w));
     // Linear in the first half, quadratic in the second.
     let nodes = mesh.nodes.len();
     for row in 0..2 * nodes {
@@ -70,7 +70,7 @@ fn forty_levels() {
 }
 
 /// Ogden's energy, twice as stiff where it is stretched: at a point its tangent has more operations than one function takes.
-#[forms(crate = forms_core, dimension = 3)]
+#[forms(crate = toy_backend, matrix_free, dimension = 3)]
 pub mod ogden {
     pub struct Data {
         mu: Param,
@@ -100,8 +100,8 @@ fn functions_in_parts() {
     let (u, direction) = (random.field(nodes, 3, 0.1, 0.2), random.field(nodes, 3, 0.0, 1.0));
     let form =
         ogden::energy(&ogden::Data { mu: 0.7, a: 1.3, b: -2.0, lambda: 1.9 }, &ogden::Omega::on("all"));
-    let matrix = tangent::<f64, _, 3>(&mesh, &form, std::slice::from_ref(&u));
-    let by_four = tangent::<toy_backend::lanes::Four, _, 3>(&mesh, &form, std::slice::from_ref(&u));
+    let matrix = tangent::<f64, 3>(&mesh, &form, std::slice::from_ref(&u));
+    let by_four = tangent::<toy_backend::lanes::Four, 3>(&mesh, &form, std::slice::from_ref(&u));
     let largest = matrix.concat().iter().fold(0.0_f64, |most, entry| most.max(entry.abs()));
     for (one, four) in matrix.concat().iter().zip(by_four.concat()) {
         assert!((one - four).abs() <= 1e-13 * largest, "{one} and {four}");
@@ -109,7 +109,7 @@ fn functions_in_parts() {
     let at = |step: f64| {
         let mut moved = u.clone();
         moved.values.iter_mut().zip(&direction.values).for_each(|(u, d)| *u += step * d);
-        residual::<f64, _, 3>(&mesh, &form, &[moved])
+        residual::<f64, 3>(&mesh, &form, &[moved])
     };
     let step = 1e-5;
     let (after, before) = (at(step), at(-step));

@@ -1,7 +1,7 @@
 //! Limits, jumps and averages on interior facets, in 2D and 3D: values against plain floating-point code,
 //! tangents against differences.
 
-use forms_core::contract::*;
+use toy_backend::contract::*;
 use forms_core::forms;
 use toy_backend::interpolate::{gradient, slope, value};
 use toy_backend::mesh::Mesh;

@@ -1,8 +1,8 @@
 //! Forms on interior facets, in 2D and 3D: interior penalties, fluxes with kinks, energies of jumps, against
 //! loops written out; what is proved of each pair of sides.
 
-use forms_core::contract::{self, *};
-use forms_core::contract::{Dim, Dimension};
+use toy_backend::contract::{self, *};
+use toy_backend::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::interpolate::{gradient, value};
 use toy_backend::lanes::Four;
@@ -16,7 +16,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod discontinuous {
     pub struct Data {
         gamma: Param,
@@ -149,20 +149,20 @@ where
     let (omega, gamma, skeleton) = regions();
     let form = discontinuous::interior_penalty(&data(), &omega, &gamma, &skeleton);
     let (u, v) = (random.field(nodes, 1, 0.0, 1.0), random.field(nodes, 1, 0.0, 1.0));
-    let matrix = tangent::<f64, _, D>(&mesh, &form, std::slice::from_ref(&u));
+    let matrix = tangent::<f64, D>(&mesh, &form, std::slice::from_ref(&u));
     let found: f64 = matrix.iter().zip(&v.values).map(|(row, v)| v * dot(row, &u.values)).sum();
     let expected = interior_penalty_by_hand(&mesh, 3.0, &u, &v);
     assert!((found - expected).abs() <= 1e-12 * expected.abs().max(1.0), "{found} is not {expected}");
-    assert_matrix(&tangent::<Four, _, D>(&mesh, &form, std::slice::from_ref(&u)), &matrix);
+    assert_matrix(&tangent::<Four, D>(&mesh, &form, std::slice::from_ref(&u)), &matrix);
     let along_normal = discontinuous::interior_penalty_along_normal(&data(), &omega, &gamma, &skeleton);
-    assert_matrix(&tangent::<f64, _, D>(&mesh, &along_normal, std::slice::from_ref(&u)), &matrix);
+    assert_matrix(&tangent::<f64, D>(&mesh, &along_normal, std::slice::from_ref(&u)), &matrix);
     let product = matrix.iter().map(|row| dot(row, &u.values)).collect();
-    assert_matrix(&vec![residual::<f64, _, D>(&mesh, &form, std::slice::from_ref(&u))], &vec![product]);
+    assert_matrix(&vec![residual::<f64, D>(&mesh, &form, std::slice::from_ref(&u))], &vec![product]);
 
     // Consistency: a linear function is harmonic and does not jump, so all terms together vanish.
     let linear = |x: &[f64; D]| 0.7 - dot(x, &[1.3, -0.4, 0.9][..D]);
     let u = Nodal { components: 1, values: mesh.nodes.iter().map(linear).collect() };
-    for entry in residual::<f64, _, D>(&mesh, &form, &[u]) {
+    for entry in residual::<f64, D>(&mesh, &form, &[u]) {
         assert!(entry.abs() < 1e-13, "{entry} is not zero");
     }
 }
@@ -265,10 +265,10 @@ fn nonlinear_fluxes_and_their_adjoint() {
     let skeleton = regions().2;
     let form = discontinuous::burgers(&data(), &skeleton);
     differences::check_tangent(&mesh, &form, &u, &mut random);
-    let matrix = tangent::<f64, _, 3>(&mesh, &form, &u);
+    let matrix = tangent::<f64, 3>(&mesh, &form, &u);
     let adjoint = discontinuous::adjoint_of_burgers(&data(), &skeleton, u[0].source());
     let p = [random.field(mesh.nodes.len(), 1, 0.0, 1.0)];
-    assert_matrix(&tangent::<f64, _, 3>(&mesh, &adjoint, &p), &transpose(&matrix));
+    assert_matrix(&tangent::<f64, 3>(&mesh, &adjoint, &p), &transpose(&matrix));
 }
 
 #[test]
@@ -304,7 +304,7 @@ fn energies_of_jumps() {
     let energy = discontinuous::cohesive(&data(), &omega, &skeleton);
     differences::check_variation(&mesh, &energy, &u);
     differences::check_tangent(&mesh, &energy, &u, &mut random);
-    let matrix = tangent::<f64, _, 2>(&mesh, &energy, &u);
+    let matrix = tangent::<f64, 2>(&mesh, &energy, &u);
     assert_matrix(&matrix, &transpose(&matrix));
 }
 
@@ -336,7 +336,7 @@ fn functionals_of_known_fields_and_their_slope() {
     let found = functional(&mesh, &discontinuous::jumps(&data, &skeleton, u.source()), &[]);
     assert!((found - expected).abs() <= 1e-13 * expected, "{found} is not {expected}");
     let form = discontinuous::slope_of_jumps(&data, &skeleton, u.source());
-    assert_matrix(&vec![residual::<f64, _, 3>(&mesh, &form, &[])], &vec![slope]);
+    assert_matrix(&vec![residual::<f64, 3>(&mesh, &form, &[])], &vec![slope]);
 }
 
 #[test]
@@ -346,7 +346,7 @@ fn data_from_functions_are_the_same_on_both_sides() {
     let u = [random.field(mesh.nodes.len(), 1, 0.0, 1.0)];
     let matrix = |k: Given<f64, 2>| {
         let data = discontinuous::Data { gamma: 1.0, k };
-        tangent::<f64, _, 2>(&mesh, &discontinuous::jump_of_data(&data, &regions().2), &u)
+        tangent::<f64, 2>(&mesh, &discontinuous::jump_of_data(&data, &regions().2), &u)
     };
     let linear = |x: &[f64; 2]| 1.0 + x[0] - 0.3 * x[1];
     let values = mesh.nodes.iter().map(linear).collect();
@@ -361,7 +361,7 @@ fn second_derivatives_on_both_sides() {
     let nodes = mesh.nodes.len();
     let (u, v) = (random.field(nodes, 1, 0.0, 1.0), random.field(nodes, 1, 0.0, 1.0));
     let form = discontinuous::continuous_penalty(&data::<2>(), &regions().2);
-    let matrix = tangent::<f64, _, 2>(&mesh, &form, std::slice::from_ref(&u));
+    let matrix = tangent::<f64, 2>(&mesh, &form, std::slice::from_ref(&u));
     let found: f64 = matrix.iter().zip(&v.values).map(|(row, v)| v * dot(row, &u.values)).sum();
     let mut expected = 0.0;
     for facet in mesh.elements(Entity::InteriorFacets, "skeleton") {

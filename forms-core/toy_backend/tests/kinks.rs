@@ -1,14 +1,14 @@
 //! Conventions at kinks, and branches that are not taken: a NaN there reaches nothing.
 
-use forms_core::contract::{self, *};
-use forms_core::contract::{Dim, Dimension};
+use toy_backend::contract::{self, *};
+use toy_backend::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::lanes::Four;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{Nodal, expression, residual, tangent};
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod kinks {
     #[cells]
     pub struct Omega;
@@ -116,7 +116,7 @@ fn slopes_at_kinks() {
     assert_eq!(at!(power_slope, 0.0), 0.0);
 }
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod branches {
     pub struct Data {
         p: Param,
@@ -175,12 +175,12 @@ where
     let (data, omega) = (branches::Data::<D> { p: 1.3 }, branches::Omega::on("all"));
     let (form, reference) = (branches::form(&data, &omega), branches::reference(&data, &omega));
     let found = residual::<L, _, D>(&mesh, &form, &unknowns);
-    let expected = residual::<f64, _, D>(&mesh, &reference, &unknowns);
+    let expected = residual::<f64, D>(&mesh, &reference, &unknowns);
     for (found, expected) in found.iter().zip(&expected) {
         assert!((found - expected).abs() <= 1e-14, "{found} is not {expected}");
     }
     let found = tangent::<L, _, D>(&mesh, &form, &unknowns);
-    let expected = tangent::<f64, _, D>(&mesh, &reference, &unknowns);
+    let expected = tangent::<f64, D>(&mesh, &reference, &unknowns);
     assert!(expected.iter().flatten().any(|entry| *entry != 0.0));
     for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
         assert!((found - expected).abs() <= 1e-14, "{found} is not {expected}");
@@ -230,7 +230,7 @@ fn a_comparison_is_one_switch() {
     assert_eq!(count.0, 1);
 }
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod singular {
     #[cells]
     pub struct Omega;
@@ -273,18 +273,18 @@ fn singular_expressions_are_not_simplified_away() {
     macro_rules! check {
         ($($name:ident $value:expr;)*) => { $({
             let form = singular::$name::<2>(&omega);
-            let sum = |u: f64| residual::<f64, _, 2>(&mesh, &form, &[constant(u)]).iter().sum::<f64>();
+            let sum = |u: f64| residual::<f64, 2>(&mesh, &form, &[constant(u)]).iter().sum::<f64>();
             assert!((sum(2.0) - $value * mesh_volume(&mesh)).abs() < 1e-12, "{}: {}", stringify!($name), sum(2.0));
             assert!(sum(0.0).is_nan(), "{} at 0: {}", stringify!($name), sum(0.0));
-            let entries = tangent::<f64, _, 2>(&mesh, &form, &[constant(0.0)]);
+            let entries = tangent::<f64, 2>(&mesh, &form, &[constant(0.0)]);
             assert!(entries.iter().flatten().any(|entry| entry.is_nan()), "the tangent of {}", stringify!($name));
-            let lanes = residual::<Four, _, 2>(&mesh, &form, &[constant(0.0)]);
+            let lanes = residual::<Four, 2>(&mesh, &form, &[constant(0.0)]);
             assert!(lanes.iter().all(|entry| entry.is_nan()), "{} on four lanes", stringify!($name));
         })* };
     }
     check! { zero_times 0.0; zero_over 0.0; quotient 1.0; quotient_of_square 2.0; difference 0.0; logarithms 0.0; }
     let nothing = singular::nothing::<2>(&singular::Omega::on("all"));
-    assert!(residual::<f64, _, 2>(&mesh, &nothing, &[constant(0.0)]).iter().all(|entry| *entry == 0.0));
+    assert!(residual::<f64, 2>(&mesh, &nothing, &[constant(0.0)]).iter().all(|entry| *entry == 0.0));
     let off_diagonal = singular::off_diagonal::<2>(Source::Constant(vec![-1.0]));
     assert_eq!(expression(&mesh, &off_diagonal, (Entity::Cells, "all"))[0], [0.0]);
 }
@@ -293,5 +293,5 @@ fn singular_expressions_are_not_simplified_away() {
 fn mesh_volume(mesh: &Mesh<2>) -> f64 {
     let form = kinks::unit::<2>(&kinks::Omega::on("all"));
     let zero = Nodal { values: vec![0.0; mesh.nodes.len()], components: 1 };
-    residual::<f64, _, 2>(mesh, &form, &[zero]).iter().sum()
+    residual::<f64, 2>(mesh, &form, &[zero]).iter().sum()
 }

@@ -1,20 +1,20 @@
 //! Odd but legal modules compile, and mean what they say.
 
-use forms_core::contract::{self, *};
+use toy_backend::contract::{self, *};
 use forms_core::forms;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{expression, functional, residual};
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod empty {}
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod only_data {
     pub struct Data {}
 }
 
-#[forms(crate = forms_core, dimension = 3)]
+#[forms(crate = toy_backend, matrix_free, dimension = 3)]
 mod one_dimension {
 
     pub struct Constants {
@@ -38,7 +38,7 @@ mod one_dimension {
     }
 }
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod names {
     pub struct Data {
         form: Param,
@@ -64,7 +64,7 @@ pub mod names {
     }
 }
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod numbers {
     #[cells]
     pub struct Omega;
@@ -116,7 +116,7 @@ pub mod numbers {
 /// Functions under names of the prelude, of primitive types, of crates, of attributes and of the emitted code.
 macro_rules! functions_named {
     ($($name:ident)*) => {
-        #[forms(crate = forms_core, dimension = 2)]
+        #[forms(crate = toy_backend, matrix_free, dimension = 2)]
         pub mod functions_named {
             pub struct Data {
                 pub k: Param,
@@ -139,7 +139,7 @@ functions_named! {
 /// Regions under such names.
 macro_rules! regions_named {
     ($($name:ident)*) => {
-        #[forms(crate = forms_core, dimension = 2)]
+        #[forms(crate = toy_backend, matrix_free, dimension = 2)]
         pub mod regions_named {
             pub struct Data {
                 pub k: Param,
@@ -161,7 +161,7 @@ regions_named! {
 /// Data structs under such names.
 macro_rules! data_named {
     ($($module:ident $name:ident)*) => {
-        $(#[forms(crate = forms_core, dimension = 2)]
+        $(#[forms(crate = toy_backend, matrix_free, dimension = 2)]
         pub mod $module {
             pub struct $name {
                 pub u8: Param,
@@ -191,7 +191,7 @@ fn same<R: Real>(s: R) -> R {
 }
 
 /// Attributes and modifiers that Rust allows before and inside of declarations.
-#[forms(crate = forms_core, dimension = 2)]
+#[forms(crate = toy_backend, matrix_free, dimension = 2)]
 pub mod attributes {
     //! Documentation from inside, with "quotes", \ and #![brackets].
     #![allow(unused)]
@@ -255,7 +255,7 @@ fn numbers_and_nesting() {
     let mesh = Mesh::<2>::cube(&mut Random(2));
     let u = Random(3).field(4, 1, 0.0, 1.0);
     let form = numbers::square_in_the_end::<2>(&numbers::Omega::on("all"));
-    let sum: f64 = residual::<f64, _, 2>(&mesh, &form, std::slice::from_ref(&u)).iter().sum();
+    let sum: f64 = residual::<f64, 2>(&mesh, &form, std::slice::from_ref(&u)).iter().sum();
     // ∫ 2u, exact by the mean of the nodal values.
     let cells = mesh.elements(Entity::Cells, "all");
     let mean = |cell: &&toy_backend::mesh::Element<2>| {
@@ -287,7 +287,7 @@ fn arguments_may_have_names_of_the_emitted_code() {
     // The last one is the direction in which the unknown `fields` varies.
     assert_eq!(fields, ["data", "inputs", "form_region", "fields", "geometry", "cell", "dfields"]);
     let one = toy_backend::Nodal { components: 1, values: vec![1.0; 4] };
-    let sum: f64 = residual::<f64, _, 2>(&mesh, &form, &[one]).iter().sum();
+    let sum: f64 = residual::<f64, 2>(&mesh, &form, &[one]).iter().sum();
     let volume: f64 = mesh.elements(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
     assert!((sum - 30030.0 * volume).abs() < 1e-9, "{sum}");
 }
@@ -319,7 +319,7 @@ fn names_of_the_prelude_and_of_primitive_types_are_names_like_others() {
 }
 
 /// Zeros next to what is linear in the test function, and whole numbers of D.
-#[forms(crate = forms_core, dimension = 2)]
+#[forms(crate = toy_backend, matrix_free, dimension = 2)]
 pub mod zeros {
     pub struct Data {
         pub lambda: Param,
@@ -370,10 +370,10 @@ fn zeros_are_linear_in_the_test_function() {
             assert!((a - b).abs() < 1e-14, "{a} and {b}");
         }
     };
-    let embedded = residual::<f64, _, 2>(&mesh, &zeros::embedded(&data, &omega), &u);
-    same(embedded, residual::<f64, _, 2>(&mesh, &zeros::plane(&data, &omega), &u));
-    let branches = residual::<f64, _, 2>(&mesh, &zeros::branches(&data, &omega, &gamma), &u);
-    same(branches, residual::<f64, _, 2>(&mesh, &zeros::by_hand(&data, &omega), &u));
+    let embedded = residual::<f64, 2>(&mesh, &zeros::embedded(&data, &omega), &u);
+    same(embedded, residual::<f64, 2>(&mesh, &zeros::plane(&data, &omega), &u));
+    let branches = residual::<f64, 2>(&mesh, &zeros::branches(&data, &omega, &gamma), &u);
+    same(branches, residual::<f64, 2>(&mesh, &zeros::by_hand(&data, &omega), &u));
     // Nothing is left on the facets; the constructor asks for what the text names.
     let last = zeros::nothing_on_the_facets(&data, &omega, &gamma, Source::Constant(vec![3.0, 5.0]));
     let volume: f64 = mesh.elements(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();

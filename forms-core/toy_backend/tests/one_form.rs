@@ -1,12 +1,12 @@
 //! `form!`: one expression, compiled like a module, against the module that says the same.
 
-use forms_core::contract::*;
+use toy_backend::contract::*;
 use forms_core::{form, forms};
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{expression, functional, residual, tangent};
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod module {
     pub struct Data {
         k: Param,
@@ -67,12 +67,12 @@ fn a_form_with_data_regions_and_an_import_is_the_modules() {
         b: Param<Vector> = [1, -2],
         f: Given<Scalar> = |x| x[0] - x[1],
         Wall: Facets = wall,
-        crate = forms_core,
+        crate = toy_backend, matrix_free,
     );
-    close(&residual::<f64, _, 2>(&mesh, &one, &u), &residual::<f64, _, 2>(&mesh, &theirs, &u));
+    close(&residual::<f64, 2>(&mesh, &one, &u), &residual::<f64, 2>(&mesh, &theirs, &u));
     close(
-        &tangent::<f64, _, 2>(&mesh, &one, &u).concat(),
-        &tangent::<f64, _, 2>(&mesh, &theirs, &u).concat(),
+        &tangent::<f64, 2>(&mesh, &one, &u).concat(),
+        &tangent::<f64, 2>(&mesh, &theirs, &u).concat(),
     );
     assert_eq!(Form::<2>::inputs(&one).regions.len(), 2);
 }
@@ -86,18 +86,18 @@ fn energies_functionals_and_values() {
     let energy = form!(
         |u: Unknown<Scalar>| -> Energy { integral(cells("all"), k / 2 * dot(grad(u), grad(u))) },
         k: Param = 2,
-        crate = forms_core,
+        crate = toy_backend, matrix_free,
         dimension = 2,
     );
     let unknowns = [u.clone()];
     close(
-        &tangent::<f64, _, 2>(&mesh, &energy, &unknowns).concat(),
-        &tangent::<f64, _, 2>(&mesh, &module::energy(&data(), &omega), &unknowns).concat(),
+        &tangent::<f64, 2>(&mesh, &energy, &unknowns).concat(),
+        &tangent::<f64, 2>(&mesh, &module::energy(&data(), &omega), &unknowns).concat(),
     );
     let mean = form!(
         |u: State<Scalar>| -> Functional { integral(cells("all"), f * u) },
         f: Given<Scalar> = Given::function(|x: &[f64; 2]| x[0] - x[1]),
-        crate = forms_core,
+        crate = toy_backend, matrix_free,
     );
     let theirs = functional(&mesh, &module::mean(&data(), &omega, u.source()), &[]);
     assert!((functional(&mesh, &mean(u.source()), &[]) - theirs).abs() < 1e-14);
@@ -106,7 +106,7 @@ fn energies_functionals_and_values() {
     let twice = toy_backend::Nodal { components: 1, values: twice };
     assert!((functional(&mesh, &mean(twice.source()), &[]) - 2.0 * theirs).abs() < 1e-13);
     let square =
-        form!(|s: Scalar| -> Scalar { s * s - offset }, offset: Given<Scalar> = -1, crate = forms_core);
+        form!(|s: Scalar| -> Scalar { s * s - offset }, offset: Given<Scalar> = -1, crate = toy_backend, matrix_free);
     let square = square(Source::<2>::Constant(vec![3.0]));
     assert_eq!(expression(&mesh, &square, (Entity::Cells, "all"))[0], [10.0]);
 }
@@ -120,7 +120,7 @@ fn the_same_region_twice_is_one_and_different_ones_are_two() {
             + integral(cells(name), dot(grad(u), grad(v)))
             - integral(cells(other), v)
             - integral(facets("boundary"), v),
-        crate = forms_core,
+        crate = toy_backend, matrix_free,
         dimension = 2,
     );
     let regions: Vec<&str> = Form::<2>::inputs(&one).regions.iter().map(|region| region.symbol).collect();

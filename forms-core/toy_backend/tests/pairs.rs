@@ -1,8 +1,8 @@
 //! Forms on contact pairs, in 2D and 3D: what is read at the opposite point, Nitsche's method with friction between two
 //! bodies against loops written out and differences, energies of the gap.
 
-use forms_core::contract::{self, *};
-use forms_core::contract::{Dim, Dimension};
+use toy_backend::contract::{self, *};
+use toy_backend::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::interpolate::value;
 use toy_backend::lanes::Four;
@@ -10,7 +10,7 @@ use toy_backend::mesh::{Element, Mesh};
 use toy_backend::random::Random;
 use toy_backend::{Nodal, differences, functional, residual, tangent};
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod blocks {
     pub struct Data {
         lambda: Param,
@@ -137,10 +137,10 @@ where
     let form = blocks::balance(&data, &omega, &touch());
     let unknowns = [u];
     differences::check_tangent(&mesh, &form, &unknowns, &mut random);
-    let matrix = tangent::<f64, _, D>(&mesh, &form, &unknowns);
-    let lanes = tangent::<Four, _, D>(&mesh, &form, &unknowns);
+    let matrix = tangent::<f64, D>(&mesh, &form, &unknowns);
+    let lanes = tangent::<Four, D>(&mesh, &form, &unknowns);
     let adjoint = blocks::adjoint(&data, &omega, &touch(), unknowns[0].source());
-    let transposed = tangent::<f64, _, D>(&mesh, &adjoint, &unknowns);
+    let transposed = tangent::<f64, D>(&mesh, &adjoint, &unknowns);
     let scale = matrix.iter().flatten().fold(1.0_f64, |largest, entry| largest.max(entry.abs()));
     for (row, entries) in matrix.iter().enumerate() {
         for (column, entry) in entries.iter().enumerate() {
@@ -168,7 +168,7 @@ where
     let mut data = data(random.field(nodes, D, 0.0, 0.1));
     (data.lambda, data.mu, data.theta, data.kappa) = (0.0, 0.0, 0.0, 0.0);
     let form = blocks::balance(&data, &blocks::Omega::on("all"), &touch());
-    let vector = residual::<f64, _, D>(&mesh, &form, std::slice::from_ref(&u));
+    let vector = residual::<f64, D>(&mesh, &form, std::slice::from_ref(&u));
     let v = random.field(nodes, D, 0.0, 1.0);
     let jump = |pair: &Element<D>, point: usize, w: &Nodal| -> f64 {
         let PointGeometry { opposite, .. } = pair.points[point].geometry;
@@ -191,7 +191,7 @@ where
     let energy = blocks::penalty(&data, &touch());
     differences::check_variation(&mesh, &energy, std::slice::from_ref(&u));
     differences::check_tangent(&mesh, &energy, std::slice::from_ref(&u), &mut random);
-    let matrix = tangent::<f64, _, D>(&mesh, &energy, std::slice::from_ref(&u));
+    let matrix = tangent::<f64, D>(&mesh, &energy, std::slice::from_ref(&u));
     for (row, entries) in matrix.iter().enumerate() {
         for (column, entry) in entries.iter().enumerate() {
             assert!((entry - matrix[column][row]).abs() <= 1e-12);

@@ -1,15 +1,15 @@
 //! Imports: functions of one forms module in another give what the same text written there gives, whatever the order of
 //! the modules, the way of the import and the names in between.
 
-use forms_core::contract::*;
-use forms_core::contract::{Dim, Dimension};
+use toy_backend::contract::*;
+use toy_backend::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{expression, functional, residual, tangent};
 
 /// Before the modules that it imports from.
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod contact {
     use super::elasticity::{elasticity, stress as sigma};
     use super::library::obstacle::{approach, pressure};
@@ -40,7 +40,7 @@ pub mod contact {
     }
 }
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod elasticity {
     pub struct Data {
         lambda: Param,
@@ -67,7 +67,7 @@ mod library {
     use forms_core::forms;
 
     /// It imports, and is imported from.
-    #[forms(crate = forms_core)]
+    #[forms(crate = toy_backend, matrix_free)]
     pub mod obstacle {
         pub use crate::elasticity::stress;
 
@@ -91,7 +91,7 @@ mod library {
 }
 
 /// `contact`, typed out.
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod typed_out {
     pub struct Data {
         mu: Param,
@@ -118,7 +118,7 @@ pub mod typed_out {
 
 /// The same function on two ways, one of them through the other module's `pub use`; and a whole form, made a form of
 /// this module.
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod both_ways {
     use super::elasticity::stress as direct_way;
     pub use super::elasticity::{elasticity, stress};
@@ -138,7 +138,7 @@ pub mod both_ways {
 }
 
 /// Data and region of another module; one is renamed.
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod dynamics {
     use super::elasticity::{Data, Omega as Body, stress};
 
@@ -151,7 +151,7 @@ pub mod dynamics {
 macro_rules! twin {
     ($outer:ident) => {
         mod $outer {
-            #[forms_core::forms(crate = forms_core)]
+            #[forms_core::forms(crate = toy_backend, matrix_free)]
             pub mod twin {
                 pub fn twice(s: Scalar) -> Scalar {
                     2 * s
@@ -178,11 +178,11 @@ where
     let other = typed_out::direct(&typed, &typed_out::Omega::on("all"), &typed_out::GammaC::on("boundary"));
     let unknowns = [u.clone()];
     let (mine, theirs) =
-        (residual::<f64, _, D>(&mesh, &form, &unknowns), residual::<f64, _, D>(&mesh, &other, &unknowns));
+        (residual::<f64, D>(&mesh, &form, &unknowns), residual::<f64, D>(&mesh, &other, &unknowns));
     assert!(mine.iter().any(|entry| entry.abs() > 1e-3));
     close(&mine, &theirs);
     let (mine, theirs) =
-        (tangent::<f64, _, D>(&mesh, &form, &unknowns), tangent::<f64, _, D>(&mesh, &other, &unknowns));
+        (tangent::<f64, D>(&mesh, &form, &unknowns), tangent::<f64, D>(&mesh, &other, &unknowns));
     close(&mine.concat(), &theirs.concat());
     let value = expression(&mesh, &contact::mean_stress(&imported, u.source()), (Entity::Cells, "all"));
     let other = expression(&mesh, &typed_out::mean_stress(&typed, u.source()), (Entity::Cells, "all"));
@@ -212,13 +212,13 @@ fn a_function_on_two_ways_is_one_function_and_pub_use_makes_it_the_modules_own()
     let data = both_ways::Data::<2> { lambda: 1.3, mu: 0.7 };
     let zero = expression(&mesh, &both_ways::difference(&data, u.source()), (Entity::Cells, "all"));
     assert!(zero.concat().iter().all(|entry| *entry == 0.0));
-    let mine = tangent::<f64, _, 2>(
+    let mine = tangent::<f64, 2>(
         &mesh,
         &both_ways::elasticity(&data, &both_ways::Omega::on("all")),
         std::slice::from_ref(&u),
     );
     let original = elasticity::Data::<2> { lambda: 1.3, mu: 0.7 };
-    let theirs = tangent::<f64, _, 2>(
+    let theirs = tangent::<f64, 2>(
         &mesh,
         &elasticity::elasticity(&original, &elasticity::Omega::on("all")),
         std::slice::from_ref(&u),
@@ -235,8 +235,8 @@ fn data_and_regions_are_imported_as_the_types_that_they_are() {
     let u = random.field(mesh.nodes.len(), 2, 0.0, 0.3);
     let (data, omega) = (elasticity::Data::<2> { lambda: 1.3, mu: 0.7 }, elasticity::Omega::on("all"));
     let unknowns = [u];
-    let sum = tangent::<f64, _, 2>(&mesh, &dynamics::momentum(&data, &omega), &unknowns);
-    let stiffness = tangent::<f64, _, 2>(&mesh, &elasticity::elasticity(&data, &omega), &unknowns);
+    let sum = tangent::<f64, 2>(&mesh, &dynamics::momentum(&data, &omega), &unknowns);
+    let stiffness = tangent::<f64, 2>(&mesh, &elasticity::elasticity(&data, &omega), &unknowns);
     // Rows of a stiffness matrix sum to zero; those of μ times the mass matrix to μ|Ω| in all, per component.
     let total = |matrix: &[Vec<f64>]| matrix.iter().flatten().sum::<f64>();
     let area: f64 = mesh.elements(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
@@ -255,7 +255,7 @@ fn modules_of_one_name_do_not_collide() {
 }
 
 /// Names that are keywords, in all places that travel: functions that call each other, members, regions, modules.
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod r#loop {
     pub struct Data {
         r#type: Param,
@@ -275,7 +275,7 @@ pub mod r#loop {
     }
 }
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod keywords {
     pub use super::r#loop::{r#match, r#struct};
     use super::r#loop::{r#use as plain, r#use as r#where};
@@ -291,7 +291,7 @@ pub mod keywords {
 }
 
 /// Names that they import came under another name, and has one here.
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod again {
     pub use super::keywords::{r#dyn as r#enum, r#struct};
     use super::r#loop::r#match;

@@ -1,13 +1,13 @@
 //! Declared shapes: fixed extents besides the dimension, and rank 4, of unknowns, data and results.
 
-use forms_core::contract::*;
-use forms_core::contract::{Dim, Dimension};
+use toy_backend::contract::*;
+use toy_backend::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{expression, residual, tangent};
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod shapes {
     pub struct Data {
         r: Param<Vector<3>>,
@@ -85,13 +85,13 @@ where
 
     let three = shapes::three(&data, &shapes::Omega::on("all"), Source::Constant(vec![0.3; D]));
     assert_eq!(three.fields()[0].shape, &[3]);
-    let matrix = tangent::<f64, _, D>(&mesh, &three, std::slice::from_ref(&w));
+    let matrix = tangent::<f64, D>(&mesh, &three, std::slice::from_ref(&w));
     let step = 1e-5;
     for column in 0..w.values.len() {
         let at = |step: f64| {
             let mut moved = w.clone();
             moved.values[column] += step;
-            residual::<f64, _, D>(&mesh, &three, &[moved])
+            residual::<f64, D>(&mesh, &three, &[moved])
         };
         let (above, below) = (at(step), at(-step));
         for row in 0..matrix.len() {

@@ -1,14 +1,14 @@
 //! Pairs of displaced surfaces: the motion of the opposite point in tangents, second derivatives of energies and
 //! derivatives by the shape, against differences of what rays find.
 
-use forms_core::contract::*;
-use forms_core::contract::{Dim, Dimension};
+use toy_backend::contract::*;
+use toy_backend::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{Nodal, differences, functional, residual, tangent};
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod rubber {
     pub struct Data {
         lambda: Param,
@@ -98,9 +98,9 @@ where
     differences::check_tangent(mesh, &rubber::balance(&data, &touch()), &u, random);
     differences::check_tangent(mesh, &rubber::everything(&data, &touch()), &u, random);
     differences::check_tangent(mesh, &rubber::onward(&data, &touch()), &u, random);
-    let matrix = tangent::<f64, _, D>(mesh, &rubber::balance(&data, &touch()), &u);
+    let matrix = tangent::<f64, D>(mesh, &rubber::balance(&data, &touch()), &u);
     let adjoint = rubber::adjoint(&data, &touch(), u[0].source());
-    let transposed = tangent::<f64, _, D>(mesh, &adjoint, &u);
+    let transposed = tangent::<f64, D>(mesh, &adjoint, &u);
     let scale = matrix.iter().flatten().fold(1.0_f64, |largest, entry| largest.max(entry.abs()));
     for (row, entries) in matrix.iter().enumerate() {
         for (column, entry) in entries.iter().enumerate() {
@@ -127,7 +127,7 @@ where
     let energy = rubber::penalty(&data(random.field(nodes, D, 0.0, 0.02)), &touch());
     differences::check_variation(mesh, &energy, &u);
     differences::check_tangent(mesh, &energy, &u, random);
-    let matrix = tangent::<f64, _, D>(mesh, &energy, &u);
+    let matrix = tangent::<f64, D>(mesh, &energy, &u);
     let scale = matrix.iter().flatten().fold(1.0_f64, |largest, entry| largest.max(entry.abs()));
     for (row, entries) in matrix.iter().enumerate() {
         for (column, entry) in entries.iter().enumerate() {
@@ -155,7 +155,7 @@ where
     let nodes = mesh.nodes.len();
     let u = random.field(nodes, D, 0.0, 0.05);
     let data = data(random.field(nodes, D, 0.0, 0.02));
-    let gradient = residual::<f64, _, D>(&mesh, &rubber::shape_gradient(&data, &touch(), u.source()), &[]);
+    let gradient = residual::<f64, D>(&mesh, &rubber::shape_gradient(&data, &touch(), u.source()), &[]);
     let scale = gradient.iter().fold(1.0_f64, |largest, entry| largest.max(entry.abs()));
     for (entry, found) in gradient.iter().enumerate() {
         let at = |step: f64| {

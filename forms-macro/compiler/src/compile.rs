@@ -17,7 +17,7 @@ use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::differentiate::differentiate;
 use crate::dump::{self, Dump};
 use crate::emit::named_regions::regions_named;
-use crate::emit::{editor, emit};
+use crate::emit::{Products, editor, emit};
 use crate::one_form::OneForm;
 use crate::optimise::{Failure, optimise};
 use crate::parse::attributes::outer;
@@ -27,15 +27,20 @@ use crate::reuse::uses::{self, Import};
 use crate::reuse::{self, State, Subject, carrier, import, payload};
 use crate::show::{Shown, formulas};
 
-/// `#[forms(dimension = 3, crate = my_backend)]`
+/// `#[forms(dimension = 3, matrix_free, crate = my_backend)]`
 pub struct Options {
     dimensions: Vec<usize>,
     backend: Path,
+    products: Products,
 }
 
 impl Parse for Options {
     fn parse(input: ParseStream) -> syn::Result<Self> {
-        let mut options = Options { dimensions: vec![2, 3], backend: syn::parse_quote!(::forms_fem) };
+        let mut options = Options {
+            dimensions: vec![2, 3],
+            backend: syn::parse_quote!(::forms_fem),
+            products: Products::ByMatrices,
+        };
         while !input.is_empty() {
             if input.peek(Token![crate]) {
                 input.parse::<Token![crate]>()?;
@@ -43,9 +48,16 @@ impl Parse for Options {
                 options.backend = rooted(input.call(Path::parse_mod_style)?);
             } else {
                 let name: Ident = input.parse()?;
+                if name == "matrix_free" {
+                    options.products = Products::MatrixFree;
+                    if !input.is_empty() {
+                        input.parse::<Token![,]>()?;
+                    }
+                    continue;
+                }
                 if name != "dimension" {
                     let message = format!(
-                        "unknown option `{name}`\nhelp: the options are `dimension = 2`, `dimension = 3` and `crate = path`"
+                        "unknown option `{name}`\nhelp: the options are `dimension = 2`, `dimension = 3`, `matrix_free` and `crate = path`"
                     );
                     return Err(syn::Error::new(name.span(), message));
                 }
@@ -265,7 +277,8 @@ impl Unit<'_> {
             used.map(|region| module.regions[region].name.clone()).collect()
         });
         let errors = diagnostics.into_tokens();
-        let code = emit(&module, &options.dimensions, optimised, &formulas, &options.backend);
+        let Options { dimensions, backend, products } = options;
+        let code = emit(&module, dimensions, optimised, &formulas, backend, *products);
         let names: Vec<String> = module.functions.iter().map(|function| function.name.to_string()).collect();
         dump.emitted(&names, &options.dimensions, &code);
         let tracker = dump::tracker();

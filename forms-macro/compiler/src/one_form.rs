@@ -73,6 +73,10 @@ impl Parse for OneForm {
                 continue;
             }
             let name: Ident = input.parse()?;
+            if name == "matrix_free" && !input.peek(Token![:]) {
+                options.extend(quote! { #name, });
+                continue;
+            }
             input.parse::<Token![:]>()?;
             let ty: Type = input.parse()?;
             let value: Option<Expr> = match input.parse::<Option<Token![=]>>()? {
@@ -229,7 +233,7 @@ impl OneForm {
             }
             None => quote! {
                 #[allow(unused_variables)]
-                fn absent<const D: usize>(#(#known: impl Into<#backend::contract::Source<D>>),*) -> __form::form::Compiled<D> {
+                fn absent<const D: usize>(#(#known: impl Into<#backend::contract::Source<D>>),*) -> #backend::contract::Form<D> {
                     loop {}
                 }
                 #closure absent(#(#known),*)

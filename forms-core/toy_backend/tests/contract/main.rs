@@ -2,15 +2,15 @@
 
 mod plans;
 
-use forms_core::contract::{self, *};
-use forms_core::contract::{Dim, Dimension};
+use toy_backend::contract::{self, *};
+use toy_backend::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::lanes::Four;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{Nodal, functional, residual, switches, tangent};
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod signorini {
     pub struct Data {
         lambda: Param,
@@ -131,7 +131,7 @@ where
     let form = signorini::elasticity(&data, &omega());
     let expected = elasticity_in_closed_form(&mesh, data.lambda, data.mu);
     let u = random.field(mesh.nodes.len(), D, 0.0, 1.0);
-    assert_matrix(&tangent::<f64, _, D>(&mesh, &form, std::slice::from_ref(&u)), &expected);
+    assert_matrix(&tangent::<f64, D>(&mesh, &form, std::slice::from_ref(&u)), &expected);
     // The residual is K u − load; ∫ φ_i = |T| / (D + 1).
     let mut expected: Vec<f64> =
         expected.iter().map(|row| row.iter().zip(&u.values).map(|(k, u)| k * u).sum()).collect();
@@ -142,7 +142,7 @@ where
             }
         }
     }
-    for (found, expected) in residual::<f64, _, D>(&mesh, &form, &[u]).iter().zip(&expected) {
+    for (found, expected) in residual::<f64, D>(&mesh, &form, &[u]).iter().zip(&expected) {
         assert_near(*found, *expected, 10.0);
     }
 }
@@ -220,10 +220,10 @@ where
     assert!(0 < active && active < pressures.len(), "the state must have points of both kinds");
     let scale = vector.iter().fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
     let unknowns = [u];
-    for (found, expected) in residual::<f64, _, D>(&mesh, &form, &unknowns).iter().zip(&vector) {
+    for (found, expected) in residual::<f64, D>(&mesh, &form, &unknowns).iter().zip(&vector) {
         assert_near(*found, *expected, scale);
     }
-    assert_matrix(&tangent::<f64, _, D>(&mesh, &form, &unknowns), &matrix);
+    assert_matrix(&tangent::<f64, D>(&mesh, &form, &unknowns), &matrix);
     // One switch, positive where the contact is active.
     let switches = switches(&mesh, &form, &unknowns);
     assert_eq!(switches.len(), pressures.len());
@@ -250,11 +250,11 @@ where
     fn compare<F: contract::Form<D>, const D: usize>(mesh: &Mesh<D>, form: &F, u: &Nodal) {
         let unknowns = std::slice::from_ref(u);
         let (one, four) =
-            (residual::<f64, F, D>(mesh, form, unknowns), residual::<Four, F, D>(mesh, form, unknowns));
+            (residual::<f64, D>(mesh, form, unknowns), residual::<Four, D>(mesh, form, unknowns));
         assert!(one.iter().any(|entry| *entry != 0.0));
         assert_matrix(&[four], &[one]);
         let (one, four) =
-            (tangent::<f64, F, D>(mesh, form, unknowns), tangent::<Four, F, D>(mesh, form, unknowns));
+            (tangent::<f64, D>(mesh, form, unknowns), tangent::<Four, D>(mesh, form, unknowns));
         assert!(one.iter().flatten().any(|entry| *entry != 0.0));
         assert_matrix(&four, &one);
     }
@@ -279,13 +279,13 @@ fn lanes_do_not_mix() {
     let mesh = Mesh::<2>::cube(&mut random);
     let u = random.field(4, 2, 0.0, 0.1);
     let form = signorini::neo_hooke(&data(), &omega());
-    let whole = residual::<Four, _, 2>(&mesh, &form, std::slice::from_ref(&u));
+    let whole = residual::<Four, 2>(&mesh, &form, std::slice::from_ref(&u));
     let mut sum = vec![0.0; 8];
     for cell in mesh.elements(Entity::Cells, "all") {
         let alone = Mesh::simplex(cell.nodes.iter().map(|node| mesh.nodes[*node]).collect());
         let values =
             cell.nodes.iter().flat_map(|node| [u.values[2 * node], u.values[2 * node + 1]]).collect();
-        let part = residual::<f64, _, 2>(&alone, &form, &[Nodal { components: 2, values }]);
+        let part = residual::<f64, 2>(&alone, &form, &[Nodal { components: 2, values }]);
         for (local, node) in cell.nodes.iter().enumerate() {
             sum[2 * node] += part[2 * local];
             sum[2 * node + 1] += part[2 * local + 1];
@@ -301,7 +301,7 @@ fn two_unknowns_have_blocks_of_their_own() {
     let data = data::<2>();
     let form = signorini::stokes(&data, &omega());
     let unknowns = [random.field(4, 2, 0.0, 1.0), random.field(4, 1, 0.0, 1.0)];
-    let matrix = tangent::<f64, _, 2>(&mesh, &form, &unknowns);
+    let matrix = tangent::<f64, 2>(&mesh, &form, &unknowns);
     // 2μ ε : ε is elasticity with λ = 0; −∫ q ∂_a φ_i and its transpose; nothing for p, q.
     let strain = elasticity_in_closed_form(&mesh, 0.0, data.mu);
     let mut expected = vec![vec![0.0; 12]; 12];
@@ -321,7 +321,7 @@ fn two_unknowns_have_blocks_of_their_own() {
     }
     assert_matrix(&matrix, &expected);
     let flat: Vec<f64> = unknowns.iter().flat_map(|unknown| unknown.values.clone()).collect();
-    let found = residual::<f64, _, 2>(&mesh, &form, &unknowns);
+    let found = residual::<f64, 2>(&mesh, &form, &unknowns);
     for (row, entries) in expected.iter().enumerate() {
         let product: f64 = entries.iter().zip(&flat).map(|(k, u)| k * u).sum();
         let load: f64 = match row < 8 {

@@ -1,6 +1,6 @@
 //! The plans that the compiler chooses, seen in what kernels keep and in where they make blocks.
 
-use forms_core::contract::{self, *};
+use toy_backend::contract::{self, *};
 
 use crate::{assert_near, data, gamma_c, omega, signorini};
 

@@ -3,8 +3,8 @@
 
 mod spectral;
 
-use forms_core::contract::*;
-use forms_core::contract::{Dim, Dimension};
+use toy_backend::contract::*;
+use toy_backend::contract::{Dim, Dimension};
 use forms_core::forms;
 use toy_backend::lanes::Four;
 use toy_backend::mesh::Mesh;
@@ -58,7 +58,7 @@ mod laws {
     }
 }
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod outside {
     pub struct Data {
         mu: Param,
@@ -117,7 +117,7 @@ pub mod outside {
 }
 
 /// The same without anything outside; `straight` is 2 − 3 s.
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod inside {
     pub struct Data {
         mu: Param,
@@ -197,31 +197,31 @@ impl<const D: usize> State<D> {
 
     /// Residual and tangent of two forms agree, and those by four lanes with those by one.
     fn agree(&self, first: &impl Form<D>, second: &impl Form<D>, unknowns: &[Nodal]) {
-        let one = residual::<f64, _, D>(&self.mesh, first, unknowns);
-        close(&one, &residual::<f64, _, D>(&self.mesh, second, unknowns), 1e-12, first.name());
-        let matrix = tangent::<f64, _, D>(&self.mesh, first, unknowns).concat();
-        let other = tangent::<f64, _, D>(&self.mesh, second, unknowns).concat();
+        let one = residual::<f64, D>(&self.mesh, first, unknowns);
+        close(&one, &residual::<f64, D>(&self.mesh, second, unknowns), 1e-12, first.name());
+        let matrix = tangent::<f64, D>(&self.mesh, first, unknowns).concat();
+        let other = tangent::<f64, D>(&self.mesh, second, unknowns).concat();
         close(&matrix, &other, 1e-11, first.name());
         self.lanes(first, unknowns);
     }
 
     /// Four lanes give what one gives.
     fn lanes(&self, form: &impl Form<D>, unknowns: &[Nodal]) {
-        let one = residual::<f64, _, D>(&self.mesh, form, unknowns);
-        close(&residual::<Four, _, D>(&self.mesh, form, unknowns), &one, 1e-14, form.name());
-        let one = tangent::<f64, _, D>(&self.mesh, form, unknowns).concat();
-        close(&tangent::<Four, _, D>(&self.mesh, form, unknowns).concat(), &one, 1e-14, form.name());
+        let one = residual::<f64, D>(&self.mesh, form, unknowns);
+        close(&residual::<Four, D>(&self.mesh, form, unknowns), &one, 1e-14, form.name());
+        let one = tangent::<f64, D>(&self.mesh, form, unknowns).concat();
+        close(&tangent::<Four, D>(&self.mesh, form, unknowns).concat(), &one, 1e-14, form.name());
     }
 
     /// The tangent is the difference quotient of the residual.
     fn differences(&self, form: &impl Form<D>, unknowns: &[Nodal; 1]) {
-        let matrix = tangent::<f64, _, D>(&self.mesh, form, unknowns);
+        let matrix = tangent::<f64, D>(&self.mesh, form, unknowns);
         let step = 1e-6;
         for column in 0..unknowns[0].values.len() {
             let moved = |step: f64| {
                 let mut moved = unknowns.clone();
                 moved[0].values[column] += step;
-                residual::<f64, _, D>(&self.mesh, form, &moved)
+                residual::<f64, D>(&self.mesh, form, &moved)
             };
             let (ahead, behind) = (moved(step), moved(-step));
             let slope: Vec<f64> = ahead.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * step)).collect();
@@ -232,7 +232,7 @@ impl<const D: usize> State<D> {
 
     /// The residual is the difference quotient of the energy.
     fn of_energy<F: Form<D> + Functional<D>>(&self, form: &F, unknowns: &[Nodal; 1]) {
-        let own = residual::<f64, _, D>(&self.mesh, form, unknowns);
+        let own = residual::<f64, D>(&self.mesh, form, unknowns);
         let step = 1e-6;
         let moved = |column: usize, step: f64| {
             let mut moved = unknowns.clone();
@@ -290,8 +290,8 @@ where
     close(&stresses[0], &stresses[1], 1e-13, "piola");
 
     // softened(μ) law(λ): known with the form.
-    let outer_matrix = tangent::<f64, _, D>(&state.mesh, &outside::linear(&outer, &omega), &state.s).concat();
-    let inner_matrix = tangent::<f64, _, D>(&state.mesh, &inside::linear(&inner, &same), &state.s).concat();
+    let outer_matrix = tangent::<f64, D>(&state.mesh, &outside::linear(&outer, &omega), &state.s).concat();
+    let inner_matrix = tangent::<f64, D>(&state.mesh, &inside::linear(&inner, &same), &state.s).concat();
     let scaled: Vec<f64> = inner_matrix.iter().map(|entry| entry * outer.law.value(LAMBDA)).collect();
     close(&outer_matrix, &scaled, 1e-14, "linear");
     state.lanes(&outside::linear(&outer, &omega), &state.s);
@@ -353,8 +353,8 @@ fn tables_are_laws_with_derivatives() -> Outcome {
 
     // Without a gradient only the straight law is left.
     let constant = [Nodal { components: 1, values: vec![0.7; state.mesh.nodes.len()] }];
-    let found = residual::<f64, _, 2>(&state.mesh, &tabulated, &constant);
-    let expected = residual::<f64, _, 2>(&state.mesh, &inside::straight(&inner, &same), &constant);
+    let found = residual::<f64, 2>(&state.mesh, &tabulated, &constant);
+    let expected = residual::<f64, 2>(&state.mesh, &inside::straight(&inner, &same), &constant);
     close(&found, &expected, 1e-14, "straight");
 
     let all = (Entity::Cells, "all");

@@ -1,12 +1,12 @@
 //! Spectral functions of tensors: against energies, differences and identities.
 
-use forms_core::contract::{Dim, Dimension, Entity, Form, Functional};
+use toy_backend::contract::{Dim, Dimension, Entity, Form, Functional};
 use forms_core::forms;
 
 use crate::{LAMBDA, MU, State, close};
 use toy_backend::{Nodal, expression};
 
-#[forms(crate = forms_core)]
+#[forms(crate = toy_backend, matrix_free)]
 pub mod hencky {
     pub struct Data {
         mu: Param,

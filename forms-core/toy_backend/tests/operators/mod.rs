@@ -4,7 +4,7 @@
 // Each test program uses a part of it.
 #![allow(dead_code, unused_imports)]
 
-pub use forms_core::contract::*;
+pub use toy_backend::contract::*;
 pub use forms_core::forms;
 
 pub use toy_backend::mesh::{Mesh, determinant, inverse};

@@ -1,15 +1,14 @@
-//! One function: its constructor, its type, and the traits by which a backend walks its integrals.
+//! One function: its constructor, and the type that has its integrals.
 
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::quote;
 
 use super::data::way;
 use super::formula;
-use super::integrals::emit_integrals;
+use super::integrals::{Products, emit_integrals};
 use super::model::snake_case;
 use super::named_regions::{likely_regions, regions_named};
 use super::placeholder::placeholder;
-use super::traits::implementations;
 use crate::check::field_members;
 use crate::optimise::Optimised;
 use crate::parse::syntax::*;
@@ -23,6 +22,7 @@ pub fn emit_function(
     dimensions: &[usize],
     optimised: Vec<Optimised>,
     formula: Option<&Shown>,
+    products: Products,
 ) -> TokenStream {
     let Function { attributes, visibility, name, .. } = function;
     let complete = optimised.len() == dimensions.len();
@@ -35,54 +35,75 @@ pub fn emit_function(
         let found =
             optimised.iter_mut().find(|one| one.as_ref().is_some_and(|one| one.dimension == *dimension));
         let found = found.and_then(Option::take);
-        integrals.extend(emit_integrals(module, function, *dimension, found, &used));
+        integrals.extend(emit_integrals(module, function, *dimension, found, &used, products));
     }
-    let implementations = implementations(function, dimensions);
     let own_inputs = own("inputs");
     let page = formula.map(|shown| formula::page(shown, module, function));
     let shown = formula::formula(formula);
+    let (value, text) = (value(function), name.to_string());
+    let Compiled { bound, integrals: own_integrals } = compiled(name, dimensions);
     let constructor = match complete {
         true => quote! {
             #(#attributes)*
             #page
-            #visibility fn #name<const D: ::core::primitive::usize>(#(#constructor_arguments),*) -> #name::Compiled<D> {
+            #visibility fn #name<const D: ::core::primitive::usize>(#(#constructor_arguments),*) -> contract::#value<D>
+            where
+                #bound
+            {
                 #inputs
-                #name::Compiled::with(#own_inputs)
+                contract::#value::of::<#own_integrals>(#text, &#name::FORMULA, #own_inputs)
             }
         },
         false => {
             let counts = [likely_regions(module, function), stored_arguments(function).count()];
-            placeholder(module, visibility, name, counts)
+            placeholder(module, visibility, name, &value, counts)
         }
     };
     quote! {
         #constructor
         #visibility mod #name {
             use super::contract;
-            #[allow(unused_imports)]
-            use contract::{Form as _, Lane};
 
-            /// The function with its data, ready for a backend.
-            #[derive(Clone, Debug)]
-            pub struct Compiled<const D: usize> {
-                inputs: contract::Inputs<D>,
-            }
-            impl<const D: usize> Compiled<D> {
-                pub(super) fn with(inputs: contract::Inputs<D>) -> Self {
-                    Compiled { inputs }
-                }
-                /// The function as mathematics.
-                pub fn formula(&self) -> &'static contract::Formula {
-                    const FORMULA: contract::Formula = #shown;
-                    &FORMULA
-                }
-            }
-            #implementations
+            /// The function as mathematics.
+            pub const FORMULA: contract::Formula = #shown;
             /// The integrals with their kernels, by dimension.
             #[derive(Clone, Copy, Debug)]
             pub struct Kernels;
             #integrals
         }
+    }
+}
+
+/// The type of a function's value.
+pub fn value(function: &Function) -> Ident {
+    let name = match function.output {
+        Output::Value(_) => "Expression",
+        Output::Functional => "Functional",
+        Output::Energy { .. } => "Energy",
+        Output::Form => "Form",
+    };
+    Ident::new(name, Span::call_site())
+}
+
+/// The integrals of a function in a dimension.
+pub struct Compiled {
+    /// The condition under which a function is compiled for the dimension D.
+    pub bound: TokenStream,
+    /// The type that has its integrals there.
+    pub integrals: TokenStream,
+}
+
+/// The integrals of a function of this name that is compiled for these dimensions.
+pub fn compiled(name: &Ident, dimensions: &[usize]) -> Compiled {
+    match dimensions {
+        [_] => Compiled {
+            bound: quote! { #name::Kernels: contract::Integrals<D> },
+            integrals: quote! { #name::Kernels },
+        },
+        _ => Compiled {
+            bound: quote! { contract::Dim: contract::Dimension<D> },
+            integrals: quote! { <contract::Dim as contract::Dimension<D>>::Of<#name::Kernels> },
+        },
     }
 }
 

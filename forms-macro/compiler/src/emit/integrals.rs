@@ -1,4 +1,4 @@
-//! The integrals of a function in one dimension: descriptions, kernels, and the walks that visit them.
+//! The integrals of a function in one dimension: descriptions, kernels, and the lists of them.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
@@ -15,6 +15,15 @@ use crate::parse::syntax::*;
 use crate::rustc_arguments;
 use crate::tensor::{FieldInfo, FieldRole};
 
+/// Products of a tangent and a vector.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Products {
+    /// By its matrix.
+    ByMatrices,
+    /// By kernels of their own, without a matrix.
+    MatrixFree,
+}
+
 /// `impl Integrals<D> for Kernels`, and the module of its kernels. A function with a mistake has no integrals.
 pub fn emit_integrals(
     module: &Module,
@@ -22,19 +31,23 @@ pub fn emit_integrals(
     dimension: usize,
     optimised: Option<Optimised>,
     used: &[usize],
+    products: Products,
 ) -> TokenStream {
     let kernels_name = format_ident!("kernels_{dimension}");
     let mut kernels = TokenStream::new();
-    let mut walks = Walks::default();
+    let mut lists = Lists::default();
     let mut fields = fields_of(module, function, dimension);
     if let Some(mut optimised) = optimised {
         fields = std::mem::take(&mut optimised.fields);
         let mut graph = std::mem::take(&mut optimised.graph);
         let externals = ExternalNames::new(module, dimension);
         let writer = KernelWriter { graph: &mut graph, fields: &fields, externals: &externals, dimension };
-        walks = match rustc_arguments::only_checked() {
-            true => Walks::left_out(),
-            false => Walks::of(&optimised, used, &kernels_name, writer, &mut kernels),
+        if products == Products::ByMatrices {
+            optimised.action.clear();
+        }
+        lists = match rustc_arguments::only_checked() {
+            true => Lists::left_out(),
+            false => Lists::of(&optimised, used, &kernels_name, writer, &mut kernels),
         };
     }
     let fields = describe_fields(function, &fields);
@@ -45,12 +58,12 @@ pub fn emit_integrals(
         }
         _ => None,
     };
-    let walks = walks.into_methods(dimension);
+    let lists = lists.into_methods(dimension);
     quote! {
         impl contract::Integrals<#dimension> for Kernels {
             fn fields() -> &'static [contract::FieldDescription] { &[#(#fields),*] }
             #shape
-            #walks
+            #lists
         }
         mod #kernels_name {
             #[allow(unused_imports)]
@@ -60,38 +73,28 @@ pub fn emit_integrals(
     }
 }
 
-/// The visits of each walk.
+/// The terms of each list.
 #[derive(Default)]
-struct Walks {
+struct Lists {
     residual: Vec<TokenStream>,
-    whole_residual: Vec<TokenStream>,
+    joined_residual: Vec<TokenStream>,
     tangent: Vec<TokenStream>,
-    whole_tangent: Vec<TokenStream>,
+    joined_tangent: Vec<TokenStream>,
     action: Vec<TokenStream>,
     switches: Vec<TokenStream>,
     density: Vec<TokenStream>,
-    expression: Vec<TokenStream>,
 }
 
-impl Walks {
-    /// Walks without kernels, for a crate without machine code; if it is made after all, rustc says why it cannot be.
+impl Lists {
+    /// Lists without kernels, for a crate without machine code; if it is made after all, rustc says why it cannot be.
     fn left_out() -> Self {
         let never = vec![quote! {
-            const { ::core::panic!("forms have no kernels where their crate was only checked (`--emit=metadata`)") };
+            const { ::core::panic!("forms have no kernels where their crate was only checked (`--emit=metadata`)") }
         }];
-        Walks {
-            residual: never.clone(),
-            whole_residual: never.clone(),
-            tangent: never.clone(),
-            whole_tangent: never.clone(),
-            action: never.clone(),
-            switches: never.clone(),
-            density: never.clone(),
-            expression: never,
-        }
+        Lists { residual: never.clone(), tangent: never.clone(), density: never, ..Lists::default() }
     }
 
-    /// The visits of an optimised function, whose kernels are written besides.
+    /// The terms of an optimised function, whose kernels are written at the same time.
     fn of(
         optimised: &Optimised,
         used: &[usize],
@@ -99,15 +102,20 @@ impl Walks {
         mut writer: KernelWriter,
         kernels: &mut TokenStream,
     ) -> Self {
-        let mut walks = Walks::default();
-        let visit = |kernel: &Ident| {
-            let kernel = quote! { #kernels_name::#kernel };
-            quote! { visitor.visit(&#kernel::INTEGRAL, &#kernel::new(constants.parameters, constants.tables))?; }
+        let mut lists = Lists::default();
+        let term = |kernel: &Ident, kind: &str| {
+            let (kernel, kind) = (quote! { #kernels_name::#kernel }, format_ident!("{kind}"));
+            quote! {
+                contract::Term {
+                    integral: &#kernel::INTEGRAL,
+                    kernel: B::#kind(#kernel::new(constants.parameters, constants.tables)),
+                }
+            }
         };
         for (list, integrals, prefix) in [
-            (&mut walks.residual, &optimised.residual, "Residual"),
-            (&mut walks.whole_residual, &optimised.joined, "Joined"),
-            (&mut walks.action, &optimised.action, "Action"),
+            (&mut lists.residual, &optimised.residual, "Residual"),
+            (&mut lists.joined_residual, &optimised.joined, "Joined"),
+            (&mut lists.action, &optimised.action, "Action"),
         ] {
             for (index, integral) in integrals.iter().enumerate() {
                 let kernel = format_ident!("{prefix}{index}");
@@ -115,12 +123,12 @@ impl Walks {
                 let arguments = [argument(integral.test, writer.fields), NO_ARGUMENT];
                 let description = describe(&integral.description, used, arguments, false);
                 kernels.extend(described(&kernel, description));
-                list.push(visit(&kernel));
+                list.push(term(&kernel, "linear"));
             }
         }
         for (list, integrals, prefix) in [
-            (&mut walks.tangent, &optimised.tangent, "Tangent"),
-            (&mut walks.whole_tangent, &optimised.joined_tangent, "JoinedTangent"),
+            (&mut lists.tangent, &optimised.tangent, "Tangent"),
+            (&mut lists.joined_tangent, &optimised.joined_tangent, "JoinedTangent"),
         ] {
             for (index, integral) in integrals.iter().enumerate() {
                 let kernel = format_ident!("{prefix}{index}");
@@ -128,13 +136,12 @@ impl Walks {
                 let arguments = [integral.test, integral.trial].map(|one| argument(one, writer.fields));
                 let description = describe(&integral.description, used, arguments, integral.symmetric);
                 kernels.extend(described(&kernel, description));
-                list.push(visit(&kernel));
+                list.push(term(&kernel, "bilinear"));
             }
         }
-        walks.complete_whole(optimised);
         for (list, integrals, prefix) in [
-            (&mut walks.switches, &optimised.switches, "Switches"),
-            (&mut walks.density, &optimised.density, "Density"),
+            (&mut lists.switches, &optimised.switches, "Switches"),
+            (&mut lists.density, &optimised.density, "Density"),
         ] {
             for (index, integral) in integrals.iter().enumerate() {
                 let kernel = format_ident!("{prefix}{index}");
@@ -142,7 +149,7 @@ impl Walks {
                 kernels.extend(writer.expression(&kernel, &integral.components, &shape));
                 let description = describe(&integral.description, used, [NO_ARGUMENT; 2], false);
                 kernels.extend(described(&kernel, description));
-                list.push(visit(&kernel));
+                list.push(term(&kernel, "expression"));
             }
         }
         if let Some((components, shape)) = &optimised.value {
@@ -157,53 +164,30 @@ impl Walks {
             };
             let description = describe(&description, &[0], [NO_ARGUMENT; 2], false);
             kernels.extend(described(&kernel, description));
-            walks.expression.push(visit(&kernel));
+            lists.density.push(term(&kernel, "expression"));
         }
-        walks
+        lists
     }
 
-    /// Adds to the whole the integrals of regions on which nothing is joined.
-    fn complete_whole(&mut self, optimised: &Optimised) {
-        if self.whole_residual.is_empty() {
-            return;
-        }
-        let place = |description: &Description| (description.region, description.displacement.clone());
-        let joined: Vec<_> = optimised.joined.iter().map(|one| place(&one.description)).collect();
-        let apart = |description: &Description| !joined.contains(&place(description));
-        let residuals = optimised.residual.iter().zip(&self.residual);
-        let residuals = residuals.filter(|(integral, _)| apart(&integral.description));
-        self.whole_residual.extend(residuals.map(|(_, visit)| visit.clone()));
-        let tangents = optimised.tangent.iter().zip(&self.tangent);
-        let tangents = tangents.filter(|(integral, _)| apart(&integral.description));
-        self.whole_tangent.extend(tangents.map(|(_, visit)| visit.clone()));
-    }
-
-    /// The walks that visit anything; the others are the trait's own. The whole is walked as the residual and the tangent
-    /// are where nothing is joined.
+    /// The lists that have terms; the others are the trait's own.
     fn into_methods(self, dimension: usize) -> TokenStream {
-        let whole = !self.whole_residual.is_empty();
-        let linear = format_ident!("LinearVisitor");
-        let bilinear = format_ident!("BilinearVisitor");
-        let expression = format_ident!("ExpressionVisitor");
         let methods = [
-            ("residual", &linear, self.residual, false),
-            ("whole_residual", &linear, self.whole_residual, false),
-            ("tangent", &bilinear, self.tangent, false),
-            ("whole_tangent", &bilinear, self.whole_tangent, whole),
-            ("action", &linear, self.action, false),
-            ("switches", &expression, self.switches, false),
-            ("density", &expression, self.density, false),
-            ("expression", &expression, self.expression, false),
+            ("residual", "Linear", self.residual),
+            ("joined_residual", "Linear", self.joined_residual),
+            ("tangent", "Bilinear", self.tangent),
+            ("joined_tangent", "Bilinear", self.joined_tangent),
+            ("action", "Linear", self.action),
+            ("switches", "Expression", self.switches),
+            ("density", "Expression", self.density),
         ];
         methods
             .into_iter()
-            .filter(|(_, _, visits, needed)| *needed || !visits.is_empty())
-            .map(|(walk, visitor, visits, _)| {
-                let walk = format_ident!("{walk}");
+            .filter(|(_, _, terms)| !terms.is_empty())
+            .map(|(list, kind, terms)| {
+                let (list, kind) = (format_ident!("{list}"), format_ident!("{kind}"));
                 quote! {
-                    fn #walk<V: contract::#visitor<#dimension>>(constants: contract::Constants<'_>, visitor: &mut V) -> Result<(), V::Error> {
-                        #(#visits)*
-                        Ok(())
+                    fn #list<B: contract::Backend<#dimension>>(constants: contract::Constants<'_>) -> ::std::vec::Vec<contract::Term<B::#kind>> {
+                        ::std::vec![#(#terms),*]
                     }
                 }
             })
@@ -211,7 +195,7 @@ impl Walks {
     }
 }
 
-/// The description of a kernel's integral next to the kernel, where it is compiled once and not for every visitor.
+/// The description of a kernel's integral next to the kernel, where it is compiled once and not for every backend.
 fn described(kernel: &Ident, description: TokenStream) -> TokenStream {
     quote! { impl #kernel { pub const INTEGRAL: contract::Integral = #description; } }
 }

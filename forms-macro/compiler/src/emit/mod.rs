@@ -1,5 +1,5 @@
 //! Stage 5: [`Optimised`] functions → Rust: the data struct, the regions, a constructor per function, and
-//! behind it a module with the form's type and its kernels.
+//! behind it a module with its kernels.
 
 mod data;
 mod description;
@@ -15,11 +15,11 @@ pub mod named_regions;
 mod parts;
 mod placeholder;
 mod print;
-mod traits;
 
-use proc_macro2::{Ident, TokenStream};
+use proc_macro2::{Ident, Span, TokenStream};
 use quote::quote;
 
+pub use self::integrals::Products;
 use self::model::Bound;
 use crate::check::{is_building_block, is_reserved};
 use crate::optimise::Optimised;
@@ -36,6 +36,7 @@ pub fn emit(
     optimised: Vec<Optimised>,
     formulas: &[Option<Shown>],
     backend: &syn::Path,
+    products: Products,
 ) -> TokenStream {
     let data = module.data.as_ref().map(|data| data::emit_data(data, module));
     // A name declared twice, or one that belongs to the emitted code, has been reported: the first counts.
@@ -57,23 +58,23 @@ pub fn emit(
                 bound.push(Bound { function, regions: named_regions::regions_named(module, function) });
             }
             let formula = formulas.get(index).and_then(Option::as_ref);
-            form::emit_function(module, function, dimensions, optimised, formula)
+            form::emit_function(module, function, dimensions, optimised, formula, products)
         })
         .collect();
     let unread = module.mistaken.iter().filter_map(|mistaken| match mistaken {
         Mistaken::Function { visibility, name, arguments, integrates } => {
             let regions = if *integrates { module.regions.len() } else { 0 };
-            let placeholder = placeholder::placeholder(module, visibility, name, [regions, *arguments]);
+            let value = Ident::new(if *integrates { "Form" } else { "Expression" }, Span::call_site());
+            let placeholder =
+                placeholder::placeholder(module, visibility, name, &value, [regions, *arguments]);
             Some(quote! {
                 #placeholder
-                #visibility mod #name {
-                    pub struct Compiled<const D: usize>;
-                }
+                #visibility mod #name {}
             })
         }
         Mistaken::Member(_) | Mistaken::Region(_) | Mistaken::Import(_) | Mistaken::External(_) => None,
     });
-    let model = model::emit_model(module, &bound);
+    let model = model::emit_model(module, &bound, dimensions);
     let externals = module.externals.iter().map(|one| external::emit_external(one, dimensions));
     quote! {
         use #backend::contract;

@@ -5,7 +5,7 @@ use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 use syn::ext::IdentExt;
 
-use super::form::{stored_argument, stored_arguments};
+use super::form::{Compiled, compiled, stored_argument, stored_arguments, value};
 use crate::parse::syntax::*;
 use crate::sorted::SortedSet;
 
@@ -16,7 +16,7 @@ pub struct Bound<'m> {
 }
 
 /// The two structs. A region or a function that could not be read has no part in them.
-pub fn emit_model(module: &Module, functions: &[Bound]) -> TokenStream {
+pub fn emit_model(module: &Module, functions: &[Bound], dimensions: &[usize]) -> TokenStream {
     let members = member_names(&module.regions);
     let regions = emit_regions(&module.regions, &members);
     let data = module.data.as_ref();
@@ -52,9 +52,13 @@ pub fn emit_model(module: &Module, functions: &[Bound]) -> TokenStream {
         });
         let arguments: Vec<Ident> =
             stored_arguments(function).map(|argument| stored_argument(module, &argument.name)).collect();
+        let (value, Compiled { bound, .. }) = (value(function), compiled(name, dimensions));
         quote! {
             #(#documented)*
-            #visibility fn #name #own_generics(&self, #(#arguments: impl ::core::convert::Into<contract::Source<D>>),*) -> #name::Compiled<D> {
+            #visibility fn #name #own_generics(&self, #(#arguments: impl ::core::convert::Into<contract::Source<D>>),*) -> contract::#value<D>
+            where
+                #bound
+            {
                 #name(#data #(#regions)* #(#arguments),*)
             }
         }

@@ -5,12 +5,13 @@ use quote::quote;
 
 use crate::parse::syntax::*;
 
-/// The constructor of a function that has a mistake: the number of regions and known fields is right, so that its calls are
-/// right.
+/// The constructor of a function that has a mistake: the numbers of regions and known fields are right, and the type of its
+/// value, so that its calls are right.
 pub fn placeholder(
     module: &Module,
     visibility: &syn::Visibility,
     name: &Ident,
+    value: &Ident,
     [regions, fields]: [usize; 2],
 ) -> TokenStream {
     let data = module.data.as_ref().map(|data| {
@@ -21,7 +22,7 @@ pub fn placeholder(
     let fields = (0..fields).map(|_| quote! { _: impl ::core::convert::Into<contract::Source<D>> });
     let others = regions.chain(fields);
     quote! {
-        #visibility fn #name<const D: ::core::primitive::usize>(#data #(#others),*) -> #name::Compiled<D> {
+        #visibility fn #name<const D: ::core::primitive::usize>(#data #(#others),*) -> contract::#value<D> {
             loop {}
         }
     }

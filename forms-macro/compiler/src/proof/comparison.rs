@@ -174,7 +174,7 @@ impl Comparison<'_> {
     }
 
     fn value(&self, tally: &mut Tally) -> Result<(), Difference> {
-        let [integral] = &self.emitted.expression[..] else { return Err("a value has one kernel".into()) };
+        let [integral] = &self.emitted.density[..] else { return Err("a value has one kernel".into()) };
         for (point, values) in self.here.iter().zip(expression(&integral.kernel, &self.here)) {
             let alone = std::slice::from_ref(point);
             for (entry, value) in values.iter().enumerate() {

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use proc_macro2::TokenStream;
 use quote::ToTokens;
-use syn::{Expr, FnArg, ImplItem, ImplItemFn, Item, ItemMod, Pat, Stmt, Type};
+use syn::punctuated::Punctuated;
+use syn::{Expr, ExprStruct, FnArg, ImplItem, ImplItemFn, Item, ItemMod, Pat, Stmt, Token, Type};
 
 use crate::dump::counts::operations;
 use crate::tensor::Side;
@@ -17,7 +18,7 @@ pub struct Function {
     /// Types of the constructor's arguments that are plain names.
     pub argument_types: Vec<String>,
     pub residual: Vec<Integral>,
-    /// Empty where it would be the residual's.
+    /// Joined on each region, completed by what is not joined; empty where nothing is.
     pub whole_residual: Vec<Integral>,
     pub whole_tangent: Vec<Integral>,
     pub tangent: Vec<Integral>,
@@ -25,13 +26,15 @@ pub struct Function {
     /// The index of each unknown's direction among the fields.
     pub directions: Vec<usize>,
     pub switches: Vec<Integral>,
+    /// Of a functional, or the value of an expression.
     pub density: Vec<Integral>,
-    pub expression: Vec<Integral>,
 }
 
 /// A `contract::Integral` with its kernel.
+#[derive(Clone)]
 pub struct Integral {
     pub region: usize,
+    pub displacement: String,
     /// Number of the test function, and its side.
     pub test: (usize, Side),
     /// Number of the unknown, and the trial function's side.
@@ -215,9 +218,9 @@ fn read_function(module: &ItemMod) -> Function {
             let ImplItem::Fn(method) = item else { continue };
             let list = match method.sig.ident.to_string().as_str() {
                 "residual" => &mut function.residual,
-                "whole_residual" => &mut function.whole_residual,
+                "joined_residual" => &mut function.whole_residual,
                 "tangent" => &mut function.tangent,
-                "whole_tangent" => &mut function.whole_tangent,
+                "joined_tangent" => &mut function.whole_tangent,
                 "action" => &mut function.action,
                 "fields" => {
                     function.directions = directions(&method.block);
@@ -225,17 +228,35 @@ fn read_function(module: &ItemMod) -> Function {
                 }
                 "switches" => &mut function.switches,
                 "density" => &mut function.density,
-                "expression" => &mut function.expression,
                 _ => continue,
             };
-            for statement in &method.block.stmts {
-                if let Stmt::Expr(Expr::Try(visit), Some(_)) = statement {
-                    list.push(read_visit(&visit.expr, &kernels));
-                }
-            }
+            let Some(Stmt::Expr(Expr::Macro(terms), None)) = method.block.stmts.first() else {
+                panic!("a list of terms")
+            };
+            let terms = terms.mac.parse_body_with(Punctuated::<ExprStruct, Token![,]>::parse_terminated);
+            list.extend(terms.expect("a list of terms").iter().map(|term| read_term(term, &kernels)));
         }
     }
+    function.complete_whole();
     function
+}
+
+impl Function {
+    fn complete_whole(&mut self) {
+        let joined: Vec<_> = self.whole_residual.iter().map(Integral::place).collect();
+        if joined.is_empty() {
+            return;
+        }
+        let apart = |integral: &&Integral| !joined.contains(&integral.place());
+        self.whole_residual.extend(self.residual.iter().filter(apart).cloned().collect::<Vec<_>>());
+        self.whole_tangent.extend(self.tangent.iter().filter(apart).cloned().collect::<Vec<_>>());
+    }
+}
+
+impl Integral {
+    fn place(&self) -> (usize, String) {
+        (self.region, self.displacement.clone())
+    }
 }
 
 /// The places of `role: contract::Role::Direction(0)`, `Direction(1)`, .. in the list that the block gives.
@@ -250,11 +271,12 @@ fn directions(block: &syn::Block) -> Vec<usize> {
     (0..).map_while(place).collect()
 }
 
-/// `visitor.visit(&kernels_2::Tangent0::INTEGRAL, &kernels_2::Tangent0::new(..))`
-fn read_visit(visit: &Expr, kernels: &BTreeMap<String, Kernel>) -> Integral {
-    let Expr::MethodCall(call) = visit else { panic!("a walk is a list of visits") };
-    let Some(Expr::Reference(new)) = call.args.iter().nth(1) else { panic!("a visit takes a kernel") };
-    let Expr::Call(new) = &*new.expr else { panic!("a visit takes a new kernel") };
+/// `contract::Term { integral: &kernels_2::Tangent0::INTEGRAL, kernel: B::bilinear(kernels_2::Tangent0::new(..)) }`
+fn read_term(term: &ExprStruct, kernels: &BTreeMap<String, Kernel>) -> Integral {
+    let Some(Expr::Call(taken)) = term.fields.iter().nth(1).map(|member| &member.expr) else {
+        panic!("a term has a kernel")
+    };
+    let Some(Expr::Call(new)) = taken.args.first() else { panic!("a backend takes a new kernel") };
     let Expr::Path(path) = &*new.func else { panic!("a kernel is made by `new`") };
     let kernel = path.path.segments.iter().nth_back(1).expect("a kernel's name").ident.to_string();
     let kernel = &kernels[&kernel];
@@ -266,6 +288,7 @@ fn read_visit(visit: &Expr, kernels: &BTreeMap<String, Kernel>) -> Integral {
     };
     Integral {
         region: members["region"].index(),
+        displacement: format!("{:?}", members["displacement"]),
         test: (members["test"].index(), side("test_side")),
         trial: (members["trial"].index(), side("trial_side")),
         dependence: members["dependence"].word().to_string(),

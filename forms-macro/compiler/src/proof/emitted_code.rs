@@ -9,7 +9,7 @@ use crate::reuse::flatten;
 
 /// The kernels of a function in two dimensions, each by its name.
 fn kernels(source: &str, function: &str) -> BTreeMap<String, String> {
-    let output = crate::forms(quote! { dimension = 2 }, source.parse().expect("tokens"));
+    let output = crate::forms(quote! { dimension = 2, matrix_free }, source.parse().expect("tokens"));
     let file: syn::File = syn::parse2(output).expect("emitted code is Rust");
     let inside = |items: &[syn::Item], name: &str| {
         let found = items.iter().find_map(|item| match item {

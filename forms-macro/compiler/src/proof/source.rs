@@ -52,7 +52,7 @@ impl Source {
 
     /// The output of the attribute.
     pub fn emitted(&self) -> TokenStream {
-        let attribute = format!("dimension = {}", self.dimension);
+        let attribute = format!("dimension = {}, matrix_free", self.dimension);
         crate::forms(attribute.parse().expect("tokens"), self.tokens())
     }
 }

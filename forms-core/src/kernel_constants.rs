@@ -1,17 +1,20 @@
-//! Constants of kernels, for loops that do not know the kernel's type.
+//! Constants of kernels, for code that does not know the kernel's type.
 
-use forms_core::contract::{BilinearKernel, LinearKernel, Operations, Requirements};
+use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel, Operations, Requirements};
 
 /// The constants of a linear kernel.
-#[derive(Clone, Copy)]
-pub(in crate::assemble) struct LinearConstants {
+#[derive(Clone, Copy, Debug)]
+pub struct LinearConstants {
+    /// Inputs at each point.
     pub requirements: &'static Requirements,
     /// Scalar components of the test function.
     pub components: usize,
+    /// Cost of its functions.
     pub operations: Operations,
 }
 
 impl LinearConstants {
+    /// Those of a kernel type.
     pub const fn of<K: LinearKernel<D>, const D: usize>() -> Self {
         LinearConstants {
             requirements: const { &K::REQUIREMENTS },
@@ -22,8 +25,9 @@ impl LinearConstants {
 }
 
 /// The constants of a bilinear kernel.
-#[derive(Clone, Copy)]
-pub(in crate::assemble) struct BilinearConstants {
+#[derive(Clone, Copy, Debug)]
+pub struct BilinearConstants {
+    /// Inputs at each point.
     pub requirements: &'static Requirements,
     /// Scalar components of the test and of the trial function.
     pub components: [usize; 2],
@@ -33,10 +37,12 @@ pub(in crate::assemble) struct BilinearConstants {
     pub cell_constant: bool,
     /// Per entry of a block, row after row: false where it is zero for all data.
     pub nonzero: &'static [bool],
+    /// Cost of its functions.
     pub operations: Operations,
 }
 
 impl BilinearConstants {
+    /// Those of a kernel type.
     pub const fn of<K: BilinearKernel<D>, const D: usize>() -> Self {
         BilinearConstants {
             requirements: const { &K::REQUIREMENTS },
@@ -56,5 +62,21 @@ impl BilinearConstants {
     /// Whether a block is a number.
     pub const fn scalar(&self) -> bool {
         self.entries() == 1
+    }
+}
+
+/// The constants of a kernel without test function.
+#[derive(Clone, Copy, Debug)]
+pub struct ExpressionConstants {
+    /// Inputs at each point.
+    pub requirements: &'static Requirements,
+    /// Shape of the value.
+    pub shape: &'static [usize],
+}
+
+impl ExpressionConstants {
+    /// Those of a kernel type.
+    pub const fn of<K: ExpressionKernel<D>, const D: usize>() -> Self {
+        ExpressionConstants { requirements: const { &K::REQUIREMENTS }, shape: K::SHAPE }
     }
 }

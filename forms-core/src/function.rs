@@ -1,0 +1,258 @@
+//! Compiled functions as values: forms, energies, functionals and expressions, with the kernels that a backend made of theirs.
+//!
+//! `#[forms]` emits a constructor for each function of a module. It returns one of the types here: a name, fields, data, and
+//! lists of integrals, each with its description and its kernel. Values are cheap to clone. A [`Backend`] says in which form it
+//! keeps kernels: the compiler hands over typed kernels once, when a value is made, and nothing after that knows their types.
+
+use std::any::TypeId;
+use std::fmt;
+use std::ops::Deref;
+use std::sync::Arc;
+
+use crate::dimension::Integrals;
+use crate::form::{FieldDescription, Formula, Inputs, Integral};
+use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel};
+
+/// A backend, by what it makes of the kernels of compiled functions in a dimension.
+pub trait Backend<const D: usize>: Sized + 'static {
+    /// The kernel of an integral that is linear in a test function.
+    type Linear: Send + Sync + 'static;
+    /// The kernel of an integral that is linear in a test and in a trial function.
+    type Bilinear: Send + Sync + 'static;
+    /// The kernel of a density, a derived field, or switches.
+    type Expression: Send + Sync + 'static;
+
+    /// Takes a kernel that is linear in a test function.
+    fn linear<K: LinearKernel<D>>(kernel: K) -> Self::Linear;
+    /// Takes a kernel that is linear in a test and in a trial function.
+    fn bilinear<K: BilinearKernel<D>>(kernel: K) -> Self::Bilinear;
+    /// Takes a kernel without test function.
+    fn expression<K: ExpressionKernel<D>>(kernel: K) -> Self::Expression;
+}
+
+/// One integral of a function: its description, and its kernel as the backend keeps it.
+#[derive(Clone, Debug)]
+pub struct Term<K> {
+    /// Region, test and trial function, dependence, degree.
+    pub integral: &'static Integral,
+    /// The kernel.
+    pub kernel: K,
+}
+
+/// A compiled function: its description, its data, and the terms of its residual, tangent, switches and densities. What a
+/// function does not have is an empty list.
+pub struct Function<const D: usize, B: Backend<D>> {
+    name: &'static str,
+    fields: &'static [FieldDescription],
+    shape: &'static [usize],
+    formula: &'static Formula,
+    inputs: Inputs<D>,
+    residual: Vec<Term<B::Linear>>,
+    joined_residual: Vec<Term<B::Linear>>,
+    tangent: Vec<Term<B::Bilinear>>,
+    switches: Vec<Term<B::Expression>>,
+    density: Vec<Term<B::Expression>>,
+    action: Vec<Term<B::Linear>>,
+    /// The type that has the integrals.
+    integrals: TypeId,
+}
+
+impl<const D: usize, B: Backend<D>> Function<D, B> {
+    fn new<I: Integrals<D>>(name: &'static str, formula: &'static Formula, inputs: Inputs<D>) -> Self {
+        let constants = inputs.constants();
+        Function {
+            name,
+            fields: I::fields(),
+            shape: I::shape(),
+            formula,
+            residual: I::residual::<B>(constants),
+            joined_residual: I::joined_residual::<B>(constants),
+            tangent: I::tangent::<B>(constants),
+            switches: I::switches::<B>(constants),
+            density: I::density::<B>(constants),
+            action: I::action::<B>(constants),
+            integrals: TypeId::of::<I>(),
+            inputs,
+        }
+    }
+
+    /// The name in its module.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// The fields, by index.
+    pub fn fields(&self) -> &'static [FieldDescription] {
+        self.fields
+    }
+
+    /// Data, regions, parameters.
+    pub fn inputs(&self) -> &Inputs<D> {
+        &self.inputs
+    }
+
+    /// Itself as mathematics.
+    pub fn formula(&self) -> &'static Formula {
+        self.formula
+    }
+
+    /// The terms of the residual, one per region and [`Dependence`](crate::form::Dependence).
+    pub fn residual(&self) -> &[Term<B::Linear>] {
+        &self.residual
+    }
+
+    /// The terms of the same residual with one term for all that dependence keeps apart on a region where several
+    /// integrals depend on the unknowns: each facet is visited once. Their degree is that of the highest.
+    pub fn joined_residual(&self) -> impl Iterator<Item = &Term<B::Linear>> {
+        let is_joined = |term: &&Term<B::Linear>| {
+            self.joined_residual.iter().any(|joined| is_on_same_points(joined.integral, term.integral))
+        };
+        self.joined_residual.iter().chain(self.residual.iter().filter(move |term| !is_joined(term)))
+    }
+
+    /// The terms of the tangent; integrals of [`Dependence::Constant`](crate::form::Dependence::Constant) have none.
+    pub fn tangent(&self) -> &[Term<B::Bilinear>] {
+        &self.tangent
+    }
+
+    /// The switches of each integral that has kinks: a vector that is positive, entry by entry,
+    /// where `pos_part`, `neg_part`, `heaviside`, `max`, `min`, `abs`, `sign` or a comparison is "on".
+    pub fn switches(&self) -> &[Term<B::Expression>] {
+        &self.switches
+    }
+
+    /// The densities of a functional, or the value of an expression.
+    pub fn densities(&self) -> &[Term<B::Expression>] {
+        &self.density
+    }
+
+    /// The terms of the tangent applied to a direction, ∂R/∂u (u; v) w, in modules of `#[forms(matrix_free)]`: kernels read the
+    /// direction as a field, and the unknowns only where the tangent depends on them.
+    pub fn action(&self) -> &[Term<B::Linear>] {
+        &self.action
+    }
+
+    /// Whether these are its integrals.
+    pub fn has_integrals<I: Integrals<D>>(&self) -> bool {
+        self.integrals == TypeId::of::<I>()
+    }
+
+    /// Shape of the value of an expression: `[]` for a scalar.
+    pub fn shape(&self) -> &'static [usize] {
+        self.shape
+    }
+}
+
+/// Whether two integrals are over the same points.
+#[must_use]
+pub fn is_on_same_points(one: &Integral, other: &Integral) -> bool {
+    (one.region, one.displacement) == (other.region, other.displacement)
+}
+
+impl<const D: usize, B: Backend<D>> fmt::Debug for Function<D, B> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Function").field("name", &self.name).field("inputs", &self.inputs).finish()
+    }
+}
+
+/// A value that shares a compiled function.
+macro_rules! value {
+    ($(#[$documentation:meta])* $name:ident) => {
+        $(#[$documentation])*
+        pub struct $name<const D: usize, B: Backend<D>>(Arc<Function<D, B>>);
+
+        impl<const D: usize, B: Backend<D>> $name<D, B> {
+            /// Takes the kernels of a compiled function; emitted constructors call it.
+            #[doc(hidden)]
+            pub fn of<I: Integrals<D>>(
+                name: &'static str,
+                formula: &'static Formula,
+                inputs: Inputs<D>,
+            ) -> Self {
+                $name(Arc::new(Function::new::<I>(name, formula, inputs)))
+            }
+        }
+
+        impl<const D: usize, B: Backend<D>> Deref for $name<D, B> {
+            type Target = Function<D, B>;
+
+            fn deref(&self) -> &Function<D, B> {
+                &self.0
+            }
+        }
+
+        impl<const D: usize, B: Backend<D>> Clone for $name<D, B> {
+            fn clone(&self) -> Self {
+                $name(Arc::clone(&self.0))
+            }
+        }
+
+        impl<const D: usize, B: Backend<D>> fmt::Debug for $name<D, B> {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                fmt::Debug::fmt(&*self.0, f)
+            }
+        }
+    };
+}
+
+value! {
+    /// A residual R(u; v), linear in its test functions, and its tangent ∂R/∂u by the compiler.
+    Form
+}
+value! {
+    /// A number: the integral of a density without test function.
+    Functional
+}
+value! {
+    /// A derived field: a function of the module, evaluated where the user asks.
+    Expression
+}
+
+/// An energy W(u): a number, and the form of its first variation. It can be used where a form is asked for.
+pub struct Energy<const D: usize, B: Backend<D>>(Form<D, B>);
+
+impl<const D: usize, B: Backend<D>> Energy<D, B> {
+    /// Takes the kernels of a compiled energy; emitted constructors call it.
+    #[doc(hidden)]
+    pub fn of<I: Integrals<D>>(name: &'static str, formula: &'static Formula, inputs: Inputs<D>) -> Self {
+        Energy(Form::of::<I>(name, formula, inputs))
+    }
+}
+
+impl<const D: usize, B: Backend<D>> Deref for Energy<D, B> {
+    type Target = Form<D, B>;
+
+    fn deref(&self) -> &Form<D, B> {
+        &self.0
+    }
+}
+
+impl<const D: usize, B: Backend<D>> Clone for Energy<D, B> {
+    fn clone(&self) -> Self {
+        Energy(self.0.clone())
+    }
+}
+
+impl<const D: usize, B: Backend<D>> fmt::Debug for Energy<D, B> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Debug::fmt(&self.0, f)
+    }
+}
+
+impl<const D: usize, B: Backend<D>> From<Energy<D, B>> for Form<D, B> {
+    fn from(energy: Energy<D, B>) -> Self {
+        energy.0
+    }
+}
+
+impl<const D: usize, B: Backend<D>> From<&Energy<D, B>> for Form<D, B> {
+    fn from(energy: &Energy<D, B>) -> Self {
+        energy.0.clone()
+    }
+}
+
+impl<const D: usize, B: Backend<D>> From<&Form<D, B>> for Form<D, B> {
+    fn from(form: &Form<D, B>) -> Self {
+        form.clone()
+    }
+}
