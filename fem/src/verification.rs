@@ -42,7 +42,7 @@ mod tests;
 use std::fmt;
 use std::sync::Arc;
 
-use forms_core::contract::Form;
+use crate::contract::Form;
 use thiserror::Error;
 
 use crate::assemble::{Assembler, AssemblyError};
@@ -306,9 +306,9 @@ pub enum VerificationError {
 ///
 /// # Errors
 /// Names of the sizes that do not fit.
-pub fn tangent<F: Form<D>, const D: usize>(
+pub fn tangent<const D: usize>(
     assembler: &Assembler<D>,
-    form: &F,
+    form: &Form<D>,
     unknowns: &[&Field<D>],
     directions: &[&Field<D>],
     first: f64,

@@ -10,7 +10,7 @@ use std::ops::Deref;
 use std::sync::Arc;
 
 use crate::dimension::Integrals;
-use crate::form::{FieldDescription, Formula, Inputs, Integral};
+use crate::form::{Dependence, FieldDescription, Formula, Inputs, Integral, Role};
 use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel};
 
 /// A backend, by what it makes of the kernels of compiled functions in a dimension.
@@ -86,6 +86,11 @@ impl<const D: usize, B: Backend<D>> Function<D, B> {
         self.fields
     }
 
+    /// The name of the field with a role; empty if there is none.
+    pub fn name_of(&self, role: Role) -> &'static str {
+        self.fields.iter().find(|field| field.role == role).map_or("", |field| field.name)
+    }
+
     /// Data, regions, parameters.
     pub fn inputs(&self) -> &Inputs<D> {
         &self.inputs
@@ -96,7 +101,7 @@ impl<const D: usize, B: Backend<D>> Function<D, B> {
         self.formula
     }
 
-    /// The terms of the residual, one per region and [`Dependence`](crate::form::Dependence).
+    /// The terms of the residual, one per region and [`Dependence`].
     pub fn residual(&self) -> &[Term<B::Linear>] {
         &self.residual
     }
@@ -110,7 +115,7 @@ impl<const D: usize, B: Backend<D>> Function<D, B> {
         self.joined_residual.iter().chain(self.residual.iter().filter(move |term| !is_joined(term)))
     }
 
-    /// The terms of the tangent; integrals of [`Dependence::Constant`](crate::form::Dependence::Constant) have none.
+    /// The terms of the tangent; integrals of [`Dependence::Constant`] have none.
     pub fn tangent(&self) -> &[Term<B::Bilinear>] {
         &self.tangent
     }
@@ -130,6 +135,23 @@ impl<const D: usize, B: Backend<D>> Function<D, B> {
     /// direction as a field, and the unknowns only where the tangent depends on them.
     pub fn action(&self) -> &[Term<B::Linear>] {
         &self.action
+    }
+
+    /// Whether no integral is nonlinear in the unknowns.
+    pub fn is_affine(&self) -> bool {
+        self.residual.iter().all(|term| term.integral.dependence != Dependence::Nonlinear)
+    }
+
+    /// Whether there are pairs of surfaces that an unknown displaces.
+    pub fn slides(&self) -> bool {
+        let is_unknown = |field: &usize| matches!(self.fields[*field].role, Role::Unknown(_));
+        let displacements = self.residual.iter().filter_map(|term| term.integral.displacement);
+        displacements.flatten().any(is_unknown)
+    }
+
+    /// Whether there are pairs of surfaces that any field displaces.
+    pub fn is_on_displaced_surfaces(&self) -> bool {
+        self.residual.iter().any(|term| term.integral.displacement.is_some())
     }
 
     /// Whether these are its integrals.

@@ -117,11 +117,11 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
     ///
     /// # Errors
     /// A parameter out of its range.
-    pub fn direct(&self) -> Result<Problem<'_, L::Direct, D>, AssemblyError> {
+    pub fn direct(&self) -> Result<Problem<'_, D>, AssemblyError> {
         let form = self.law.direct();
         self.law.check(form.name())?;
         let options = NewtonOptions { line_search: self.law.line_search(), ..NewtonOptions::default() };
-        let problem = Problem::owning(form, &self.space)
+        let problem = Problem::new(&form, &self.space)
             .assembler(&self.assembler)
             .constrained(&self.constraints)
             .options(options);
@@ -183,26 +183,22 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
     ///
     /// # Errors
     /// A parameter out of its range, data that do not fit.
-    pub fn state<F: Form<D> + Clone>(
-        &self,
-        form: F,
-        u: &Field<D>,
-    ) -> Result<Problem<'_, F, D>, AssemblyError> {
+    pub fn state(&self, form: Form<D>, u: &Field<D>) -> Result<Problem<'_, D>, AssemblyError> {
         self.state_by(form, self.assembler_at(u)?)
     }
 
     /// [`ContactProblem::state`] with an assembler of its own.
-    pub(crate) fn state_by<F: Form<D> + Clone>(
+    pub(crate) fn state_by(
         &self,
-        form: F,
+        form: Form<D>,
         assembler: Assembler<D>,
-    ) -> Result<Problem<'_, F, D>, AssemblyError> {
+    ) -> Result<Problem<'_, D>, AssemblyError> {
         self.law.check(form.name())?;
-        let problem = Problem::owning(form, &self.space).assembler(assembler);
+        let problem = Problem::new(&form, &self.space).assembler(assembler);
         Ok(self.on_pattern(problem.vanishing(&self.constraints)))
     }
 
-    fn on_pattern<'p, F: Form<D>>(&self, problem: Problem<'p, F, D>) -> Problem<'p, F, D> {
+    fn on_pattern<'p>(&self, problem: Problem<'p, D>) -> Problem<'p, D> {
         match &self.pattern {
             Some(pattern) => problem.with_pattern(pattern),
             None => problem,
@@ -214,12 +210,9 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
     ///
     /// # Errors
     /// As [`ContactProblem::state`].
-    // The law's form is a parameter: as a projection in the signature it would keep the compiler from finding the method
-    // where the law has no adjoint, and from saying what is missing.
-    pub fn adjoint<F>(&self, u: &Field<D>) -> Result<Problem<'_, F, D>, AssemblyError>
+    pub fn adjoint(&self, u: &Field<D>) -> Result<Problem<'_, D>, AssemblyError>
     where
-        L: WithAdjoint<D, Adjoint = F>,
-        F: Form<D> + Clone,
+        L: WithAdjoint<D>,
     {
         self.state(self.law.adjoint(u), u)
     }

@@ -13,11 +13,9 @@ use crate::threshold::Threshold;
     note = "name what the drivers need of its forms module: `contact_law!(module {{ direct: direct, region: gamma_c }})`"
 )]
 pub trait ContactLaw<const D: usize>: Clone + ParameterRanges {
-    /// The direct problem R(u; v) = 0.
-    type Direct: Form<D> + Clone;
 
     /// The direct problem with the law's data.
-    fn direct(&self) -> Self::Direct;
+    fn direct(&self) -> Form<D>;
 
     /// Name in the mesh of Γ_C, the potential contact boundary.
     fn contact_region(&self) -> &str;
@@ -48,11 +46,9 @@ pub trait ContactLaw<const D: usize>: Clone + ParameterRanges {
     note = "add `indicator: name` of a scalar of u to its `contact_law!`"
 )]
 pub trait WithIndicator<const D: usize>: ContactLaw<D> {
-    /// β(u), positive where there is contact.
-    type Indicator: Expression<D>;
 
     /// The indicator at a displacement.
-    fn indicator(&self, u: &Field<D>) -> Self::Indicator;
+    fn indicator(&self, u: &Field<D>) -> Expression<D>;
 }
 
 /// A coefficient of friction at which whatever presses sticks; contacts of rubber or of dry metals come to a few units.
@@ -87,19 +83,15 @@ pub trait WithTheta<const D: usize>: ContactLaw<D> {
     note = "add `theta: theta, threshold: product(elasticity, gamma0)` to its `contact_law!`: two forms and two parameters"
 )]
 pub trait WithThreshold<const D: usize>: WithTheta<D> {
-    /// ∫ of the products on Γ_C of the stresses that the method takes: σ_n(u) σ_n(v), or σ(u)n·σ(v)n with friction.
-    type StressProduct: Form<D>;
-    /// ∫ σ(u):ε(v).
-    type Energy: Form<D>;
 
     /// γ₀ \[stress\].
     fn gamma0(&self) -> f64;
 
     /// The product of stresses.
-    fn stress_product(&self) -> Self::StressProduct;
+    fn stress_product(&self) -> Form<D>;
 
     /// The elastic energy's form on the cells of this name.
-    fn energy_on(&self, cells: &str) -> Self::Energy;
+    fn energy_on(&self, cells: &str) -> Form<D>;
 }
 
 /// A contact law with a criterion J(u) and its adjoint problem.
@@ -108,16 +100,11 @@ pub trait WithThreshold<const D: usize>: WithTheta<D> {
     note = "add `criterion: name` and `adjoint: name` to its `contact_law!`"
 )]
 pub trait WithAdjoint<const D: usize>: ContactLaw<D> {
-    /// J.
-    type Criterion: Functional<D>;
-    /// The adjoint problem, affine in p: derivative(direct(u, p), u, q) + derivative(criterion(u), u, q).
-    type Adjoint: Form<D> + Clone;
-
     /// The criterion at a displacement.
-    fn criterion(&self, u: &Field<D>) -> Self::Criterion;
+    fn criterion(&self, u: &Field<D>) -> Functional<D>;
 
     /// The adjoint problem at a displacement.
-    fn adjoint(&self, u: &Field<D>) -> Self::Adjoint;
+    fn adjoint(&self, u: &Field<D>) -> Form<D>;
 }
 
 /// A contact law with the derivative of its criterion by the shape.
@@ -126,16 +113,12 @@ pub trait WithAdjoint<const D: usize>: ContactLaw<D> {
     note = "add `shape_gradient: name` (and `diameter_gradient: name`) to its `contact_law!`"
 )]
 pub trait WithShapeGradient<const D: usize>: WithAdjoint<D> {
-    /// derivative(criterion(u) + direct(u, p), shape, Θ), linear in Θ.
-    type ShapeGradient: Form<D>;
-    /// derivative(criterion(u) + direct(u, p), h, growth), linear in the growth of the cells' diameters.
-    type DiameterGradient: Form<D>;
 
     /// The volume form of the shape derivative at a displacement and an adjoint state.
-    fn shape_gradient(&self, u: &Field<D>, p: &Field<D>) -> Self::ShapeGradient;
+    fn shape_gradient(&self, u: &Field<D>, p: &Field<D>) -> Form<D>;
 
     /// Contribution of the cells' diameters h.
-    fn diameter_gradient(&self, u: &Field<D>, p: &Field<D>) -> Self::DiameterGradient;
+    fn diameter_gradient(&self, u: &Field<D>, p: &Field<D>) -> Form<D>;
 }
 
 /// Makes a contact law of a forms module's `Model`: says which of its functions are what.
@@ -200,9 +183,7 @@ macro_rules! contact_law {
         where
             $crate::fem::Dim: $crate::fem::Dimension<D>,
         {
-            type Direct = $module::$direct::Compiled<D>;
-
-            fn direct(&self) -> Self::Direct {
+            fn direct(&self) -> $crate::fem::Form<D> {
                 $module::Model::$direct(self)
             }
 
@@ -265,9 +246,7 @@ macro_rules! contact_law {
             where
                 $crate::fem::Dim: $crate::fem::Dimension<D>,
             {
-                type Indicator = $module::$indicator::Compiled<D>;
-
-                fn indicator(&self, u: &$crate::fem::Field<D>) -> Self::Indicator {
+                fn indicator(&self, u: &$crate::fem::Field<D>) -> $crate::fem::Expression<D> {
                     $module::Model::$indicator(self, u)
                 }
             }
@@ -293,18 +272,15 @@ macro_rules! contact_law {
             where
                 $crate::fem::Dim: $crate::fem::Dimension<D>,
             {
-                type StressProduct = $module::$product::Compiled<D>;
-                type Energy = $module::$elasticity::Compiled<D>;
-
                 fn gamma0(&self) -> f64 {
                     self.data.$($gamma0).+
                 }
 
-                fn stress_product(&self) -> Self::StressProduct {
+                fn stress_product(&self) -> $crate::fem::Form<D> {
                     $module::Model::$product(self)
                 }
 
-                fn energy_on(&self, cells: &str) -> Self::Energy {
+                fn energy_on(&self, cells: &str) -> $crate::fem::Form<D> {
                     $module::$elasticity(&self.data, &$module::Omega::on(cells))
                 }
             }
@@ -314,14 +290,11 @@ macro_rules! contact_law {
             where
                 $crate::fem::Dim: $crate::fem::Dimension<D>,
             {
-                type Criterion = $module::$criterion::Compiled<D>;
-                type Adjoint = $module::$adjoint::Compiled<D>;
-
-                fn criterion(&self, u: &$crate::fem::Field<D>) -> Self::Criterion {
+                fn criterion(&self, u: &$crate::fem::Field<D>) -> $crate::fem::Functional<D> {
                     $module::Model::$criterion(self, u)
                 }
 
-                fn adjoint(&self, u: &$crate::fem::Field<D>) -> Self::Adjoint {
+                fn adjoint(&self, u: &$crate::fem::Field<D>) -> $crate::fem::Form<D> {
                     $module::Model::$adjoint(self, u)
                 }
             }
@@ -330,14 +303,11 @@ macro_rules! contact_law {
                 where
                     $crate::fem::Dim: $crate::fem::Dimension<D>,
                 {
-                    type ShapeGradient = $module::$shape_gradient::Compiled<D>;
-                    type DiameterGradient = $module::$diameter_gradient::Compiled<D>;
-
                     fn shape_gradient(
                         &self,
                         u: &$crate::fem::Field<D>,
                         p: &$crate::fem::Field<D>,
-                    ) -> Self::ShapeGradient {
+                    ) -> $crate::fem::Form<D> {
                         $module::Model::$shape_gradient(self, u, p)
                     }
 
@@ -345,7 +315,7 @@ macro_rules! contact_law {
                         &self,
                         u: &$crate::fem::Field<D>,
                         p: &$crate::fem::Field<D>,
-                    ) -> Self::DiameterGradient {
+                    ) -> $crate::fem::Form<D> {
                         $module::Model::$diameter_gradient(self, u, p)
                     }
                 }

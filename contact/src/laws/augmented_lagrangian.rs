@@ -55,12 +55,12 @@ parameter_ranges!(augmented_lagrangian {
 pub fn multiplier_problem<'a, const D: usize>(
     model: &augmented_lagrangian::Model<D>,
     spaces: [&Arc<Space<D>>; 2],
-) -> Result<Problem<'a, augmented_lagrangian::direct::Compiled<D>, D, 2>, AssemblyError>
+) -> Result<Problem<'a, D, 2>, AssemblyError>
 where
     Dim: Dimension<D>,
 {
     let form = model.direct();
     model.check(form.name())?;
     let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
-    Ok(Problem::owning(form, spaces).options(options))
+    Ok(Problem::new(&form, spaces).options(options))
 }

@@ -135,9 +135,7 @@ impl<const D: usize> ContactLaw<D> for cohesive::Model<D>
 where
     Dim: Dimension<D>,
 {
-    type Direct = cohesive::direct::Compiled<D>;
-
-    fn direct(&self) -> Self::Direct {
+    fn direct(&self) -> Form<D> {
         cohesive::Model::direct(self)
     }
 
@@ -167,14 +165,11 @@ impl<const D: usize> WithAdjoint<D> for cohesive::Model<D>
 where
     Dim: Dimension<D>,
 {
-    type Criterion = cohesive::criterion::Compiled<D>;
-    type Adjoint = cohesive::discrete_adjoint::Compiled<D>;
-
-    fn criterion(&self, u: &Field<D>) -> Self::Criterion {
+    fn criterion(&self, u: &Field<D>) -> Functional<D> {
         cohesive::Model::criterion(self, u)
     }
 
-    fn adjoint(&self, u: &Field<D>) -> Self::Adjoint {
+    fn adjoint(&self, u: &Field<D>) -> Form<D> {
         cohesive::Model::discrete_adjoint(self, u)
     }
 }

@@ -118,11 +118,11 @@ pub fn heat_problem<'a, const D: usize>(
     model: &contact_heat::Model<D>,
     temperatures: &Arc<Space<D>>,
     displacement: &Field<D>,
-) -> Result<Problem<'a, contact_heat::heat::Compiled<D>, D>, AssemblyError>
+) -> Result<Problem<'a, D>, AssemblyError>
 where
     Dim: Dimension<D>,
 {
     let form = model.heat(displacement);
     model.check(form.name())?;
-    Ok(Problem::owning(form, temperatures))
+    Ok(Problem::new(&form, temperatures))
 }

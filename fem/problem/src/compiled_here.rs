@@ -45,7 +45,6 @@ where
     /// All of them, file by file.
     pub fn all() -> Vec<Vec<*const ()>> {
         let mut all = vec![
-            Self::any_expression(),
             Self::assemble_projection(),
             Self::binding(),
             Self::block_pattern(),
@@ -83,7 +82,7 @@ where
             Self::tangent(),
             Self::touched(),
             Self::transfer_projection(),
-            Self::untyped(),
+            Self::solution(),
             Self::vtu(),
             Self::walk(),
             Self::walk_degrees(),

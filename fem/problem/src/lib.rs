@@ -13,6 +13,7 @@ pub mod coincident;
 #[doc(hidden)]
 pub mod compiled_here;
 pub mod constraints;
+pub mod contract;
 pub mod dimension;
 pub mod field;
 pub mod history;
@@ -26,7 +27,6 @@ pub mod prelude;
 pub mod solve;
 pub mod space;
 
-pub use forms_core::contract;
 pub use forms_core::{form, forms};
 #[doc(inline)]
 pub use forms_linear_algebra as linear_algebra;

@@ -4,7 +4,9 @@ pub use std::sync::Arc;
 
 pub use crate::assemble::{Assembler, AssemblyError, Parts, TangentAction};
 pub use crate::constraints::Constraints;
-pub use crate::contract::{Entity, Expression, Form, Functional, Given, History, Pairing, Real, Table};
+pub use crate::contract::{
+    Energy, Entity, Expression, Form, Functional, Given, History, Pairing, Real, Table,
+};
 pub use crate::dimension::{Dim, Dimension};
 pub use crate::element::CellShape;
 pub use crate::field::Field;

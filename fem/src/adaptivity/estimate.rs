@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::Form;
+use crate::contract::Form;
 use thiserror::Error;
 
 use crate::assemble::{Assembler, AssemblyError};
@@ -68,9 +68,9 @@ impl ErrorEstimate {
     ///
     /// # Errors
     /// [`EstimateError::Square`]: a square that is negative or not finite, by its cell; a form that does not fit.
-    pub fn residual<const D: usize, F: Form<D>>(
+    pub fn residual<const D: usize>(
         assembler: &Assembler<D>,
-        squared: &F,
+        squared: &Form<D>,
     ) -> Result<Self, EstimateError> {
         let constants = Space::discontinuous_scalar(assembler.mesh(), 0)?;
         let squares = assembler.linear_form(squared, &constants)?;
@@ -111,11 +111,11 @@ impl ErrorEstimate {
     ///
     /// # Errors
     /// [`EstimateError`]: spaces on different meshes, an adjoint state that is not of higher degree, a form that does not fit.
-    pub fn dual_weighted<const D: usize, F: Form<D>>(
+    pub fn dual_weighted<const D: usize>(
         assembler: &Assembler<D>,
         p: &Field<D>,
         space: &Arc<Space<D>>,
-        localised: impl Fn(&Field<D>) -> F,
+        localised: impl Fn(&Field<D>) -> Form<D>,
     ) -> Result<Self, EstimateError> {
         let [interpolated, weight] = interpolated_and_weight(p, space)?;
         let hats = Space::scalar(space.mesh(), 1)?;

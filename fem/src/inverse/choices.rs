@@ -8,11 +8,11 @@ macro_rules! choices_of {
         impl<'a, const D: usize> $history<'a, D> {
             /// Jⁿ, an energy of the state (of motions, the value) after the step, whose slope is the adjoint's load. A criterion of the last
             /// step alone has a factor that is zero in the others. Of motions it depends on no control.
-            pub fn criterion<F: Form<D> + Functional<D> + 'a>(
+            pub fn criterion(
                 mut self,
-                energy: impl Fn(&At<D>) -> Result<F, ControlError> + 'a,
+                energy: impl Fn(&At<D>) -> Result<Energy<D>, ControlError> + 'a,
             ) -> Self {
-                self.criterion.energy = Some(Box::new(move |at| Ok(Box::new(energy(at)?))));
+                self.criterion.energy = Some(Box::new(energy));
                 self
             }
 

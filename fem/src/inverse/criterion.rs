@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::any_energy::AnyEnergy;
 use super::controls::{At, ControlError};
 use super::error::HistoryFailure;
 use super::observations::Observations;
 use super::second_order::Hessian;
 use super::sweep::{Gradient, Work};
 use crate::assemble::Assembler;
+use crate::contract::Energy;
 use crate::field::Field;
 use crate::linear_algebra::vector::add_scaled;
 use crate::space::Space;
@@ -25,7 +25,7 @@ pub(super) struct Criterion<'a, const D: usize> {
 }
 
 pub(super) type EnergyAt<'a, const D: usize> =
-    Box<dyn Fn(&At<D>) -> Result<Box<dyn AnyEnergy<D> + 'a>, ControlError> + 'a>;
+    Box<dyn Fn(&At<D>) -> Result<Energy<D>, ControlError> + 'a>;
 pub(super) type OfControls<'a> = Box<dyn Fn(&[f64]) -> (f64, Vec<f64>) + 'a>;
 pub(super) type CurvatureOfControls<'a> = Box<dyn Fn(&[f64], &[f64]) -> Vec<f64> + 'a>;
 
@@ -77,7 +77,7 @@ impl<'a, const D: usize> Criterion<'a, D> {
         after: &Field<D>,
     ) -> Result<f64, HistoryFailure> {
         let energy = match &self.energy {
-            Some(energy) => energy(at)?.value(assembler, after)?,
+            Some(energy) => assembler.energy(&energy(at)?, &[after])?,
             None => 0.0,
         };
         let observed = self.observations.get(&at.step()).into_iter().flatten();
@@ -96,7 +96,8 @@ impl<'a, const D: usize> Criterion<'a, D> {
         slope: &mut [f64],
     ) -> Result<(), HistoryFailure> {
         if let Some(energy) = &self.energy {
-            add_scaled(slope, 1.0, &energy(at)?.slope(assembler, after)?);
+            let energy = energy(at)?;
+            add_scaled(slope, 1.0, &assembler.residual(&energy, &[after], &[after.space()])?);
         }
         let observed = self.observations.get(&at.step()).into_iter().flatten();
         observed.for_each(|observations| observations.add_slope(after.values(), slope));
@@ -115,7 +116,9 @@ impl<'a, const D: usize> Criterion<'a, D> {
         curvature: &mut [f64],
     ) -> Result<(), HistoryFailure> {
         if let Some(energy) = &self.energy {
-            add_scaled(curvature, 1.0, &energy(at)?.curvature(assembler, after, change)?);
+            let energy = energy(at)?;
+            let product = assembler.action(&energy, &[after], &[change], &[after.space()])?;
+            add_scaled(curvature, 1.0, &product);
         }
         let observed = self.observations.get(&at.step()).into_iter().flatten();
         observed.for_each(|observations| observations.add_curvature(change.values(), curvature));

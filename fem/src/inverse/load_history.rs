@@ -23,9 +23,8 @@ use super::sweep::{Gradient, gradient_stored, value_of};
 use crate::assemble::Assembler;
 use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, ConstraintsError};
-use crate::contract::{Form, Functional};
+use crate::contract::{Energy, Form};
 use crate::field::Field;
-use crate::solve::any_form::AnyForm;
 use crate::solve::{LinearSolver, NewtonOptions, SolverReport};
 use crate::space::Space;
 use crate::verification::Sample;
@@ -54,9 +53,9 @@ pub struct LoadHistory<'a, const D: usize> {
     storage: Storage,
 }
 
-type FormAt<'a, const D: usize> = Box<dyn Fn(&At<D>) -> Result<Box<dyn AnyForm<D> + 'a>, ControlError> + 'a>;
+type FormAt<'a, const D: usize> = Box<dyn Fn(&At<D>) -> Result<Form<D>, ControlError> + 'a>;
 type RatesAt<'a, const D: usize> =
-    Box<dyn Fn(&At<D>, &Field<D>, &Field<D>) -> Result<Box<dyn AnyForm<D> + 'a>, ControlError> + 'a>;
+    Box<dyn Fn(&At<D>, &Field<D>, &Field<D>) -> Result<Form<D>, ControlError> + 'a>;
 type ConstraintsAt<'a, const D: usize> = Box<dyn Fn(usize) -> Result<Constraints<D>, ConstraintsError> + 'a>;
 
 impl<'a, const D: usize> LoadHistory<'a, D> {
@@ -79,17 +78,17 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
     }
 
     /// The form of a step.
-    pub fn step<F: Form<D> + 'a>(mut self, form: impl Fn(&At<D>) -> Result<F, ControlError> + 'a) -> Self {
-        self.step = Some(Box::new(move |at| Ok(Box::new(form(at)?))));
+    pub fn step<F: Into<Form<D>>>(mut self, form: impl Fn(&At<D>) -> Result<F, ControlError> + 'a) -> Self {
+        self.step = Some(Box::new(move |at| Ok(form(at)?.into())));
         self
     }
 
     /// The rates of a step at its state u and adjoint state p.
-    pub fn rates<F: Form<D> + 'a>(
+    pub fn rates<F: Into<Form<D>>>(
         mut self,
         form: impl Fn(&At<D>, &Field<D>, &Field<D>) -> Result<F, ControlError> + 'a,
     ) -> Self {
-        self.rates = Some(Box::new(move |at, u, p| Ok(Box::new(form(at, u, p)?))));
+        self.rates = Some(Box::new(move |at, u, p| Ok(form(at, u, p)?.into())));
         self
     }
 
@@ -132,7 +131,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
     }
 
     /// The form of a step from a state.
-    fn form(&self, at: &At<D>) -> Result<Box<dyn AnyForm<D> + 'a>, HistoryFailure> {
+    fn form(&self, at: &At<D>) -> Result<Form<D>, HistoryFailure> {
         Ok(self.step.as_ref().ok_or(HistoryFailure::Missing("step"))?(at)?)
     }
 
@@ -162,11 +161,11 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         self.criterion.add_slope(&at, &self.equations.assembler, &after, &mut slope)?;
         let at = At::new(&self.controls, step, Some(&before));
         let (form, constraints) = (self.form(&at)?, (self.constraints)(step)?);
-        let adjoint = self.equations.adjoint(Solution::Step(step), &*form, &constraints, &after, &slope)?;
+        let adjoint = self.equations.adjoint(Solution::Step(step), &form, &constraints, &after, &slope)?;
         let rates = self.rates.as_ref().ok_or(HistoryFailure::Missing("rates"))?(&at, &after, &adjoint)?;
         let spaces = [&self.space, &self.equations.constants()?];
         let controls = (&self.controls, self.remembers());
-        add_rates(&*rates, step, controls, spaces, &self.equations.assembler, gradient)
+        add_rates(&rates, step, controls, spaces, &self.equations.assembler, gradient)
     }
 }
 
@@ -223,10 +222,10 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
             let (before, after) = (self.field(before)?, self.field(after)?);
             let form = self.form(&At::new(&self.controls, step, Some(&before)))?;
             let (assembler, at) = (&self.equations.assembler, [after.view()]);
-            let mut switches = form.active_set(assembler, &at)?;
+            let mut switches = assembler.active_set_of(&form, &at)?;
             if form.is_on_displaced_surfaces() {
                 // Where a point crosses an edge of the opposite surface the normal there jumps.
-                let pairs = form.pairs(assembler, &at, &[&self.space])?;
+                let pairs = assembler.pairs_of_form(&form, &at, &[&self.space])?;
                 let met =
                     pairs.iter().filter(|pairs| pairs.report.displaced).flat_map(|all| all.pairs.meetings());
                 switches.get_or_insert_default().extend(met);

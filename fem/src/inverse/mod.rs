@@ -67,7 +67,6 @@
 //! # }
 //! ```
 
-mod any_energy;
 pub mod bounds;
 mod changing;
 mod choices;

@@ -29,9 +29,8 @@ use super::sweep::{Gradient, gradient_stored, value_of};
 use crate::assemble::Assembler;
 use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, ConstraintsError};
-use crate::contract::{Form, Functional};
+use crate::contract::{Energy, Form};
 use crate::field::Field;
-use crate::solve::any_form::AnyForm;
 use crate::solve::{LinearSolver, NewtonOptions, SolverReport};
 use crate::space::Space;
 use crate::time::central_differences::supports_stand;
@@ -79,9 +78,9 @@ enum Reading {
 }
 
 type FormAt<'a, const D: usize> =
-    Box<dyn Fn(&During<D>) -> Result<Box<dyn AnyForm<D> + 'a>, ControlError> + 'a>;
+    Box<dyn Fn(&During<D>) -> Result<Form<D>, ControlError> + 'a>;
 type RatesAt<'a, const D: usize> =
-    Box<dyn Fn(&During<D>, &Field<D>, &Field<D>) -> Result<Box<dyn AnyForm<D> + 'a>, ControlError> + 'a>;
+    Box<dyn Fn(&During<D>, &Field<D>, &Field<D>) -> Result<Form<D>, ControlError> + 'a>;
 type ConstraintsAt<'a, const D: usize> = Box<dyn Fn(f64) -> Result<Constraints<D>, ConstraintsError> + 'a>;
 
 impl<'a, const D: usize> MotionHistory<'a, D> {
@@ -122,20 +121,20 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
     }
 
     /// The form of motion.
-    pub fn motion<F: Form<D> + 'a>(
+    pub fn motion<F: Into<Form<D>>>(
         mut self,
         form: impl Fn(&During<D>) -> Result<F, ControlError> + 'a,
     ) -> Self {
-        self.motion = Some(Box::new(move |during| Ok(Box::new(form(during)?))));
+        self.motion = Some(Box::new(move |during| Ok(form(during)?.into())));
         self
     }
 
     /// The rates of a step at its unknown u and adjoint state p.
-    pub fn rates<F: Form<D> + 'a>(
+    pub fn rates<F: Into<Form<D>>>(
         mut self,
         form: impl Fn(&During<D>, &Field<D>, &Field<D>) -> Result<F, ControlError> + 'a,
     ) -> Self {
-        self.rates = Some(Box::new(move |during, u, p| Ok(Box::new(form(during, u, p)?))));
+        self.rates = Some(Box::new(move |during, u, p| Ok(form(during, u, p)?.into())));
         self
     }
 
@@ -197,7 +196,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         Ok(Field::from_values(&self.space, row[..self.space.unknowns()].to_vec())?)
     }
 
-    fn form(&self, interval: &Interval, step: &Step<D>) -> Result<Box<dyn AnyForm<D> + 'a>, HistoryFailure> {
+    fn form(&self, interval: &Interval, step: &Step<D>) -> Result<Form<D>, HistoryFailure> {
         Ok(self.motion.as_ref().ok_or(HistoryFailure::Missing("motion"))?(&self.during(interval, step))?)
     }
 
@@ -227,7 +226,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         }
         let conditions = self.conditions(interval)?;
         let unknown = match (interval.masses(before), interval.solved_for) {
-            (Some(masses), _) => self.by_masses(&*form, masses, &conditions)?,
+            (Some(masses), _) => self.by_masses(&form, masses, &conditions)?,
             (None, SolvedFor::Value) => {
                 self.equations.solve(interval.solution, form, &conditions, &step.before.value)?
             }

@@ -5,8 +5,7 @@ use std::sync::Arc;
 use super::controls::Controls;
 use super::error::HistoryFailure;
 use crate::assemble::Assembler;
-use crate::contract::Role;
-use crate::solve::any_form::AnyForm;
+use crate::contract::{Form, Role};
 use crate::space::Space;
 
 /// The test function of the derivative by the state before.
@@ -19,14 +18,14 @@ pub(super) const OPERATORS: [&str; 3] = ["value", "rate", "second_rate"];
 const BY: &str = "by_";
 
 /// Whether a form of rates has the test function of the derivative by this.
-pub(super) fn is_tested<const D: usize>(rates: &dyn AnyForm<D>, name: &str) -> bool {
+pub(super) fn is_tested<const D: usize>(rates: &Form<D>, name: &str) -> bool {
     rates.fields().iter().any(|field| field.name.strip_prefix(BY) == Some(name))
 }
 
 /// Assembles the rates of a step: adds those by the controls to the gradient, and gives that by the state before, on the space
 /// of the states. Rates by numbers are tested with `constants`.
 pub(super) fn add_rates<const D: usize>(
-    rates: &dyn AnyForm<D>,
+    rates: &Form<D>,
     step: usize,
     (controls, remembers): (&Controls<D>, bool),
     spaces: [&Arc<Space<D>>; 2],
@@ -66,7 +65,7 @@ impl Wanted {
 /// Assembles a form of rates: adds the rows by the controls to the gradient, and gives those of its own test functions on the space of
 /// the states, zero where a test function is not wanted, or not there.
 pub(super) fn rows<const D: usize, const N: usize>(
-    rates: &dyn AnyForm<D>,
+    rates: &Form<D>,
     own: &[Own; N],
     step: usize,
     controls: &Controls<D>,
@@ -83,7 +82,7 @@ pub(super) fn rows<const D: usize, const N: usize>(
     let spaces: Vec<&Arc<Space<D>>> = tests.iter().filter_map(space_of).collect();
     let unread = |name: &str| own.iter().any(|own| own.name == name && own.wanted == Wanted::No);
     let left_out: Vec<usize> = (0..tests.len()).filter(|number| unread(tests[*number])).collect();
-    let rows = rates.residual_without(assembler, &spaces, &left_out)?;
+    let rows = assembler.residual_without(rates, &spaces, &left_out)?;
     let mut rest = &rows[..];
     let mut own_rows = [(); N].map(|()| vec![0.0; states.unknowns()]);
     for (name, space) in tests.iter().zip(&spaces) {
@@ -99,7 +98,7 @@ pub(super) fn rows<const D: usize, const N: usize>(
 
 /// The names of the controls, or of what else is tested, that the test functions of the rates belong to.
 fn tests<const D: usize>(
-    rates: &dyn AnyForm<D>,
+    rates: &Form<D>,
     controls: &Controls<D>,
     own: &[Own],
 ) -> Result<Vec<&'static str>, HistoryFailure> {

@@ -3,13 +3,12 @@
 use std::sync::Arc;
 
 use super::error::HistoryFailure;
-use crate::assemble::{Assembler, BlockPattern, Parts};
+use crate::assemble::{Assembler, BlockPattern, Outline, Parts, ValuesBefore};
 use crate::compiled_here::compiled_here;
 use crate::constraints::Constraints;
-use crate::contract::Source;
+use crate::contract::{Form, Source};
 use crate::field::Field;
 use crate::linear_algebra::BlockMatrix;
-use crate::solve::any_form::AnyForm;
 use crate::solve::{
     Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, SolverReport, StepMemory, Transpose,
     solve_linear, solve_linear_transposed, solve_owned,
@@ -81,10 +80,10 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     /// The places of a tangent's entries at a state: those that are known, unless pairs of displaced surfaces have left them.
     fn pattern(
         &mut self,
-        form: &dyn AnyForm<D>,
+        form: &Form<D>,
         at: &Field<D>,
     ) -> Result<Arc<BlockPattern<D>>, HistoryFailure> {
-        let (outline, at) = (form.outline(Parts::ALL), [at.view()]);
+        let (outline, at) = (Outline::of(form, Parts::ALL), [at.view()]);
         if let Some(known) = &self.pattern
             && known.covers(&outline, &at)?
         {
@@ -102,12 +101,12 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     pub fn solve(
         &mut self,
         number: Solution,
-        form: Box<dyn AnyForm<D> + '_>,
+        form: Form<D>,
         constraints: &Constraints<D>,
         start: &Field<D>,
     ) -> Result<Field<D>, HistoryFailure> {
-        reads_no_history(&*form)?;
-        let (affine, pattern) = (form.is_affine(), self.pattern(&*form, start)?);
+        reads_no_history(&form)?;
+        let (affine, pattern) = (form.is_affine(), self.pattern(&form, start)?);
         let (assembler, options) = (&self.assembler, self.options.clone());
         let owned = OwnedForm { form, assembler, pattern: &pattern, constraints, start, options };
         self.tangent_of = None;
@@ -121,11 +120,12 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     ///
     /// # Errors
     /// Those of the assembly.
-    pub fn tangent(&mut self, form: &dyn AnyForm<D>, at: &Field<D>) -> Result<BlockMatrix, HistoryFailure> {
+    pub fn tangent(&mut self, form: &Form<D>, at: &Field<D>) -> Result<BlockMatrix, HistoryFailure> {
         let pattern = self.pattern(form, at)?;
         let mut matrix = BlockMatrix::zero(pattern.sparsity());
         let arguments = (&[at.view()][..], &[&self.space][..]);
-        form.assemble_tangent(&self.assembler, arguments, Parts::ALL, &pattern, &mut matrix)?;
+        let vanish = ValuesBefore::Vanish;
+        self.assembler.write_tangent(form, arguments, Parts::ALL, &pattern, &mut matrix, vanish)?;
         Ok(matrix)
     }
 
@@ -137,7 +137,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     pub fn adjoint(
         &mut self,
         number: Solution,
-        form: &dyn AnyForm<D>,
+        form: &Form<D>,
         constraints: &Constraints<D>,
         solution: &Field<D>,
         slope: &[f64],
@@ -153,7 +153,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     pub fn linearised(
         &mut self,
         number: Solution,
-        form: &dyn AnyForm<D>,
+        form: &Form<D>,
         constraints: &Constraints<D>,
         solution: &Field<D>,
         load: &[f64],
@@ -185,7 +185,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     #[inline(never)]
     pub fn transposed(
         &mut self,
-        form: &dyn AnyForm<D>,
+        form: &Form<D>,
         at: &Field<D>,
         p: &Field<D>,
     ) -> Result<Vec<f64>, HistoryFailure> {
@@ -194,7 +194,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
 }
 
 /// Refuses forms of values at quadrature points that steps would write.
-pub(super) fn reads_no_history<const D: usize>(form: &dyn AnyForm<D>) -> Result<(), HistoryFailure> {
+pub(super) fn reads_no_history<const D: usize>(form: &Form<D>) -> Result<(), HistoryFailure> {
     let mut sources = form.inputs().sources.iter().zip(form.fields());
     match sources.find(|(source, _)| matches!(source, Some(Source::History(_)))) {
         Some((_, field)) => Err(HistoryFailure::QuadratureValues { form: form.name(), field: field.name }),

@@ -6,9 +6,8 @@
 
 use super::error::HistoryFailure;
 use crate::assemble::{Assembler, Parts};
-use crate::contract::Role;
+use crate::contract::{Form, Role};
 use crate::field::Field;
-use crate::solve::any_form::AnyForm;
 use crate::time::Step;
 
 /// The fields that the operators evaluate in a step: weight times unknown and known part of value, rate and second rate.
@@ -25,13 +24,13 @@ pub(super) fn evaluated<const D: usize>(
 
 /// Whether a form with weights zero has another residual at the unknown than at other fields: those that it evaluates, and zero.
 pub(super) fn reads_unknown_itself<const D: usize>(
-    without_weights: &dyn AnyForm<D>,
+    without_weights: &Form<D>,
     unknown: &Field<D>,
     evaluated: &[Field<D>; 3],
     assembler: &Assembler<D>,
 ) -> Result<bool, HistoryFailure> {
     let space = unknown.space();
-    let residual = |at: &Field<D>| without_weights.residual(assembler, &[at.view()], &[space], Parts::ALL);
+    let residual = |at: &Field<D>| assembler.residual_of(without_weights, &[at.view()], &[space], Parts::ALL);
     let (here, zero) = (residual(unknown)?, Field::zero(space));
     let mut tried = vec![unknown];
     for other in evaluated.iter().chain([&zero]) {
@@ -48,7 +47,7 @@ pub(super) fn reads_unknown_itself<const D: usize>(
 }
 
 /// The error of a form that reads its unknown itself, where that may not be.
-pub(super) fn refused<const D: usize>(form: &dyn AnyForm<D>) -> HistoryFailure {
+pub(super) fn refused<const D: usize>(form: &Form<D>) -> HistoryFailure {
     let of_step = form.fields().iter().find(|field| field.role == Role::Unknown(0));
     HistoryFailure::UnknownItself { form: form.name(), unknown: of_step.map_or("u", |field| field.name) }
 }

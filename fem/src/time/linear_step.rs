@@ -6,13 +6,13 @@ use std::time::Instant;
 use super::error::StepFailure;
 use super::mass::{Mass, diagonal, row_sums, with_inertia};
 use super::step_cost::StepCost;
-use crate::assemble::{Assembler, BlockPattern, Parts};
+use crate::assemble::{Assembler, BlockPattern, Parts, ValuesBefore};
+use crate::contract::Form;
 use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView};
 use crate::linear_algebra::BlockMatrix;
 use crate::linear_algebra::equations::Equations;
 use crate::linear_algebra::vector::{add_scaled, largest};
-use crate::solve::any_form::AnyForm;
 use crate::solve::{Elimination, LinearSolver};
 
 /// The matrix of steps with the same weights; the solver has its reduced form and the factor.
@@ -62,7 +62,7 @@ pub(super) enum Check {
 /// The unknown that solves an affine form, from a guess that fulfils the constraints.
 #[inline(never)]
 pub(super) fn solve<const D: usize>(
-    (form, weights): (&dyn AnyForm<D>, [f64; 3]),
+    (form, weights): (&Form<D>, [f64; 3]),
     guess: &Field<D>,
     elimination: &mut Elimination,
     kept: &mut Option<StepMatrix>,
@@ -74,7 +74,7 @@ pub(super) fn solve<const D: usize>(
     let residual_at = |values: &[f64], cost: &mut StepCost| {
         let begun = Instant::now();
         let view = FieldView { space, values, finite: false };
-        let residual = form.residual(means.assembler, &[view], &[space], Parts::ALL);
+        let residual = means.assembler.residual_of(form, &[view], &[space], Parts::ALL);
         cost.residuals += 1;
         cost.residual_seconds += begun.elapsed().as_secs_f64();
         residual
@@ -120,7 +120,7 @@ impl StepMatrix {
     /// Assembles the matrix and hands it to the solver.
     #[inline(never)]
     fn assemble<const D: usize>(
-        (form, weights): (&dyn AnyForm<D>, [f64; 3]),
+        (form, weights): (&Form<D>, [f64; 3]),
         at: &Field<D>,
         elimination: &mut Elimination,
         means: &mut Means<'_, D>,
@@ -129,7 +129,8 @@ impl StepMatrix {
         let begun = Instant::now();
         let mut matrix = BlockMatrix::zero(means.pattern.sparsity());
         let arguments = (&[at.view()][..], &[at.space()][..]);
-        form.assemble_tangent(means.assembler, arguments, Parts::ALL, means.pattern, &mut matrix)?;
+        let (assembler, vanish) = (means.assembler, ValuesBefore::Vanish);
+        assembler.write_tangent(form, arguments, Parts::ALL, means.pattern, &mut matrix, vanish)?;
         let lumped = match means.mass {
             Mass::Consistent => None,
             Mass::Lumped => Some(row_sums(&matrix)?),

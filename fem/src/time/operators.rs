@@ -2,7 +2,7 @@
 //!
 //! Each is a weight times the unknown plus a known field; a [`Step`](super::Step) gives all six as the `Data` of these modules.
 
-use forms_core::contract::Given;
+use crate::contract::Given;
 
 use crate::forms;
 

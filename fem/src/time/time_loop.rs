@@ -11,12 +11,11 @@ use super::mass::Mass;
 use super::scheme::{Formulas, Scheme, SolvedFor};
 use super::step::{State, Step, Taken, known};
 use super::step_cost::StepCost;
-use crate::assemble::{Assembler, BlockPattern, Parts};
+use crate::assemble::{Assembler, BlockPattern, Outline, Parts};
 use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, ConstraintsError};
 use crate::contract::Form;
 use crate::field::Field;
-use crate::solve::any_form::AnyForm;
 use crate::solve::{
     Elimination, LentSolver, LinearSolver, NewtonOptions, NewtonStep, OwnedForm, StepMemory, solve_owned,
 };
@@ -44,7 +43,7 @@ pub struct TimeLoop<'a, const D: usize> {
     kept: Option<StepMatrix>,
 }
 
-type FormOfStep<'a, const D: usize> = Box<dyn Fn(&Step<D>) -> Box<dyn AnyForm<D> + 'a> + 'a>;
+type FormOfStep<'a, const D: usize> = Box<dyn Fn(&Step<D>) -> Form<D> + 'a>;
 type ConstraintsAt<'a, const D: usize> = Box<dyn Fn(f64) -> Result<Constraints<D>, ConstraintsError> + 'a>;
 
 /// With coefficients that are promised to be constant, every n steps the equations are assembled at the solution.
@@ -56,12 +55,12 @@ const SAME_SIZE: f64 = 1e-9;
 impl<'a, const D: usize> TimeLoop<'a, D> {
     /// The form that `form` gives for each step, from a state on. Loads and other data that change are to be those of
     /// [`Step::time`].
-    pub fn new<F: Form<D> + 'a>(
+    pub fn new<F: Into<Form<D>>>(
         form: impl Fn(&Step<D>) -> F + 'a,
         scheme: impl Scheme + 'a,
         start: State<D>,
     ) -> Self {
-        Self::of(Box::new(move |step| Box::new(form(step))), Box::new(scheme), start)
+        Self::of(Box::new(move |step| form(step).into()), Box::new(scheme), start)
     }
 
     #[inline(never)]
@@ -218,11 +217,11 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
             SolvedFor::SecondRate => {
                 supports_stand(&step.known[0], &constraints)?;
                 let (x, residual, cost) =
-                    self.solve_affine(&*form, step.weights, &constraints.homogeneous())?;
+                    self.solve_affine(&form, step.weights, &constraints.homogeneous())?;
                 (x, residual, vec![], Some(cost))
             }
             SolvedFor::Value if form.is_affine() => {
-                let (x, residual, cost) = self.solve_affine(&*form, step.weights, &constraints)?;
+                let (x, residual, cost) = self.solve_affine(&form, step.weights, &constraints)?;
                 (x, residual, vec![], Some(cost))
             }
             SolvedFor::Value => {
@@ -290,7 +289,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         };
         let form = (self.form)(&step);
         let mut conditions = constraints.homogeneous();
-        let (second_rate, ..) = match self.solve_affine(&*form, step.weights, &conditions) {
+        let (second_rate, ..) = match self.solve_affine(&form, step.weights, &conditions) {
             // What has no inertia follows the others, and has no acceleration of its own.
             Err(StepFailure::Massless { unknowns })
                 if self.scheme.solved_for() == SolvedFor::Value
@@ -300,7 +299,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
                 for unknown in unknowns {
                     conditions.fix_node(unknown / components, unknown % components, 0.0)?;
                 }
-                self.solve_affine(&*form, step.weights, &conditions)?
+                self.solve_affine(&form, step.weights, &conditions)?
             }
             found => found?,
         };
@@ -309,19 +308,19 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         Ok(())
     }
 
-    fn pattern(&mut self, form: &dyn AnyForm<D>) -> Result<Arc<BlockPattern<D>>, StepFailure> {
+    fn pattern(&mut self, form: &Form<D>) -> Result<Arc<BlockPattern<D>>, StepFailure> {
         if let Some(known) = &self.pattern {
             return Ok(Arc::clone(known));
         }
         let space = self.states[0].value.space();
-        let outline = form.outline(Parts::ALL);
+        let outline = Outline::of(form, Parts::ALL);
         let pattern = Arc::new(BlockPattern::for_cells_of(&outline, &[space], &[space], &self.assembler)?);
         Ok(Arc::clone(self.pattern.insert(pattern)))
     }
 
     fn solve_affine(
         &mut self,
-        form: &dyn AnyForm<D>,
+        form: &Form<D>,
         weights: [f64; 3],
         constraints: &Constraints<D>,
     ) -> Result<(Field<D>, Vec<f64>, StepCost), StepFailure> {
@@ -354,11 +353,11 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
 
     fn solve_nonlinear(
         &mut self,
-        form: Box<dyn AnyForm<D> + '_>,
+        form: Form<D>,
         size: f64,
         constraints: &Constraints<D>,
     ) -> Result<(Field<D>, Vec<f64>, Vec<NewtonStep>), StepFailure> {
-        let pattern = self.pattern(&*form)?;
+        let pattern = self.pattern(&form)?;
         self.kept = None;
         let state = &self.states[0];
         let start = Field::combination(&[(1.0, &state.value), (size, &state.rate)])?;

@@ -2,24 +2,25 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::Form;
-
-use super::binding::outline::Described;
-use super::{Assembler, AssemblyError, Parts};
+use super::binding::outline::Outline;
+use super::residual::Added;
+use super::{Assembler, AssemblyError, BlockPattern, Parts, ValuesBefore};
 use crate::constraints::Constraints;
+use crate::contract::Form;
 use crate::field::{Field, FieldView, views};
-use crate::linear_algebra::{LinearOperator, OperatorError};
+use crate::linear_algebra::{BlockMatrix, LinearOperator, OperatorError};
 use crate::space::Space;
 
 impl<const D: usize> Assembler<D> {
     /// The tangent of a form at given unknowns times a vector, given as one field per unknown: one entry per
-    /// unknown of the test spaces, in a row. No matrix is made; it costs about as much as a residual.
+    /// unknown of the test spaces, in a row. With the option `#[forms(matrix_free)]` of the form's module no matrix is made, and it costs
+    /// about as much as a residual.
     ///
     /// # Errors
     /// An [`AssemblyError`] that names the form and what does not fit.
-    pub fn action<F: Form<D>>(
+    pub fn action(
         &self,
-        form: &F,
+        form: &Form<D>,
         unknowns: &[&Field<D>],
         directions: &[&Field<D>],
         tests: &[&Arc<Space<D>>],
@@ -31,29 +32,53 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// As there.
-    pub fn action_parts<F: Form<D>>(
+    pub fn action_parts(
         &self,
-        form: &F,
+        form: &Form<D>,
         unknowns: &[&Field<D>],
         directions: &[&Field<D>],
         tests: &[&Arc<Space<D>>],
         parts: Parts,
     ) -> Result<Vec<f64>, AssemblyError> {
-        self.action_on(form, &views(unknowns), &views(directions), tests, parts)
+        let (unknowns, directions) = (views(unknowns), views(directions));
+        if has_kernels(form) {
+            return self.action_on(form, &unknowns, &directions, tests, parts);
+        }
+        self.bind(form, &unknowns)?.bind_directions(&directions, &self.mesh)?;
+        let outline = Outline::of(form, parts);
+        let pattern = BlockPattern::at_iterate(&outline, tests, &unknowns, self)?;
+        let mut matrix = BlockMatrix::zero(pattern.sparsity());
+        let before = ValuesBefore::Vanish;
+        self.write_tangent(form, (&unknowns, tests), parts, &pattern, &mut matrix, before)?;
+        let along: Vec<f64> = directions.iter().flat_map(|direction| direction.values).copied().collect();
+        let mut product = vec![0.0; matrix.rows()];
+        let failed = |source| AssemblyError::LinearAlgebra { form: form.name(), source };
+        matrix.multiply_on(self.threads, &along, &mut product).map_err(failed)?;
+        Ok(product)
     }
 
-    fn action_on<F: Form<D>>(
+    fn action_on(
         &self,
-        form: &F,
+        form: &Form<D>,
         unknowns: &[FieldView<D>],
         directions: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
         parts: Parts,
     ) -> Result<Vec<f64>, AssemblyError> {
-        let mut binding = self.bind(Described::of(form), unknowns)?;
+        if !has_kernels(form) {
+            return Err(AssemblyError::NoAction { form: form.name() });
+        }
+        let mut binding = self.bind(form, unknowns)?;
         binding.bind_directions(directions, &self.mesh)?;
-        self.linear_integrals(binding, tests, parts, &mut |visitor| form.action(visitor))
+        let terms = form.action().iter();
+        let terms: Vec<_> = terms.filter(|term| parts.contain(term.integral.dependence)).collect();
+        self.sum_of_terms(binding, tests, &terms, Added::Vectors)
     }
+}
+
+/// Whether a form has kernels for products without a matrix.
+fn has_kernels<const D: usize>(form: &Form<D>) -> bool {
+    form.tangent().is_empty() || !form.action().is_empty()
 }
 
 /// The tangent of a form at given unknowns as a linear operator without a matrix, for Krylov methods. Test spaces are
@@ -67,7 +92,7 @@ impl<const D: usize> Assembler<D> {
 /// use forms_fem::linear_algebra::{GmresOptions, gmres};
 /// use forms_fem::prelude::*;
 ///
-/// #[forms]
+/// #[forms(matrix_free)]
 /// mod reaction {
 ///     #[cells]
 ///     pub struct Omega;
@@ -100,9 +125,9 @@ impl<const D: usize> Assembler<D> {
 /// # }
 /// ```
 #[derive(Clone, Debug)]
-pub struct TangentAction<'a, F, const D: usize> {
+pub struct TangentAction<'a, const D: usize> {
     assembler: &'a Assembler<D>,
-    form: &'a F,
+    form: &'a Form<D>,
     unknowns: Vec<&'a Field<D>>,
     parts: Parts,
     /// Positions of the prescribed unknowns, in a row over all spaces.
@@ -111,9 +136,9 @@ pub struct TangentAction<'a, F, const D: usize> {
     relations: Vec<(usize, Vec<(usize, f64)>)>,
 }
 
-impl<'a, F: Form<D>, const D: usize> TangentAction<'a, F, D> {
+impl<'a, const D: usize> TangentAction<'a, D> {
     /// The operator at the unknowns, in the order of the form's arguments.
-    pub fn new(assembler: &'a Assembler<D>, form: &'a F, unknowns: &[&'a Field<D>]) -> Self {
+    pub fn new(assembler: &'a Assembler<D>, form: &'a Form<D>, unknowns: &[&'a Field<D>]) -> Self {
         let unknowns = unknowns.to_vec();
         TangentAction { assembler, form, unknowns, parts: Parts::ALL, prescribed: vec![], relations: vec![] }
     }
@@ -185,7 +210,7 @@ impl<'a, F: Form<D>, const D: usize> TangentAction<'a, F, D> {
     }
 }
 
-impl<F: Form<D>, const D: usize> LinearOperator for TangentAction<'_, F, D> {
+impl<const D: usize> LinearOperator for TangentAction<'_, D> {
     fn size(&self) -> usize {
         TangentAction::size(self)
     }

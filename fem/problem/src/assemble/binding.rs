@@ -14,7 +14,7 @@ use forms_core::contract::{FieldDescription, Region, Requirements, Role, Source}
 use forms_core::source::PositionFunction;
 
 use self::entities::Entities;
-use self::outline::Described;
+use crate::contract::Function;
 use self::owned_cells::OwnedCells;
 use super::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
@@ -104,7 +104,7 @@ pub(super) struct Tabulated {
 impl<'a, const D: usize> Binding<'a, D> {
     #[inline(never)]
     pub fn new(
-        form: Described<'a, D>,
+        form: &'a Function<D>,
         mesh: &'a Arc<Mesh<D>>,
         unknowns: &[FieldView<'a, D>],
     ) -> Result<Self, AssemblyError> {

@@ -10,14 +10,15 @@ pub(super) mod touched;
 
 use std::sync::Arc;
 
-use forms_core::contract::{Form, Role, Side};
+use forms_core::contract::{Role, Side};
 
 use self::block_index::{Across, BlockIndex};
 use self::cells::coupled_cells;
 use self::sparsity::{Cliques, couple};
 use super::{Assembler, AssemblyError, Parts};
 use crate::assemble::binding::entities::Entities;
-use crate::assemble::binding::outline::{Coupling, Described, Outline};
+use crate::assemble::binding::outline::{Coupling, Outline};
+use crate::contract::{Form, Function};
 use crate::assemble::binding::owned_cells::OwnedCells;
 use crate::assemble::scatter::group_nodes::{Reading, SeenAtFacets};
 use crate::assemble::walk::pair_groups::without_coefficients;
@@ -104,8 +105,8 @@ impl<const D: usize> BlockPattern<D> {
     /// # Errors
     /// When the form has other test functions or unknowns than the spaces, a region does not exist, surfaces cannot be paired, the
     /// spaces are not on one mesh, or the matrix is too large to be numbered.
-    pub fn for_form<F: Form<D>>(
-        form: &F,
+    pub fn for_form(
+        form: &Form<D>,
         tests: &[&Arc<Space<D>>],
         trials: &[&Arc<Space<D>>],
     ) -> Result<Self, AssemblyError> {
@@ -368,7 +369,7 @@ impl<const D: usize> BlockPattern<D> {
     #[inline(never)]
     pub(super) fn check(
         &self,
-        form: &Described<D>,
+        form: &Function<D>,
         tests: &[&Arc<Space<D>>],
         trials: &[&Arc<Space<D>>],
     ) -> Result<(), AssemblyError> {

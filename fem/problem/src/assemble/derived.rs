@@ -1,12 +1,10 @@
 //! Derived fields: any function of a forms module at points, at quadrature points, or along facets.
 
-mod any_expression;
-
 use std::sync::Arc;
 
-use forms_core::contract::{Entity, Expression, Pairing, Region};
+use forms_core::contract::{Entity, Pairing, Region, Requirements};
 
-use self::any_expression::{AnyExpression, HistoryVisitor, PointValue, ValueVisitor};
+use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::{Binding, pair_error};
 use super::walk::{Group, Places};
 use super::{Assembler, AssemblyError};
@@ -14,6 +12,7 @@ use crate::assemble::binding::entities::Entities;
 use crate::assemble::walk::facet_groups::facet_groups;
 use crate::assemble::walk::pair_groups::groups_of;
 use crate::compiled_here::compiled_here;
+use crate::contract::Expression;
 use crate::element::CellShape;
 use crate::field::Field;
 use crate::history::HistoryMismatch;
@@ -51,21 +50,13 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// A point outside the mesh, a function that needs a facet, a value that is not finite, data that do not fit.
-    pub fn at_points<E: Expression<D>>(
-        &self,
-        expression: &E,
-        points: &[[f64; D]],
-    ) -> Result<PointValues<D>, AssemblyError> {
-        self.located(expression, points)
-    }
-
     #[inline(never)]
-    fn located(
+    pub fn at_points(
         &self,
-        expression: &dyn AnyExpression<D>,
+        expression: &Expression<D>,
         points: &[[f64; D]],
     ) -> Result<PointValues<D>, AssemblyError> {
-        let form = expression.described().name();
+        let form = expression.name();
         self.expect_no_history(expression)?;
         let locator = Locator::new(&self.mesh);
         let mut places = Vec::new();
@@ -89,9 +80,9 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// As [`Assembler::at_points`].
-    pub fn at_point<E: Expression<D>>(
+    pub fn at_point(
         &self,
-        expression: &E,
+        expression: &Expression<D>,
         point: [f64; D],
     ) -> Result<Vec<f64>, AssemblyError> {
         Ok(self.at_points(expression, &[point])?.values.into_iter().flatten().collect())
@@ -104,28 +95,18 @@ impl<const D: usize> Assembler<D> {
     /// # Errors
     /// An unknown region, a function that needs a facet, a value that is not finite, or data that do not
     /// fit.
-    pub fn at_quadrature_points<E: Expression<D>>(
-        &self,
-        expression: &E,
-        entity: Entity,
-        region: &str,
-        degree: usize,
-    ) -> Result<PointValues<D>, AssemblyError> {
-        self.at_points_of_rule(expression, entity, region, degree)
-    }
-
     #[inline(never)]
-    fn at_points_of_rule(
+    pub fn at_quadrature_points(
         &self,
-        expression: &dyn AnyExpression<D>,
+        expression: &Expression<D>,
         entity: Entity,
         region: &str,
         degree: usize,
     ) -> Result<PointValues<D>, AssemblyError> {
-        let form = expression.described().name();
+        let form = expression.name();
         let missing = |source: MeshError| AssemblyError::Region { form, symbol: "derived field", source };
         let quadrature = |source| AssemblyError::Quadrature { form, source };
-        let degree = self.degree_of_histories(expression)?.unwrap_or(degree);
+        let degree = self.history_degree(expression)?.unwrap_or(degree);
         let found = match entity {
             Entity::Cells => {
                 let cells = self.mesh.cell_region(region).map_err(missing)?;
@@ -157,30 +138,22 @@ impl<const D: usize> Assembler<D> {
     /// # Errors
     /// Surfaces that cannot be paired, a function that reads a history of something else, a function of position that is another
     /// body's on a surface ([`PairError::Jump`](crate::pairs::PairError::Jump)), a value that is not finite, or data that do not fit.
-    pub fn at_pairs<E: Expression<D>>(
-        &self,
-        expression: &E,
-        pairing: &Pairing,
-        degree: usize,
-    ) -> Result<PointValues<D>, AssemblyError> {
-        self.at_points_of_pairs(expression, pairing, degree)
-    }
-
     #[inline(never)]
-    fn at_points_of_pairs(
+    pub fn at_pairs(
         &self,
-        expression: &dyn AnyExpression<D>,
+        expression: &Expression<D>,
         pairing: &Pairing,
         degree: usize,
     ) -> Result<PointValues<D>, AssemblyError> {
-        let described = expression.described();
+        let described = expression;
         let region = Region::of_pairs("derived field", pairing.clone());
         let failed = |source| pair_error(described.name(), &region, source);
         let binding = Binding::new(described, &self.mesh, &[])?;
-        let mut visitor = HistoryVisitor { pairing: Some(pairing), ..HistoryVisitor::of(&binding, self) };
-        expression.histories(&mut visitor)?;
-        let degree = visitor.read.map_or(degree, |(_, degree)| degree);
-        binding.check_functions(&self.known_pairs, &region, &self.quadrature, degree, visitor.fields)?;
+        let requirements = requirements(expression);
+        binding.histories_on_pairs(requirements, pairing)?;
+        let read = binding.history_degree(requirements, &self.quadrature)?;
+        let degree = read.map_or(degree, |(_, degree)| degree);
+        binding.check_functions(&self.known_pairs, &region, &self.quadrature, degree, requirements.fields)?;
         let pairs = self.pairs_of(pairing, degree).map_err(failed)?;
         let place = format!("the pairs {pairing}");
         let found = self.values(expression, &mut |binding| groups_of(binding, &place, &pairs))?;
@@ -192,23 +165,14 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// An unknown region, a value that is not finite, or data that do not fit.
-    pub fn along_facets<E: Expression<D>>(
-        &self,
-        expression: &E,
-        region: &str,
-        parameters: &[[f64; 2]],
-    ) -> Result<Vec<FacetSample<D>>, AssemblyError> {
-        self.samples_along_facets(expression, region, parameters)
-    }
-
     #[inline(never)]
-    fn samples_along_facets(
+    pub fn along_facets(
         &self,
-        expression: &dyn AnyExpression<D>,
+        expression: &Expression<D>,
         region: &str,
         parameters: &[[f64; 2]],
     ) -> Result<Vec<FacetSample<D>>, AssemblyError> {
-        let form = expression.described().name();
+        let form = expression.name();
         self.expect_no_history(expression)?;
         let interior = self.mesh.interior_facet_region(region).is_ok();
         let entity = if interior { Entity::InteriorFacets } else { Entity::Facets };
@@ -226,15 +190,15 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// As [`Assembler::along_facets`].
-    pub fn along_facets_uniformly<E: Expression<D>>(
+    pub fn along_facets_uniformly(
         &self,
-        expression: &E,
+        expression: &Expression<D>,
         region: &str,
         count: usize,
     ) -> Result<Vec<FacetSample<D>>, AssemblyError> {
         let last = count.max(2) - 1;
         let parameters: Vec<[f64; 2]> = (0..=last).map(|k| [k as f64 / last as f64, 0.0]).collect();
-        self.samples_along_facets(expression, region, &parameters)
+        self.along_facets(expression, region, &parameters)
     }
 
     /// A derived field at the nodes of a facet region, averaged over the facets that share a node; zero at
@@ -243,24 +207,15 @@ impl<const D: usize> Assembler<D> {
     /// # Errors
     /// An unknown region, a wrong number of components, a value that is not finite, or data that do not
     /// fit.
-    pub fn at_facet_nodes<E: Expression<D>>(
-        &self,
-        expression: &E,
-        region: &str,
-        space: &Arc<Space<D>>,
-    ) -> Result<Field<D>, AssemblyError> {
-        self.averaged_at_facet_nodes(expression, region, space)
-    }
-
     #[inline(never)]
-    fn averaged_at_facet_nodes(
+    pub fn at_facet_nodes(
         &self,
-        expression: &dyn AnyExpression<D>,
+        expression: &Expression<D>,
         region: &str,
         space: &Arc<Space<D>>,
     ) -> Result<Field<D>, AssemblyError> {
-        let form = expression.described().name();
-        let components = expression.components();
+        let form = expression.name();
+        let components = expression.shape().iter().product::<usize>();
         if components != space.components() {
             let (expected, found) = (components, space.components());
             return Err(AssemblyError::Components { form, field: "the space", expected, found });
@@ -306,7 +261,7 @@ impl<const D: usize> Assembler<D> {
     /// Facets that are numbered alike are computed together, because they share their tables.
     fn facet_values(
         &self,
-        expression: &dyn AnyExpression<D>,
+        expression: &Expression<D>,
         region: &str,
         facets: &Entities,
         rule: &QuadratureRule<2>,
@@ -327,32 +282,26 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// The degree of the rule of the histories that a function reads, if it reads any.
-    pub(super) fn history_degree<E: Expression<D>>(
-        &self,
-        expression: &E,
-    ) -> Result<Option<usize>, AssemblyError> {
-        self.degree_of_histories(expression)
-    }
-
     #[inline(never)]
-    fn degree_of_histories(&self, expression: &dyn AnyExpression<D>) -> Result<Option<usize>, AssemblyError> {
+    pub(super) fn history_degree(
+        &self,
+        expression: &Expression<D>,
+    ) -> Result<Option<usize>, AssemblyError> {
         Ok(self.history_read(expression)?.map(|(_, degree)| degree))
     }
 
     /// The name of a history that a function reads, and the degree of its rule.
     fn history_read(
         &self,
-        expression: &dyn AnyExpression<D>,
+        expression: &Expression<D>,
     ) -> Result<Option<(&'static str, usize)>, AssemblyError> {
-        let binding = Binding::new(expression.described(), &self.mesh, &[])?;
-        let mut visitor = HistoryVisitor::of(&binding, self);
-        expression.histories(&mut visitor)?;
-        Ok(visitor.read)
+        let binding = Binding::new(expression, &self.mesh, &[])?;
+        binding.history_degree(requirements(expression), &self.quadrature)
     }
 
     /// Points that are not those of a rule have no history.
-    fn expect_no_history(&self, expression: &dyn AnyExpression<D>) -> Result<(), AssemblyError> {
-        let form = expression.described().name();
+    fn expect_no_history(&self, expression: &Expression<D>) -> Result<(), AssemblyError> {
+        let form = expression.name();
         match self.history_read(expression)? {
             Some((field, _)) => Err(AssemblyError::History { form, field, source: HistoryMismatch::Points }),
             None => Ok(()),
@@ -362,15 +311,43 @@ impl<const D: usize> Assembler<D> {
     /// (position, weight, value) at every point of the groups, in their order.
     fn values(
         &self,
-        expression: &dyn AnyExpression<D>,
+        expression: &Expression<D>,
         build: &mut dyn FnMut(&Binding<D>) -> Result<Vec<Group<D>>, AssemblyError>,
     ) -> Result<Vec<PointValue<D>>, AssemblyError> {
-        let binding = Binding::new(expression.described(), &self.mesh, &[])?;
+        let binding = Binding::new(expression, &self.mesh, &[])?;
         let groups = build(&binding)?;
-        let mut visitor = ValueVisitor { binding: &binding, groups: &groups, found: vec![] };
-        expression.values(&mut visitor)?;
-        Ok(visitor.found)
+        let (requirements, mut found) = (*requirements(expression), Vec::new());
+        let (mut buffers, mut shapes) = (BatchBuffers::default(), vec![]);
+        for group in &groups {
+            // Memory is made for the sizes of the group before.
+            let own: Vec<CellShape> = group.sides.iter().map(|side| side.shape).collect();
+            if own != shapes {
+                (buffers, shapes) = (BatchBuffers::default(), own);
+            }
+            let (cells, located) = (Cells::Mesh(binding.mesh), Requirements { position: true, ..requirements });
+            let mut batch = Batch::<f64, D>::new(&binding, group, cells, located, &[], &mut buffers)?;
+            for term in expression.densities() {
+                let entities = 0..group.entities();
+                term.kernel.each_point(&mut batch, group.points(), entities, &mut |value, weight, position| {
+                    if !value.iter().all(|entry| entry.is_finite()) {
+                        let (form, position) = (binding.name, position.to_vec());
+                        return Err(AssemblyError::ValueNotFinite { form, position });
+                    }
+                    found.push((*position, weight, value.to_vec()));
+                    Ok(())
+                })?;
+            }
+        }
+        Ok(found)
     }
+}
+
+/// Position, weight and value at a point.
+type PointValue<const D: usize> = ([f64; D], f64, Vec<f64>);
+
+/// The inputs of an expression's kernel.
+fn requirements<const D: usize>(expression: &Expression<D>) -> &'static Requirements {
+    expression.densities().first().map_or(&Requirements::NONE, |term| term.kernel.constants().requirements)
 }
 
 fn place(region: &str) -> String {
@@ -390,10 +367,10 @@ impl<const D: usize> FromIterator<PointValue<D>> for PointValues<D> {
 }
 
 compiled_here!(
-    derived: Assembler::<D>::at_points_of_pairs,
-    Assembler::<D>::at_points_of_rule,
-    Assembler::<D>::averaged_at_facet_nodes,
-    Assembler::<D>::degree_of_histories,
-    Assembler::<D>::located,
-    Assembler::<D>::samples_along_facets,
+    derived: Assembler::<D>::at_pairs,
+    Assembler::<D>::at_quadrature_points,
+    Assembler::<D>::at_facet_nodes,
+    Assembler::<D>::history_degree,
+    Assembler::<D>::at_points,
+    Assembler::<D>::along_facets,
 );

@@ -13,6 +13,12 @@ use crate::solve::CommunicationError;
 /// Errors of assembly. Every message names the form and the thing in it.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum AssemblyError {
+    /// A product without a matrix of a form that has no kernels for it.
+    #[error("`{form}` has no kernels for products without a matrix; write `#[forms(matrix_free)]` on its module")]
+    NoAction {
+        /// The form.
+        form: &'static str,
+    },
     /// Constraints on a space on which the form has no unknown, or on which all have theirs.
     #[error("form `{form}`: constraints were given for a space on which no unknown is left without")]
     Constraints {

@@ -2,14 +2,15 @@
 
 use std::ops::Range;
 
-use forms_core::contract::{ExpressionKernel, ExpressionVisitor, Form, Functional, Integral, Requirements};
+use forms_core::contract::{ExpressionKernel, Requirements, Term};
 
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
-use super::binding::outline::Described;
+use super::kernels::PointKernel;
 use super::walk::groups;
 use super::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
+use crate::contract::{Energy, Form, Function, Functional};
 use crate::field::{Field, FieldView, views};
 use crate::quadrature::Quadrature;
 use crate::threads::Threads;
@@ -19,29 +20,20 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// An [`AssemblyError`] that names the functional and what does not fit.
-    pub fn functional<F: Functional<D>>(&self, functional: &F) -> Result<f64, AssemblyError> {
-        self.integrate(functional, &[])
+    pub fn functional(&self, functional: &Functional<D>) -> Result<f64, AssemblyError> {
+        self.sum_of(functional, &[])
     }
 
     /// The value of an energy at its unknowns.
     ///
     /// # Errors
     /// As [`Assembler::functional`].
-    pub fn energy<F: Functional<D>>(&self, energy: &F, unknowns: &[&Field<D>]) -> Result<f64, AssemblyError> {
-        self.integrate(energy, &views(unknowns))
-    }
-
-    fn integrate<F: Functional<D>>(&self, form: &F, unknowns: &[FieldView<D>]) -> Result<f64, AssemblyError> {
-        self.sum_of(Described::of_functional(form), unknowns, &mut |visitor| form.density(visitor))
+    pub fn energy(&self, energy: &Energy<D>, unknowns: &[&Field<D>]) -> Result<f64, AssemblyError> {
+        self.sum_of(energy, &views(unknowns))
     }
 
     #[inline(never)]
-    fn sum_of(
-        &self,
-        form: Described<D>,
-        unknowns: &[FieldView<D>],
-        walk: Walk<f64, D>,
-    ) -> Result<f64, AssemblyError> {
+    fn sum_of(&self, form: &Function<D>, unknowns: &[FieldView<D>]) -> Result<f64, AssemblyError> {
         let binding = self.bind(form, unknowns)?;
         let degrees = binding.degrees(&[]);
         let points =
@@ -55,9 +47,8 @@ impl<const D: usize> Assembler<D> {
             *total += contribution;
             Ok(())
         };
-        let mut visitor = PointVisitor { walk: points, receive: &receive, results: vec![] };
-        walk(&mut visitor)?;
-        Ok(visitor.results.into_iter().fold(0.0, |sum, chunks| sum + chunks.into_iter().sum::<f64>()))
+        let chunks = points.all_chunks(form.densities(), &receive)?;
+        Ok(chunks.into_iter().fold(0.0, |sum, chunks| sum + chunks.into_iter().sum::<f64>()))
     }
 
     /// For every quadrature point of the nonlinear integrals that have kinks, in the order of the walk,
@@ -66,29 +57,21 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// An [`AssemblyError`] that names the form and what does not fit.
-    pub fn active_set<F: Form<D>>(
+    pub fn active_set(
         &self,
-        form: &F,
+        form: &Form<D>,
         unknowns: &[&Field<D>],
     ) -> Result<Option<Vec<u32>>, AssemblyError> {
         self.active_set_of(form, &views(unknowns))
     }
 
     /// [`Assembler::active_set`] at coefficients that need not be those of a field.
-    pub(crate) fn active_set_of<F: Form<D>>(
-        &self,
-        form: &F,
-        unknowns: &[FieldView<D>],
-    ) -> Result<Option<Vec<u32>>, AssemblyError> {
-        self.switches_of(Described::of(form), unknowns, &mut |visitor| form.switches(visitor))
-    }
-
+    #[doc(hidden)]
     #[inline(never)]
-    fn switches_of(
+    pub fn active_set_of(
         &self,
-        form: Described<D>,
+        form: &Function<D>,
         unknowns: &[FieldView<D>],
-        walk: Walk<Vec<u32>, D>,
     ) -> Result<Option<Vec<u32>>, AssemblyError> {
         let binding = self.bind(form, unknowns)?;
         // Test functions count in the estimate of the degree as the unknowns do.
@@ -102,48 +85,8 @@ impl<const D: usize> Assembler<D> {
             found.push(bits.fold(0, |bits, (index, _)| bits | 1 << index.min(31)));
             Ok(())
         };
-        let mut visitor = PointVisitor { walk: points, receive: &receive, results: vec![] };
-        walk(&mut visitor)?;
-        let found = visitor.results;
+        let found = points.all_chunks(form.switches(), &receive)?;
         Ok((!found.is_empty()).then(|| found.into_iter().flatten().flatten().collect()))
-    }
-}
-
-/// Takes a visitor through the expressions of a form whose type is forgotten.
-type Walk<'a, R, const D: usize> = &'a mut dyn FnMut(&mut PointVisitor<R, D>) -> Result<(), AssemblyError>;
-
-/// The visitor of the expressions of a form: their values at quadrature points, put together as results of chunks.
-struct PointVisitor<'a, R, const D: usize> {
-    walk: PointWalk<'a, D>,
-    receive: &'a Receive<'a, R, D>,
-    /// Of the chunks of each integral.
-    results: Vec<Vec<R>>,
-}
-
-impl<R: Default + Send, const D: usize> ExpressionVisitor<D> for PointVisitor<'_, R, D> {
-    type Error = AssemblyError;
-
-    fn visit<K: ExpressionKernel<D>>(
-        &mut self,
-        integral: &Integral,
-        kernel: &K,
-    ) -> Result<(), AssemblyError> {
-        self.add(integral, &K::REQUIREMENTS, &|batch, points, range, receive| {
-            each_point(batch, points, range, kernel, receive)
-        })
-    }
-}
-
-impl<R: Default + Send, const D: usize> PointVisitor<'_, R, D> {
-    #[inline(never)]
-    fn add(
-        &mut self,
-        integral: &Integral,
-        requirements: &Requirements,
-        each: EachPoint<D>,
-    ) -> Result<(), AssemblyError> {
-        self.results.push(self.walk.chunks(integral, requirements, each, self.receive)?);
-        Ok(())
     }
 }
 
@@ -159,16 +102,23 @@ struct PointWalk<'a, const D: usize> {
 }
 
 impl<const D: usize> PointWalk<'_, D> {
+    /// The results of the chunks of each term.
+    fn all_chunks<R: Default + Send>(
+        &self,
+        terms: &[Term<PointKernel<D>>],
+        receive: &Receive<R, D>,
+    ) -> Result<Vec<Vec<R>>, AssemblyError> {
+        terms.iter().map(|term| self.chunks(term, receive)).collect()
+    }
+
     /// Calls `receive(result of the chunk, value, weight, position)` at every quadrature point of an integral's
     /// region, and gives the results of all chunks in their order.
     fn chunks<R: Default + Send>(
         &self,
-        integral: &Integral,
-        requirements: &Requirements,
-        each_point: EachPoint<D>,
+        Term { integral, kernel }: &Term<PointKernel<D>>,
         receive: &Receive<R, D>,
     ) -> Result<Vec<R>, AssemblyError> {
-        let mut results = Vec::new();
+        let (requirements, mut results) = (kernel.constants().requirements, Vec::new());
         for group in groups(self.binding, integral, self.quadrature, &self.degrees, requirements)? {
             let (entities, chunks) = (group.entities(), group.entities().div_ceil(CHUNK));
             let parts = self.threads.count().min(chunks).max(1);
@@ -184,7 +134,7 @@ impl<const D: usize> PointWalk<'_, D> {
                     let mut result = R::default();
                     let mut receive =
                         |value: &[f64], weight, x: &[f64; D]| receive(&mut result, value, weight, x);
-                    each_point(&mut batch, group.points(), range, &mut receive)?;
+                    kernel.each_point(&mut batch, group.points(), range, &mut receive)?;
                     results.push(result);
                 }
                 Ok(results)
@@ -204,13 +154,6 @@ type Receive<'a, R, const D: usize> =
 /// Takes the value, weight and position of a quadrature point.
 pub(super) type ReceivePoint<'a, const D: usize> =
     dyn FnMut(&[f64], f64, &[f64; D]) -> Result<(), AssemblyError> + 'a;
-
-/// [`each_point`] of a kernel whose type is forgotten: what surrounds the loops over points is compiled once and not
-/// for every kernel.
-pub(super) type EachPoint<'a, const D: usize> = &'a (
-        dyn Fn(&mut Batch<f64, D>, usize, Range<usize>, &mut ReceivePoint<D>) -> Result<(), AssemblyError>
-            + Sync
-    );
 
 /// Calls `receive(value, weight, position)` at every quadrature point of some of a group's entities, one after the
 /// other.
@@ -234,9 +177,4 @@ pub(super) fn each_point<K: ExpressionKernel<D>, const D: usize>(
     batch.check_weights(range)
 }
 
-compiled_here!(
-    functional: Assembler::<D>::sum_of,
-    Assembler::<D>::switches_of,
-    PointVisitor::<f64, D>::add,
-    PointVisitor::<Vec<u32>, D>::add,
-);
+compiled_here!(functional: Assembler::<D>::sum_of, Assembler::<D>::active_set_of);

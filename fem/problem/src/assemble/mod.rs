@@ -31,6 +31,7 @@ mod element_kernel;
 mod error;
 mod functional;
 mod kernel_calls;
+mod kernels;
 pub(crate) mod projection;
 mod residual;
 mod scatter;
@@ -50,8 +51,11 @@ pub use element_kernel::sizes::{Counted, Fixed, Sizes};
 pub use element_kernel::{ElementCells, ElementKernel, ElementLayout, FieldLayout};
 pub use error::AssemblyError;
 pub use forms_core::contract::Dependence;
+pub use kernels::{Lanes, MatrixKernel, PointKernel, VectorKernel};
 pub use residual::Terms;
 pub use tangent::ElementMatrix;
+#[doc(hidden)]
+pub use tangent::ValuesBefore;
 pub(crate) use walk::degrees::degree_on_all_cells;
 #[doc(hidden)]
 pub use walk::pair_reports::FoundPairs;
@@ -59,7 +63,7 @@ pub use walk::pair_reports::RegionPairs;
 pub use walk::positive_parts::PositivePart;
 
 use self::binding::Binding;
-use self::binding::outline::Described;
+use crate::contract::Function;
 use self::binding::owned_cells::OwnedCells;
 use crate::field::FieldView;
 use crate::lanes::InstructionSet;
@@ -128,7 +132,7 @@ impl<const D: usize> Assembler<D> {
     /// A form's data on the mesh, for integrals over the cells that the assembler owns.
     fn bind<'a>(
         &'a self,
-        form: Described<'a, D>,
+        form: &'a Function<D>,
         unknowns: &[FieldView<'a, D>],
     ) -> Result<Binding<'a, D>, AssemblyError> {
         Ok(Binding::new(form, &self.mesh, unknowns)?.assembled_by(self))

@@ -10,7 +10,8 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use forms_core::contract::{Entity, Expression};
+use forms_core::contract::{Entity};
+use crate::contract::Expression;
 
 use self::loads::{Systems, systems};
 use self::mass::MassByCells;
@@ -45,9 +46,9 @@ impl<const D: usize> Assembler<D> {
     /// # Errors
     /// A wrong number of components, a function that needs a facet, a value that is not finite, data
     /// that do not fit, or a mass matrix that cannot be factored.
-    pub fn project<E: Expression<D>>(
+    pub fn project(
         &self,
-        expression: &E,
+        expression: &Expression<D>,
         space: &Arc<Space<D>>,
     ) -> Result<Field<D>, AssemblyError>
     where

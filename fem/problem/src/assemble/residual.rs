@@ -1,20 +1,19 @@
 //! Residual vectors: R(u; φ_i e_a) for every test basis function.
 
-use std::ops::Range;
 use std::sync::Arc;
 
-use forms_core::contract::{Form, Integral, LinearKernel, LinearVisitor, Requirements, Role};
+use forms_core::contract::{Role, Term};
 
 use super::batch::Cells;
 use super::binding::Binding;
-use super::binding::outline::Described;
 use super::kernel_calls::vectors::ElementVectors;
 use super::scatter::VectorScatter;
 use super::walk::groups;
 use super::{Assembler, AssemblyError, Parts};
-use crate::assemble::kernel_calls::sink::Deliver;
+use super::kernels::VectorKernel;
 use crate::assemble::scatter::group_nodes::GroupNodes;
 use crate::compiled_here::compiled_here;
+use crate::contract::{Form, Function};
 use crate::field::{Field, FieldView, views};
 use crate::lanes::InstructionSet;
 use crate::quadrature::Quadrature;
@@ -26,9 +25,9 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// As [`Assembler::residual`].
-    pub fn linear_form<F: Form<D>>(
+    pub fn linear_form(
         &self,
-        form: &F,
+        form: &Form<D>,
         space: &Arc<Space<D>>,
     ) -> Result<Vec<f64>, AssemblyError> {
         self.residual(form, &[], &[space])
@@ -38,9 +37,9 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// An [`AssemblyError`] that names the form and what does not fit.
-    pub fn residual<F: Form<D>>(
+    pub fn residual(
         &self,
-        form: &F,
+        form: &Form<D>,
         unknowns: &[&Field<D>],
         tests: &[&Arc<Space<D>>],
     ) -> Result<Vec<f64>, AssemblyError> {
@@ -51,9 +50,9 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// As there.
-    pub fn residual_parts<F: Form<D>>(
+    pub fn residual_parts(
         &self,
-        form: &F,
+        form: &Form<D>,
         unknowns: &[&Field<D>],
         tests: &[&Arc<Space<D>>],
         parts: Parts,
@@ -62,14 +61,16 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// [`Assembler::residual_parts`] at coefficients that need not be those of a field.
-    pub(crate) fn residual_of<F: Form<D>>(
+    #[doc(hidden)]
+    #[inline(never)]
+    pub fn residual_of(
         &self,
-        form: &F,
+        form: &Function<D>,
         unknowns: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
         parts: Parts,
     ) -> Result<Vec<f64>, AssemblyError> {
-        self.whole_or_parts(Described::of(form), (unknowns, tests), (parts, &[]), &mut walk(form))
+        self.residual_by(form, (unknowns, tests), parts, &[])
     }
 
     /// The residual of a form without unknowns, except for the integrals of some of its test functions, by their numbers: zero in their
@@ -77,13 +78,34 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// As [`Assembler::residual`].
-    pub(crate) fn residual_without<F: Form<D>>(
+    #[doc(hidden)]
+    #[inline(never)]
+    pub fn residual_without(
         &self,
-        form: &F,
+        form: &Function<D>,
         tests: &[&Arc<Space<D>>],
         left_out: &[usize],
     ) -> Result<Vec<f64>, AssemblyError> {
-        self.whole_or_parts(Described::of(form), (&[], tests), (Parts::ALL, left_out), &mut walk(form))
+        self.residual_by(form, (&[], tests), Parts::ALL, left_out)
+    }
+
+    fn residual_by(
+        &self,
+        form: &Function<D>,
+        (unknowns, tests): (&[FieldView<D>], &[&Arc<Space<D>>]),
+        parts: Parts,
+        left_out: &[usize],
+    ) -> Result<Vec<f64>, AssemblyError> {
+        let binding = self.bind(form, unknowns)?;
+        let is_asked = |term: &&Term<VectorKernel<D>>| {
+            parts.contain(term.integral.dependence) && !left_out.contains(&term.integral.test)
+        };
+        // The parts of an integral may have rules of their own; one rule for all makes the whole their sum.
+        let terms: Vec<_> = match parts == Parts::ALL && !self.quadrature.follows_estimates() {
+            true => form.joined_residual().filter(is_asked).collect(),
+            false => form.residual().iter().filter(is_asked).collect(),
+        };
+        self.sum_of_terms(binding, tests, &terms, Added::Vectors)
     }
 
     /// The residual of the constant and linear integrals where the unknowns are zero. Those that are proved to vanish there are not
@@ -91,45 +113,18 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// As [`Assembler::residual`].
-    pub(crate) fn load<F: Form<D>>(
-        &self,
-        form: &F,
-        tests: &[&Arc<Space<D>>],
-    ) -> Result<Vec<f64>, AssemblyError> {
-        self.load_of(Described::of(form), tests, &mut walk(form))
-    }
-
+    #[doc(hidden)]
     #[inline(never)]
-    fn load_of(
-        &self,
-        form: Described<D>,
-        tests: &[&Arc<Space<D>>],
-        walk: WalkResidual<D>,
-    ) -> Result<Vec<f64>, AssemblyError> {
+    pub fn load(&self, form: &Function<D>, tests: &[&Arc<Space<D>>]) -> Result<Vec<f64>, AssemblyError> {
         let zero: Vec<Field<D>> = tests.iter().map(|space| Field::zero(space)).collect();
         let unknowns = views(&zero.iter().collect::<Vec<_>>());
         let binding = self.bind(form, &unknowns)?;
-        self.linear_integrals(binding, tests, Parts::LINEAR_AND_CONSTANT, &mut |visitor| {
-            visitor.at_zero = true;
-            walk(visitor, Integrals::Apart)
-        })
-    }
-
-    #[inline(never)]
-    fn whole_or_parts(
-        &self,
-        form: Described<D>,
-        (unknowns, tests): (&[FieldView<D>], &[&Arc<Space<D>>]),
-        (parts, left_out): (Parts, &[usize]),
-        walk: WalkResidual<D>,
-    ) -> Result<Vec<f64>, AssemblyError> {
-        // The parts of an integral may have rules of their own; one rule for all makes the whole their sum.
-        let whole = parts == Parts::ALL && !self.quadrature.follows_estimates();
-        let integrals = if whole { Integrals::Whole } else { Integrals::Apart };
-        self.linear_integrals(self.bind(form, unknowns)?, tests, parts, &mut |visitor| {
-            visitor.left_out = left_out.to_vec();
-            walk(visitor, integrals)
-        })
+        let parts = Parts::LINEAR_AND_CONSTANT;
+        let terms = form.residual().iter();
+        let terms: Vec<_> = terms
+            .filter(|term| parts.contain(term.integral.dependence) && !term.integral.vanishes)
+            .collect();
+        self.sum_of_terms(binding, tests, &terms, Added::Vectors)
     }
 
     /// The size of the terms that are summed in each entry of the residual: contributions of cells and facets, each integral by
@@ -137,38 +132,27 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// As [`Assembler::residual`].
-    pub(crate) fn sizes_of_contributions<F: Form<D>>(
+    #[doc(hidden)]
+    #[inline(never)]
+    pub fn sizes_of_contributions(
         &self,
-        form: &F,
+        form: &Function<D>,
         unknowns: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
         terms: Terms,
     ) -> Result<Vec<f64>, AssemblyError> {
-        self.sizes_of(Described::of(form), (unknowns, tests), terms, &mut walk(form))
+        let all: Vec<_> = form.residual().iter().collect();
+        self.sum_of_terms(self.bind(form, unknowns)?, tests, &all, Added::Sizes(terms))
     }
 
+    /// The sum of some terms of a form that is bound.
     #[inline(never)]
-    fn sizes_of(
-        &self,
-        form: Described<D>,
-        (unknowns, tests): (&[FieldView<D>], &[&Arc<Space<D>>]),
-        terms: Terms,
-        walk: WalkResidual<D>,
-    ) -> Result<Vec<f64>, AssemblyError> {
-        self.linear_integrals(self.bind(form, unknowns)?, tests, Parts::ALL, &mut |visitor| {
-            visitor.added = Added::Sizes(terms);
-            walk(visitor, Integrals::Apart)
-        })
-    }
-
-    /// The sum of the integrals that a form hands to the visitor.
-    #[inline(never)]
-    pub(super) fn linear_integrals(
+    pub(super) fn sum_of_terms(
         &self,
         mut binding: Binding<D>,
         tests: &[&Arc<Space<D>>],
-        parts: Parts,
-        walk: &mut dyn FnMut(&mut VectorVisitor<D>) -> Result<(), AssemblyError>,
+        terms: &[&Term<VectorKernel<D>>],
+        added: Added,
     ) -> Result<Vec<f64>, AssemblyError> {
         binding.check_tests(tests, &self.mesh)?;
         let elements = tests.iter().map(|space| binding.element(space)).collect();
@@ -177,7 +161,7 @@ impl<const D: usize> Assembler<D> {
             offsets.push(offsets[offsets.len() - 1] + space.unknowns());
         }
         let degrees = binding.degrees(tests);
-        let mut visitor = VectorVisitor {
+        let mut sum = VectorSum {
             binding: &binding,
             quadrature: &self.quadrature,
             threads: self.threads,
@@ -186,41 +170,18 @@ impl<const D: usize> Assembler<D> {
             elements,
             vector: vec![0.0; offsets[tests.len()]],
             offsets,
-            parts,
-            left_out: vec![],
-            at_zero: false,
-            added: Added::Vectors,
+            added,
             set: self.instructions,
         };
-        walk(&mut visitor)?;
-        Ok(visitor.vector)
-    }
-}
-
-/// Hands a form's integrals to the visitor; the form's type is forgotten.
-type WalkResidual<'a, const D: usize> =
-    &'a mut dyn FnMut(&mut VectorVisitor<D>, Integrals) -> Result<(), AssemblyError>;
-
-/// Integrals of a residual.
-#[derive(Clone, Copy)]
-enum Integrals {
-    /// Those that depend on the unknowns in different ways apart ([`Form::residual`]).
-    Apart,
-    /// One for all of a region ([`Form::whole_residual`]).
-    Whole,
-}
-
-fn walk<F: Form<D>, const D: usize>(
-    form: &F,
-) -> impl FnMut(&mut VectorVisitor<D>, Integrals) -> Result<(), AssemblyError> {
-    |visitor, integrals| match integrals {
-        Integrals::Apart => form.residual(visitor),
-        Integrals::Whole => form.whole_residual(visitor),
+        for term in terms {
+            sum.integrate(term)?;
+        }
+        Ok(sum.vector)
     }
 }
 
 /// Adds up integrals that are linear in a test function.
-pub(super) struct VectorVisitor<'a, const D: usize> {
+struct VectorSum<'a, const D: usize> {
     binding: &'a Binding<'a, D>,
     quadrature: &'a Quadrature<D>,
     threads: Threads,
@@ -229,18 +190,13 @@ pub(super) struct VectorVisitor<'a, const D: usize> {
     elements: Vec<usize>,
     offsets: Vec<usize>,
     vector: Vec<f64>,
-    parts: Parts,
-    /// Test functions whose integrals are not visited, by their numbers.
-    left_out: Vec<usize>,
-    /// Unknowns are zero, and integrals that vanish there are not visited.
-    at_zero: bool,
     added: Added,
     set: InstructionSet,
 }
 
 /// Amounts that are added up.
 #[derive(Clone, Copy)]
-enum Added {
+pub(super) enum Added {
     /// Element vectors.
     Vectors,
     /// Sizes of element vectors.
@@ -259,38 +215,15 @@ pub enum Terms {
     OfCellsByComponent,
 }
 
-impl<const D: usize> LinearVisitor<D> for VectorVisitor<'_, D> {
-    type Error = AssemblyError;
-
-    fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), AssemblyError> {
-        let left_out = self.left_out.contains(&integral.test) || (self.at_zero && integral.vanishes);
-        if left_out || !self.parts.contain(integral.dependence) {
-            return Ok(());
-        }
-        let set = self.set;
-        let compute: Compute<D> = &|task, entities, deliver| task.compute(kernel, set, entities, deliver);
-        self.integrate(integral, &K::REQUIREMENTS, K::TEST_COMPONENTS, compute)
-    }
-}
-
-/// Computes element vectors by a kernel whose type is forgotten: what surrounds the loops over cells is compiled once
-/// and not for every kernel.
-type Compute<'a, const D: usize> =
-    &'a (dyn Fn(&ElementVectors<D>, Range<usize>, Deliver) -> Result<(), AssemblyError> + Sync);
-
-impl<const D: usize> VectorVisitor<'_, D> {
+impl<const D: usize> VectorSum<'_, D> {
     #[inline(never)]
-    fn integrate(
-        &mut self,
-        integral: &Integral,
-        requirements: &Requirements,
-        components: usize,
-        compute: Compute<D>,
-    ) -> Result<(), AssemblyError> {
+    fn integrate(&mut self, term: &Term<VectorKernel<D>>) -> Result<(), AssemblyError> {
+        let (integral, constants, set) = (term.integral, term.kernel.constants(), self.set);
+        let components = constants.components;
         let space = self.tests[integral.test];
         let offset = self.offsets[integral.test];
         let name = self.binding.name_of(Role::Test(integral.test));
-        for group in groups(self.binding, integral, self.quadrature, &self.degrees, requirements)? {
+        for group in groups(self.binding, integral, self.quadrature, &self.degrees, constants.requirements)? {
             let side = group.side(self.binding.name, integral.test_side)?;
             group.check_support(self.binding.name, name, space, side)?;
             let element = self.elements[integral.test];
@@ -304,7 +237,7 @@ impl<const D: usize> VectorVisitor<'_, D> {
             let parts = scatter.parts(&partition, values);
             let done = self.threads.run(parts, |(entities, mut part)| {
                 let mut sizes = Vec::new();
-                compute(&task, entities, &mut |first, vectors| {
+                term.kernel.compute(&task, set, entities, &mut |first, vectors| {
                     let added = match added {
                         Added::Vectors => vectors,
                         Added::Sizes(Terms::OfRows) => {
@@ -348,9 +281,10 @@ fn spread_largest(vector: &[f64], stride: usize, sizes: &mut [f64]) {
 }
 
 compiled_here!(
-    residual: VectorVisitor::<D>::integrate,
-    Assembler::<D>::linear_integrals,
-    Assembler::<D>::load_of,
-    Assembler::<D>::sizes_of,
-    Assembler::<D>::whole_or_parts,
+    residual: VectorSum::<D>::integrate,
+    Assembler::<D>::sum_of_terms,
+    Assembler::<D>::load,
+    Assembler::<D>::sizes_of_contributions,
+    Assembler::<D>::residual_of,
+    Assembler::<D>::residual_without,
 );

@@ -1,21 +1,21 @@
 //! Tangent matrices: ∂R/∂u applied to every trial basis function, tested with every test basis function.
 
-use std::ops::Range;
 use std::sync::Arc;
 
-use forms_core::contract::{BilinearKernel, BilinearVisitor, Form, Integral, Requirements, Role, Side};
+use forms_core::contract::{Integral, Role, Side, Term};
 
 use super::batch::Cells;
 use super::binding::Binding;
 use super::kernel_calls::matrices::ElementMatrices;
 use super::scatter::MatrixScatter;
+use super::kernels::MatrixKernel;
 use super::walk::{Group, groups};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
-use crate::assemble::binding::outline::{Described, Outline};
-use crate::assemble::kernel_calls::sink::Deliver;
+use crate::assemble::binding::outline::Outline;
 use crate::assemble::scatter::block_finders::{BlockPlaces, ChosenPairs};
 use crate::assemble::scatter::group_nodes::{GroupNodes, Reading, seen_places};
 use crate::compiled_here::compiled_here;
+use crate::contract::{Form, Function};
 use crate::field::{Field, FieldView, views};
 use crate::lanes::InstructionSet;
 use crate::linear_algebra::{BlockMatrix, CsrMatrix, LinearAlgebraError};
@@ -30,9 +30,9 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// An [`AssemblyError`] that names the form and what does not fit.
-    pub fn tangent<F: Form<D>>(
+    pub fn tangent(
         &self,
-        form: &F,
+        form: &Form<D>,
         unknowns: &[&Field<D>],
         tests: &[&Arc<Space<D>>],
     ) -> Result<CsrMatrix, AssemblyError> {
@@ -49,16 +49,17 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// As [`Assembler::tangent`]; then the values mean nothing.
-    pub fn assemble_tangent<F: Form<D>>(
+    pub fn assemble_tangent(
         &self,
-        form: &F,
+        form: &Form<D>,
         unknowns: &[&Field<D>],
         tests: &[&Arc<Space<D>>],
         parts: Parts,
         pattern: &BlockPattern<D>,
         matrix: &mut BlockMatrix,
     ) -> Result<(), AssemblyError> {
-        self.tangent_of(form, &views(unknowns), tests, parts, pattern, matrix, false)
+        let arguments = (&views(unknowns)[..], tests);
+        self.write_tangent(form, arguments, parts, pattern, matrix, ValuesBefore::Vanish)
     }
 
     /// Adds the tangent of some of the integrals to a matrix on the pattern, which must be of the same spaces and
@@ -66,56 +67,46 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// As [`Assembler::tangent`].
-    pub fn add_tangent<F: Form<D>>(
+    pub fn add_tangent(
         &self,
-        form: &F,
+        form: &Form<D>,
         unknowns: &[&Field<D>],
         tests: &[&Arc<Space<D>>],
         parts: Parts,
         pattern: &BlockPattern<D>,
         matrix: &mut BlockMatrix,
     ) -> Result<(), AssemblyError> {
-        self.tangent_of(form, &views(unknowns), tests, parts, pattern, matrix, true)
+        let arguments = (&views(unknowns)[..], tests);
+        self.write_tangent(form, arguments, parts, pattern, matrix, ValuesBefore::Count)
     }
 
-    /// [`Assembler::add_tangent`] if the values of the matrix count, else [`Assembler::assemble_tangent`].
-    #[allow(clippy::too_many_arguments)]
-    pub(crate) fn tangent_of<F: Form<D>>(
+    /// Writes the tangent of some of the integrals to a matrix on the pattern.
+    ///
+    /// # Errors
+    /// As [`Assembler::tangent`].
+    #[doc(hidden)]
+    #[inline(never)]
+    pub fn write_tangent(
         &self,
-        form: &F,
-        unknowns: &[FieldView<D>],
-        tests: &[&Arc<Space<D>>],
+        form: &Function<D>,
+        (unknowns, tests): (&[FieldView<D>], &[&Arc<Space<D>>]),
         parts: Parts,
         pattern: &BlockPattern<D>,
         matrix: &mut BlockMatrix,
-        count: bool,
-    ) -> Result<(), AssemblyError> {
-        let walk: WalkTangent<D> = &mut |visitor| form.tangent(visitor);
-        self.write_matrix((Described::of(form), walk), unknowns, tests, parts, (pattern, matrix), count)
-    }
-
-    #[inline(never)]
-    fn write_matrix(
-        &self,
-        (form, walk): (Described<D>, WalkTangent<D>),
-        unknowns: &[FieldView<D>],
-        tests: &[&Arc<Space<D>>],
-        parts: Parts,
-        (pattern, matrix): (&BlockPattern<D>, &mut BlockMatrix),
-        count: bool,
+        values_before: ValuesBefore,
     ) -> Result<(), AssemblyError> {
         let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|view| view.space).collect();
-        pattern.check(&form, tests, &trials)?;
+        pattern.check(form, tests, &trials)?;
         let (own, given) = (matrix.sparsity(), pattern.sparsity());
         if !Arc::ptr_eq(own, given) && **own != **given {
             let source = LinearAlgebraError::PatternMismatch { what: "assembling a matrix" };
             return Err(AssemblyError::LinearAlgebra { form: form.name(), source });
         }
-        let mut written = vec![count; tests.len() * trials.len()];
+        let mut written = vec![values_before == ValuesBefore::Count; tests.len() * trials.len()];
         let (values, zeros) = matrix.values_and_zero_rows();
         let target =
             Target::Matrix { pattern, values: &mut *values, zeros: &mut *zeros, written: &mut written };
-        let done = self.walk_tangent((form, walk), unknowns, tests, parts, target);
+        let done = self.integrate_tangent(form, unknowns, tests, parts, target);
         if done.is_err() {
             // Some thread may have left its rows as they were.
             zeros.fill(false);
@@ -136,23 +127,21 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// As [`Assembler::tangent`].
-    pub fn element_matrices<F: Form<D>>(
+    pub fn element_matrices(
         &self,
-        form: &F,
+        form: &Form<D>,
         unknowns: &[&Field<D>],
         tests: &[&Arc<Space<D>>],
     ) -> Result<Vec<ElementMatrix>, AssemblyError> {
         let mut found = Vec::new();
-        let walk: WalkTangent<D> = &mut |visitor| form.tangent(visitor);
-        let form = (Described::of(form), walk);
-        self.walk_tangent(form, &views(unknowns), tests, Parts::ALL, Target::Elements(&mut found))?;
+        self.integrate_tangent(form, &views(unknowns), tests, Parts::ALL, Target::Elements(&mut found))?;
         Ok(found)
     }
 
     #[inline(never)]
-    fn walk_tangent(
+    fn integrate_tangent(
         &self,
-        (form, walk): (Described<D>, WalkTangent<D>),
+        form: &Function<D>,
         unknowns: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
         parts: Parts,
@@ -165,7 +154,7 @@ impl<const D: usize> Assembler<D> {
         let trial_elements = trials.iter().map(|space| binding.element(space)).collect();
         let degrees = binding.degrees(tests);
         let (binding, quadrature) = (&binding, &self.quadrature);
-        walk(&mut TangentVisitor {
+        let mut tangent = TangentIntegrals {
             binding,
             quadrature,
             threads: self.threads,
@@ -175,14 +164,22 @@ impl<const D: usize> Assembler<D> {
             test_elements,
             trial_elements,
             target,
-            parts,
             set: self.instructions,
-        })
+        };
+        let asked = form.tangent().iter().filter(|term| parts.contain(term.integral.dependence));
+        asked.map(|term| tangent.integrate(term)).collect()
     }
 }
 
-/// Hands a form's integrals to the visitor; the form's type is forgotten.
-type WalkTangent<'a, const D: usize> = &'a mut dyn FnMut(&mut TangentVisitor<D>) -> Result<(), AssemblyError>;
+/// What becomes of the values that a matrix has.
+#[derive(Clone, Copy, PartialEq)]
+#[doc(hidden)]
+pub enum ValuesBefore {
+    /// A tangent is added to them.
+    Count,
+    /// It replaces them.
+    Vanish,
+}
 
 /// The contribution of one cell or facet.
 #[derive(Clone, Debug, PartialEq)]
@@ -216,7 +213,8 @@ enum Target<'a, const D: usize> {
     Elements(&'a mut Vec<ElementMatrix>),
 }
 
-struct TangentVisitor<'a, const D: usize> {
+/// The integrals of a tangent on their way to a target.
+struct TangentIntegrals<'a, const D: usize> {
     binding: &'a Binding<'a, D>,
     quadrature: &'a Quadrature<D>,
     threads: Threads,
@@ -226,52 +224,14 @@ struct TangentVisitor<'a, const D: usize> {
     test_elements: Vec<usize>,
     trial_elements: Vec<usize>,
     target: Target<'a, D>,
-    parts: Parts,
     set: InstructionSet,
 }
 
-impl<const D: usize> BilinearVisitor<D> for TangentVisitor<'_, D> {
-    type Error = AssemblyError;
-
-    fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), AssemblyError> {
-        if !self.parts.contain(integral.dependence) {
-            return Ok(());
-        }
-        let set = self.set;
-        self.integrate(
-            integral,
-            Block {
-                requirements: &K::REQUIREMENTS,
-                components: [K::TEST_COMPONENTS, K::TRIAL_COMPONENTS],
-                symmetric: K::SYMMETRIC,
-            },
-            &|task, entities, deliver| task.compute(kernel, set, entities, deliver),
-        )
-    }
-}
-
-/// The shape of a kernel's blocks, without the kernel's type.
-struct Block<'a> {
-    requirements: &'a Requirements,
-    /// Rows and columns.
-    components: [usize; 2],
-    symmetric: bool,
-}
-
-/// Computes element matrices by a kernel whose type is forgotten: what surrounds the loops over cells is compiled once
-/// and not for every kernel.
-type Compute<'a, const D: usize> =
-    &'a (dyn Fn(&ElementMatrices<D>, Range<usize>, Deliver) -> Result<(), AssemblyError> + Sync);
-
-impl<const D: usize> TangentVisitor<'_, D> {
+impl<const D: usize> TangentIntegrals<'_, D> {
     #[inline(never)]
-    fn integrate(
-        &mut self,
-        integral: &Integral,
-        kernel: Block,
-        compute: Compute<D>,
-    ) -> Result<(), AssemblyError> {
-        let [height, width] = kernel.components;
+    fn integrate(&mut self, term: &Term<MatrixKernel<D>>) -> Result<(), AssemblyError> {
+        let (integral, constants, set) = (term.integral, term.kernel.constants(), self.set);
+        let [height, width] = constants.components;
         let (test, trial) = (self.tests[integral.test], self.trials[integral.trial]);
         let form = self.binding.name;
         let names = [
@@ -279,9 +239,9 @@ impl<const D: usize> TangentVisitor<'_, D> {
             self.binding.name_of(Role::Unknown(integral.trial)),
         ];
         // Half of the pairs suffice when test and trial nodes are the same.
-        let reading = Reading::of_arguments(kernel.requirements);
+        let reading = Reading::of_arguments(constants.requirements);
         let same_nodes = Arc::ptr_eq(test, trial) && integral.test_side == integral.trial_side;
-        for group in groups(self.binding, integral, self.quadrature, &self.degrees, kernel.requirements)? {
+        for group in groups(self.binding, integral, self.quadrature, &self.degrees, constants.requirements)? {
             let sides = [group.side(form, integral.test_side)?, group.side(form, integral.trial_side)?];
             group.check_support(form, names[0], test, sides[0])?;
             group.check_support(form, names[1], trial, sides[1])?;
@@ -298,13 +258,13 @@ impl<const D: usize> TangentVisitor<'_, D> {
                 cells: Cells::Mesh(self.binding.mesh),
                 sides,
                 elements: [self.test_elements[integral.test], self.trial_elements[integral.trial]],
-                symmetric: kernel.symmetric && same_nodes && seen[0] == seen[1],
+                symmetric: constants.symmetric && same_nodes && seen[0] == seen[1],
                 seen,
             };
             let nodes = task.nodes();
             let size = nodes[0] * nodes[1] * height * width;
             match &mut self.target {
-                Target::Elements(found) => compute(&task, 0..group.entities(), &mut |first, matrices| {
+                Target::Elements(found) => term.kernel.compute(&task, set, 0..group.entities(), &mut |first, matrices| {
                     for (number, matrix) in matrices.chunks_exact(size).enumerate() {
                         found.push(element_matrix(integral, &group, first + number, (test, trial), matrix));
                     }
@@ -346,8 +306,8 @@ impl<const D: usize> TangentVisitor<'_, D> {
                     let parts = scatter.parts(&partition, (&mut *values, &mut *zeros), *written);
                     let missing = || AssemblyError::Pattern { form, test: names[0], trial: names[1] };
                     let done = self.threads.run(parts, |(entities, mut part)| {
-                        compute(&task, entities, &mut |first, matrices| {
-                            scatter.add(self.set, first, matrices, &mut part).ok_or_else(missing)
+                        term.kernel.compute(&task, set, entities, &mut |first, matrices| {
+                            scatter.add(set, first, matrices, &mut part).ok_or_else(missing)
                         })?;
                         Ok(scatter.finish(part))
                     });
@@ -394,4 +354,8 @@ fn element_matrix<const D: usize>(
     ElementMatrix { cell, facet, opposite, sides, rows, columns, values }
 }
 
-compiled_here!(tangent: TangentVisitor::<D>::integrate, Assembler::<D>::write_matrix, Assembler::<D>::walk_tangent);
+compiled_here!(
+    tangent: TangentIntegrals::<D>::integrate,
+    Assembler::<D>::write_tangent,
+    Assembler::<D>::integrate_tangent,
+);

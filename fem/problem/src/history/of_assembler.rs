@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::{Entity, Expression, History, Pairing, QuadratureValues, Source};
+use forms_core::contract::{Entity, History, Pairing, QuadratureValues, Source};
+use crate::contract::Expression;
 use forms_core::source::FieldValue;
 
 use super::{HistoryMismatch, PointStorage};
@@ -120,9 +121,9 @@ impl<const D: usize> Assembler<D> {
     /// # Errors
     /// A wrong number of components, a value that is not finite, or data that do not fit; nothing is written
     /// then.
-    pub fn update_history<V: FieldValue, E: Expression<D>>(
+    pub fn update_history<V: FieldValue>(
         &self,
-        expression: &E,
+        expression: &Expression<D>,
         history: &History<V, D>,
     ) -> Result<(), AssemblyError> {
         let form = expression.name();

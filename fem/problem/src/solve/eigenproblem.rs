@@ -3,15 +3,14 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use forms_core::contract::Form;
 use thiserror::Error;
 
-use super::any_form::Held;
-use super::problem::UntypedProblem;
+use super::problem::Problem;
 use super::{Elimination, NonlinearProblem, PerUnknown, SolverError};
 use crate::assemble::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
 use crate::constraints::Constraints;
+use crate::contract::Form;
 use crate::field::Field;
 use crate::linear_algebra::{EigenError, LinearAlgebraError, Positive, SymmetricPencil};
 use crate::space::Space;
@@ -53,8 +52,8 @@ use crate::space::Space;
 /// # }
 /// ```
 pub struct Eigenproblem<'a, const D: usize, const N: usize = 1> {
-    stiffness: UntypedProblem<'a, D, N>,
-    other: UntypedProblem<'a, D, N>,
+    stiffness: Problem<'a, D, N>,
+    other: Problem<'a, D, N>,
     positive: Positive,
     about: Option<[&'a Field<D>; N]>,
 }
@@ -110,28 +109,28 @@ pub enum EigenproblemError {
 impl<'a, const D: usize, const N: usize> Eigenproblem<'a, D, N> {
     /// K x = λ M x of a form and its mass, which is positive, or zero on some unknowns; spaces as for a
     /// [`Problem`](super::Problem).
-    pub fn vibration<'s, K: Form<D>, M: Form<D>>(
-        stiffness: &'a K,
-        mass: &'a M,
+    pub fn vibration<'s>(
+        stiffness: &Form<D>,
+        mass: &Form<D>,
         spaces: impl PerUnknown<'s, Arc<Space<D>>, N>,
     ) -> Self {
-        Self::of([Held::Lent(stiffness), Held::Lent(mass)], spaces.per_unknown(), Positive::Second)
+        Self::of([stiffness, mass], spaces.per_unknown(), Positive::Second)
     }
 
     /// K x = −λ K_G x of a form that is positive definite under the constraints, and of the geometric stiffness.
-    pub fn buckling<'s, K: Form<D>, G: Form<D>>(
-        stiffness: &'a K,
-        geometric: &'a G,
+    pub fn buckling<'s>(
+        stiffness: &Form<D>,
+        geometric: &Form<D>,
         spaces: impl PerUnknown<'s, Arc<Space<D>>, N>,
     ) -> Self {
-        Self::of([Held::Lent(stiffness), Held::Lent(geometric)], spaces.per_unknown(), Positive::First)
+        Self::of([stiffness, geometric], spaces.per_unknown(), Positive::First)
     }
 
     #[inline(never)]
-    fn of([stiffness, other]: [Held<'a, D>; 2], spaces: [&Arc<Space<D>>; N], positive: Positive) -> Self {
+    fn of([stiffness, other]: [&Form<D>; 2], spaces: [&Arc<Space<D>>; N], positive: Positive) -> Self {
         Eigenproblem {
-            stiffness: UntypedProblem::new(stiffness, spaces),
-            other: UntypedProblem::new(other, spaces),
+            stiffness: Problem::on_spaces(stiffness.clone(), spaces),
+            other: Problem::on_spaces(other.clone(), spaces),
             positive,
             about: None,
         }

@@ -2,7 +2,7 @@
 //! follow the iterate, and those of the linear ones stay with their factor.
 
 use super::linear_part::System;
-use crate::assemble::{AssemblyError, BlockPattern, Parts};
+use crate::assemble::{AssemblyError, BlockPattern, Outline, Parts, ValuesBefore};
 use crate::field::Field;
 use crate::linear_algebra::BlockMatrix;
 use crate::linear_algebra::vector::add_scaled;
@@ -24,6 +24,8 @@ pub(super) struct Nonlinear<const D: usize> {
     /// The rows with entries, and the unknowns that are read.
     pub rows: Vec<usize>,
     pub reads: Vec<usize>,
+    /// The iterate of the matrix.
+    iterate: Option<Vec<f64>>,
 }
 
 impl<const D: usize, const N: usize> System<'_, D, N> {
@@ -31,18 +33,19 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     /// that serves.
     pub fn assemble_parts(&self, commits: u64) -> Result<Option<SplitSystem<D>>, AssemblyError> {
         let parts = Parts::LINEAR_AND_CONSTANT;
-        let outline = self.form.outline(parts);
+        let outline = Outline::of(&self.form, parts);
         let zero = self.spaces.each_ref().map(Field::zero);
         let (zero, spaces) = (zero.each_ref(), self.spaces.each_ref());
         let views = zero.map(Field::view);
-        if !outline.has_tangent() || BlockPattern::couples_cells(&self.form.outline(Parts::NONLINEAR)) {
+        if !outline.has_tangent() || BlockPattern::couples_cells(&Outline::of(&self.form, Parts::NONLINEAR)) {
             return Ok(None);
         }
         let pattern = BlockPattern::at_iterate(&outline, &spaces, &views, &self.assembler)?;
-        let mut load = self.form.residual(&self.assembler, &views, &spaces, parts)?;
+        let mut load = self.assembler.residual_of(&self.form, &views, &spaces, parts)?;
         self.for_each_load(|unknown, force| load[unknown] -= force)?;
         let mut linear = BlockMatrix::zero(pattern.sparsity());
-        self.form.assemble_tangent(&self.assembler, (&views, &spaces), parts, &pattern, &mut linear)?;
+        let (arguments, vanish) = ((&views[..], &spaces[..]), ValuesBefore::Vanish);
+        self.assembler.write_tangent(&self.form, arguments, parts, &pattern, &mut linear, vanish)?;
         Ok(Some(SplitSystem { commits, load, linear, nonlinear: None }))
     }
 
@@ -62,8 +65,12 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         split: &'p mut SplitSystem<D>,
         u: &[f64],
     ) -> Result<&'p Nonlinear<D>, AssemblyError> {
+        // A judgement of the iterate may have asked for it before the next step does.
+        if let Some(known) = split.nonlinear.take_if(|known| known.iterate.as_deref() == Some(u)) {
+            return Ok(split.nonlinear.insert(known));
+        }
         let (spaces, views) = (self.spaces.each_ref(), self.views(u)?);
-        let outline = self.form.outline(Parts::NONLINEAR);
+        let outline = Outline::of(&self.form, Parts::NONLINEAR);
         let known = match split.nonlinear.take() {
             Some(known) if known.pattern.covers(&outline, &views)? => Some(known),
             _ => None,
@@ -75,11 +82,13 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
                 let reads = pattern.read_unknowns(&outline)?;
                 let matrix = BlockMatrix::zero(pattern.sparsity());
                 let rows = (0..matrix.rows()).filter(|row| matrix.row(*row).next().is_some()).collect();
-                Nonlinear { pattern, matrix, rows, reads }
+                Nonlinear { pattern, matrix, rows, reads, iterate: None }
             }
         };
         let Nonlinear { pattern, matrix, .. } = &mut nonlinear;
-        self.form.assemble_tangent(&self.assembler, (&views, &spaces), Parts::NONLINEAR, pattern, matrix)?;
+        let (arguments, vanish) = ((&views[..], &spaces[..]), ValuesBefore::Vanish);
+        self.assembler.write_tangent(&self.form, arguments, Parts::NONLINEAR, pattern, matrix, vanish)?;
+        nonlinear.iterate = Some(u.to_vec());
         Ok(split.nonlinear.insert(nonlinear))
     }
 }

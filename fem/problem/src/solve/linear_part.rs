@@ -7,11 +7,12 @@ use std::sync::Arc;
 
 use forms_core::contract::Role;
 
-use super::any_form::Held;
 use super::rigid_loads::RigidLoads;
 use crate::assemble::{
-    Assembler, AssemblyError, BlockPattern, FoundPairs, Parts, RegionPairs, Terms, TouchedEntries,
+    Assembler, AssemblyError, BlockPattern, FoundPairs, Outline, Parts, RegionPairs, Terms, TouchedEntries,
+    ValuesBefore,
 };
+use crate::contract::Form;
 use crate::field::{Field, FieldView, views};
 use crate::linear_algebra::error::check_size;
 use crate::linear_algebra::vector::{add_scaled, is_finite};
@@ -20,7 +21,7 @@ use crate::space::Space;
 
 /// A form, the spaces of its unknowns and test functions, and who assembles it.
 pub(super) struct System<'a, const D: usize, const N: usize> {
-    pub form: Held<'a, D>,
+    pub form: Form<D>,
     pub assembler: Cow<'a, Assembler<D>>,
     /// Who assembles the nonlinear integrals at an iterate, where that depends on the iterate.
     pub assembler_at: Option<AssemblerAt<'a, D>>,
@@ -43,9 +44,10 @@ pub(super) struct Assembled {
     load: Vec<f64>,
     /// Whether there are linear integrals.
     linear: bool,
-    /// The tangent of the linear integrals; if `updated`, also that of the others at some iterate.
+    /// The tangent of the linear integrals; if `iterate` is known, also that of the others there.
     matrix: BlockMatrix,
-    updated: bool,
+    /// The iterate of the last update.
+    iterate: Option<Vec<f64>>,
     /// The entries that the nonlinear integrals touch, and the linear ones' values there (none without linear integrals).
     touched: TouchedEntries,
     linear_values: Vec<f64>,
@@ -54,7 +56,7 @@ pub(super) struct Assembled {
 impl Assembled {
     /// Takes the nonlinear integrals out of the matrix, in a time proportional to what they touch.
     fn restore(&mut self) {
-        if !std::mem::replace(&mut self.updated, false) {
+        if self.iterate.take().is_none() {
             return;
         }
         let mut linear = &self.linear_values[..];
@@ -72,7 +74,7 @@ impl Assembled {
 
     /// Whether the matrix is the tangent at some iterate.
     pub fn is_tangent(&self) -> bool {
-        self.updated
+        self.iterate.is_some()
     }
 
     /// The matrix as memory.
@@ -115,7 +117,7 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         }
         let spaces = self.spaces.each_ref();
         let pattern =
-            BlockPattern::for_cells_of(&self.form.outline(Parts::ALL), &spaces, &spaces, &self.assembler)?;
+            BlockPattern::for_cells_of(&Outline::of(&self.form, Parts::ALL), &spaces, &spaces, &self.assembler)?;
         Ok(self.pattern.get_or_init(|| Arc::new(pattern)))
     }
 
@@ -126,7 +128,7 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
 
     /// Gives the tangent at u other positions, where those known do not hold its entries. Whether it did.
     pub fn follow(&mut self, u: &[f64]) -> Result<bool, AssemblyError> {
-        let (views, outline) = (self.views(u)?, self.form.outline(Parts::ALL));
+        let (views, outline) = (self.views(u)?, Outline::of(&self.form, Parts::ALL));
         if self.pattern()?.covers(&outline, &views)? {
             return Ok(false);
         }
@@ -142,7 +144,7 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     }
 
     pub fn found_pairs(&self, u: &[f64]) -> Result<Vec<FoundPairs<D>>, AssemblyError> {
-        self.form.pairs(&self.assembler, &self.views(u)?, &self.spaces.each_ref())
+        self.assembler.pairs_of_form(&self.form, &self.views(u)?, &self.spaces.each_ref())
     }
 
     /// Follows the motion of all pairs that an unknown displaces from one state to another; see [`Assembler::follow`].
@@ -201,7 +203,7 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
 
     /// The active quadrature points at u, bit by bit; see [`Assembler::active_set`].
     pub fn active_set(&self, u: &[f64]) -> Result<Option<Vec<u32>>, AssemblyError> {
-        self.form.active_set(&self.assembler, &self.views(u)?)
+        self.assembler.active_set_of(&self.form, &self.views(u)?)
     }
 
     /// Assembles what no iterate changes, in the memory of an earlier assembly, or of a matrix with the same positions.
@@ -211,40 +213,40 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         earlier: Option<Assembled>,
         memory: Option<BlockMatrix>,
     ) -> Result<Assembled, AssemblyError> {
-        let (form, pattern) = (&*self.form, self.pattern()?);
+        let (form, pattern) = (&self.form, self.pattern()?);
         let zero = self.spaces.each_ref().map(Field::zero);
         let (zero, spaces) = (views(&zero.each_ref()), self.spaces.each_ref());
-        let linear = form.outline(Parts::LINEAR_AND_CONSTANT);
-        let mut load = form.load(&self.assembler, &spaces)?;
+        let linear = Outline::of(form, Parts::LINEAR_AND_CONSTANT);
+        let mut load = self.assembler.load(form, &spaces)?;
         self.for_each_load(|unknown, force| load[unknown] -= force)?;
         let mut assembled = match earlier {
             Some(earlier) => Assembled { commits, load, ..earlier },
             None => {
-                let touched = pattern.touched(&form.outline(Parts::NONLINEAR))?;
+                let touched = pattern.touched(&Outline::of(form, Parts::NONLINEAR))?;
                 let linear = linear.has_tangent();
                 // All of it is written below where there are linear integrals.
                 let fits =
                     |matrix: &BlockMatrix| linear && Arc::ptr_eq(matrix.sparsity(), pattern.sparsity());
                 let zero = || BlockMatrix::zero(pattern.sparsity());
                 let (matrix, linear_values) = (memory.filter(fits).unwrap_or_else(zero), vec![]);
-                Assembled { commits, load, linear, matrix, updated: false, touched, linear_values }
+                Assembled { commits, load, linear, matrix, iterate: None, touched, linear_values }
             }
         };
         if assembled.linear {
             let Assembled { load, matrix, linear_values, touched, .. } = &mut assembled;
             let arguments = (&zero[..], &spaces[..]);
-            form.assemble_tangent(&self.assembler, arguments, Parts::LINEAR_AND_CONSTANT, pattern, matrix)?;
+            let (parts, vanish) = (Parts::LINEAR_AND_CONSTANT, ValuesBefore::Vanish);
+            self.assembler.write_tangent(form, arguments, parts, pattern, matrix, vanish)?;
             // Newton's method names the place of what is no number, by residuals; an affine problem shows it in its matrix.
             if !form.is_affine() && !is_finite(matrix.values()) {
-                let parts = Parts::LINEAR_AND_CONSTANT;
-                *load = form.residual(&self.assembler, &zero, &spaces, parts)?;
+                *load = self.assembler.residual_of(form, &zero, &spaces, parts)?;
             }
             linear_values.clear();
             linear_values.reserve_exact(touched.places.iter().map(|places| places.len()).sum());
             for places in &touched.places {
                 linear_values.extend_from_slice(&matrix.values()[places.clone()]);
             }
-            assembled.updated = false;
+            assembled.iterate = None;
         }
         Ok(assembled)
     }
@@ -266,7 +268,7 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     /// The residual of all integrals at u, assembled by itself, and the forces on rigid surfaces.
     pub fn whole_residual(&self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
         let (views, spaces) = (self.views(u)?, self.spaces.each_ref());
-        let mut residual = self.form.residual(&*self.assembler_at(u)?, &views, &spaces, Parts::ALL)?;
+        let mut residual = self.assembler_at(u)?.residual_of(&self.form, &views, &spaces, Parts::ALL)?;
         self.for_each_load(|unknown, force| residual[unknown] -= force)?;
         Ok(residual)
     }
@@ -274,7 +276,7 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     /// The residual of the nonlinear integrals at u.
     pub fn nonlinear_residual(&self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
         let (views, spaces) = (self.views(u)?, self.spaces.each_ref());
-        self.form.residual(&*self.assembler_at(u)?, &views, &spaces, Parts::NONLINEAR)
+        self.assembler_at(u)?.residual_of(&self.form, &views, &spaces, Parts::NONLINEAR)
     }
 
     /// Visits the forces on rigid surfaces with their unknowns among those of all spaces. Of several processes the one that owns the cell
@@ -296,7 +298,7 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     /// See [`Assembler::sizes_of_contributions`].
     pub fn sizes_of_contributions(&self, u: &[f64], terms: Terms) -> Result<Vec<f64>, AssemblyError> {
         let (views, spaces) = (self.views(u)?, self.spaces.each_ref());
-        let mut sizes = self.form.sizes_of_contributions(&*self.assembler_at(u)?, &views, &spaces, terms)?;
+        let mut sizes = self.assembler_at(u)?.sizes_of_contributions(&self.form, &views, &spaces, terms)?;
         self.for_each_load(|unknown, force| sizes[unknown] += force.abs())?;
         Ok(sizes)
     }
@@ -304,6 +306,10 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     /// Makes the matrix the tangent at u, in a time proportional to what nonlinear integrals touch.
     pub fn update(&self, assembled: &mut Assembled, u: &[f64]) -> Result<(), AssemblyError> {
         let mut views = self.views(u)?;
+        // A judgement of the iterate may have asked for it before the next step does.
+        if assembled.iterate.as_deref() == Some(u) {
+            return Ok(());
+        }
         // Nothing else is read: a pass over all values would cost more than the update.
         for (number, (view, touched)) in views.iter_mut().zip(&assembled.touched.unknowns).enumerate() {
             let finite =
@@ -319,12 +325,12 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         if !overwrites {
             assembled.restore();
         }
-        assembled.updated = true;
-        let (form, pattern, matrix) = (&*self.form, self.pattern()?, &mut assembled.matrix);
-        let arguments = (&views[..], &spaces[..]);
-        match overwrites {
-            true => form.assemble_tangent(&assembler, arguments, Parts::NONLINEAR, pattern, matrix),
-            false => form.add_tangent(&assembler, arguments, Parts::NONLINEAR, pattern, matrix),
-        }
+        assembled.iterate = None;
+        let before = if overwrites { ValuesBefore::Vanish } else { ValuesBefore::Count };
+        let (arguments, pattern) = ((&views[..], &spaces[..]), self.pattern()?);
+        let matrix = &mut assembled.matrix;
+        let written = assembler.write_tangent(&self.form, arguments, Parts::NONLINEAR, pattern, matrix, before);
+        assembled.iterate = Some(u.to_vec());
+        written
     }
 }

@@ -6,8 +6,6 @@
 //! A [`MultigridSolver`] takes large systems in space. An [`Eigenproblem`] of two forms gives vibrations and buckling loads.
 //! The solver keeps its factor, so that adjoint problems with the tangent or its transpose reuse it.
 
-#[doc(hidden)]
-pub mod any_form;
 pub mod communicator;
 pub mod condensed_solver;
 #[cfg(test)]

@@ -7,33 +7,28 @@ mod equations;
 mod form_equations;
 mod free_bodies;
 mod setting;
+mod solution;
 mod step;
 mod touching_start;
-mod untyped;
 
 use std::borrow::Cow;
 use std::cell::OnceCell;
-use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::Arc;
 
-use forms_core::contract::Form;
-
-use self::untyped::Solver;
+use self::solution::{EachStep, Solver};
 #[doc(hidden)]
-pub use self::untyped::StepMemory;
-pub(super) use self::untyped::UntypedProblem;
-use super::any_form::{AnyForm, Held};
+pub use self::solution::StepMemory;
 use super::communicator::Communicator;
-use super::linear_part::Assembled;
+use super::linear_and_nonlinear::SplitSystem;
+use super::linear_part::{Assembled, System};
 use super::{
-    ActivePoints, FieldUnknowns, Increment, LinearSolver, NewtonError, NewtonOptions, NewtonStep,
-    NonlinearProblem, NonlinearTangent, PerUnknown, Products, RigidLoads, Solved, Tangent,
+    Increment, LinearSolver, NewtonError, NewtonOptions, NewtonStep, PerUnknown, RigidLoads, Solved,
 };
-use crate::assemble::{Assembler, AssemblyError, BlockPattern, Terms};
+use crate::assemble::{Assembler, AssemblyError, BlockPattern};
 use crate::constraints::Constraints;
+use crate::contract::Form;
 use crate::field::Field;
-use crate::linear_algebra::BlockMatrix;
 use crate::space::Space;
 
 /// A form with N unknowns, each on its own space; test function k belongs to the space of unknown k. In
@@ -66,52 +61,87 @@ use crate::space::Space;
 /// # Ok(())
 /// # }
 /// ```
-pub struct Problem<'a, F, const D: usize, const N: usize = 1> {
-    untyped: UntypedProblem<'a, D, N>,
-    form: PhantomData<&'a F>,
+pub struct Problem<'a, const D: usize, const N: usize = 1> {
+    pub(in crate::solve) system: System<'a, D, N>,
+    pub(in crate::solve) constraints: Vec<Cow<'a, Constraints<D>>>,
+    pub(in crate::solve) start: Option<[&'a Field<D>; N]>,
+    /// The state from which a load step goes; the start is its prediction.
+    pub(in crate::solve) last_state: Option<[&'a Field<D>; N]>,
+    pub(in crate::solve) solver: Solver<'a>,
+    pub(in crate::solve) options: NewtonOptions,
+    pub(in crate::solve) progress: Option<EachStep<'a>>,
+    pub(in crate::solve) communicator: Option<&'a dyn Communicator>,
+    pub(in crate::solve) assembled: Option<Assembled>,
+    /// Both parts, if pairs slide and the solver condenses.
+    pub(in crate::solve) split: Option<SplitSystem<D>>,
+    /// Spent in assembly so far.
+    pub(in crate::solve) seconds: f64,
+    /// The memory that earlier steps left.
+    pub(in crate::solve) memory: StepMemory,
+    /// Remarks of whoever made the problem.
+    pub(in crate::solve) notes: Vec<String>,
 }
 
 /// The reason for which a problem was not solved, with the iterates up to it.
 pub type SolveError = NewtonError<AssemblyError>;
 
-impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
+impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     /// The form on the space of its unknown, or on `[&first, &second]`, the spaces of its unknowns in the order of its
     /// arguments. Nothing is computed yet; [`Problem::solve`] reports what does not fit.
-    pub fn new<'s>(form: &'a F, spaces: impl PerUnknown<'s, Arc<Space<D>>, N>) -> Self {
-        Self::holding(Held::Lent(form), spaces)
-    }
-
-    /// The same with a form that the problem keeps.
-    pub fn owning<'s>(form: F, spaces: impl PerUnknown<'s, Arc<Space<D>>, N>) -> Self {
-        Self::holding(Held::Own(Box::new(form)), spaces)
-    }
-
-    fn holding<'s>(form: Held<'a, D>, spaces: impl PerUnknown<'s, Arc<Space<D>>, N>) -> Self {
+    pub fn new<'s>(form: &Form<D>, spaces: impl PerUnknown<'s, Arc<Space<D>>, N>) -> Self {
         const { assert!(N > 0, "a problem has an unknown") };
-        Problem { untyped: UntypedProblem::new(form, spaces.per_unknown()), form: PhantomData }
+        Self::on_spaces(form.clone(), spaces.per_unknown())
+    }
+
+    #[inline(never)]
+    pub(in crate::solve) fn on_spaces(form: Form<D>, spaces: [&Arc<Space<D>>; N]) -> Self {
+        let assembler = Cow::Owned(Assembler::new(spaces[0].mesh()));
+        let spaces = spaces.map(Arc::clone);
+        Problem {
+            system: System {
+                form,
+                assembler,
+                assembler_at: None,
+                spaces,
+                pattern: OnceCell::new(),
+                loads: vec![],
+            },
+            constraints: vec![],
+            start: None,
+            last_state: None,
+            solver: Solver::Own(Box::default()),
+            options: NewtonOptions::default(),
+            progress: None,
+            communicator: None,
+            assembled: None,
+            split: None,
+            seconds: 0.0,
+            memory: StepMemory::default(),
+            notes: vec![],
+        }
     }
 
     /// Conditions on one unknown: the first one on the constraints' space that has none yet.
     pub fn constrained(mut self, constraints: &'a Constraints<D>) -> Self {
-        self.untyped.constraints.push(Cow::Borrowed(constraints));
+        self.constraints.push(Cow::Borrowed(constraints));
         self
     }
 
     /// These constraints with zero for the prescribed values and the same relations, as for adjoint states and increments.
     pub fn vanishing(mut self, constraints: &Constraints<D>) -> Self {
-        self.untyped.constraints.push(Cow::Owned(constraints.homogeneous()));
+        self.constraints.push(Cow::Owned(constraints.homogeneous()));
         self
     }
 
     /// Forces and couples on rigid surfaces, on the first unknown on their space.
     pub fn loaded(mut self, loads: &'a RigidLoads<D>) -> Self {
-        self.untyped.system.loads.push(loads);
+        self.system.loads.push(loads);
         self
     }
 
     /// Another assembler than the default one: for its quadrature, its threads, its cells.
     pub fn assembler(mut self, assembler: impl Into<Cow<'a, Assembler<D>>>) -> Self {
-        self.untyped.system.assembler = assembler.into();
+        self.system.assembler = assembler.into();
         self
     }
 
@@ -122,19 +152,19 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
         mut self,
         choose: impl Fn(&[Field<D>]) -> Result<Assembler<D>, AssemblyError> + 'a,
     ) -> Self {
-        self.untyped.system.assembler_at = Some(Box::new(choose));
+        self.system.assembler_at = Some(Box::new(choose));
         self
     }
 
     /// A matrix pattern that was made for these spaces before ([`Problem::pattern`]). It must hold every entry of this form.
     pub fn with_pattern(mut self, pattern: &Arc<BlockPattern<D>>) -> Self {
-        self.untyped.system.pattern = OnceCell::from(Arc::clone(pattern));
+        self.system.pattern = OnceCell::from(Arc::clone(pattern));
         self
     }
 
     /// The first iterate, on which the constraints are imposed; zero unless it is given.
     pub fn start(mut self, start: impl PerUnknown<'a, Field<D>, N>) -> Self {
-        self.untyped.start = Some(start.per_unknown());
+        self.start = Some(start.per_unknown());
         self
     }
 
@@ -147,34 +177,34 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
         &'a S: PerUnknown<'a, Field<D>, N>,
     {
         let before = increment.before.per_unknown();
-        self.untyped.start = Some(increment.start().per_unknown());
-        self.untyped.last_state = Some(before);
+        self.start = Some(increment.start().per_unknown());
+        self.last_state = Some(before);
         self
     }
 
     /// Another linear solver than a [`TangentSolver`](super::TangentSolver) of the problem's own. It keeps the last matrix and what it factored,
     /// for adjoint problems as well.
     pub fn solver(mut self, solver: &'a mut dyn LinearSolver) -> Self {
-        self.untyped.solver = Solver::Lent(solver);
+        self.solver = Solver::Lent(solver);
         self
     }
 
     /// Tolerances, number of steps and line search of Newton's method.
     pub fn options(mut self, options: NewtonOptions) -> Self {
-        self.untyped.options = options;
+        self.options = options;
         self
     }
 
     /// Is called with the start and each iterate.
     pub fn each_step(mut self, progress: impl FnMut(&NewtonStep) + 'a) -> Self {
-        self.untyped.progress = Some(Box::new(progress));
+        self.progress = Some(Box::new(progress));
         self
     }
 
     /// Remarks on the problem itself, as that a parameter is too small: [`Solved::notes`] and the error of a solve that fails repeat
     /// them.
     pub fn with_notes(mut self, notes: impl IntoIterator<Item = String>) -> Self {
-        self.untyped.notes.extend(notes);
+        self.notes.extend(notes);
         self
     }
 
@@ -182,9 +212,9 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
     /// has to take matrices that are sums over the processes ([`LinearSolver::set_processes`]); another one is refused where there are
     /// several. So are problems that are not the same on all of them.
     pub fn on(mut self, communicator: &'a dyn Communicator) -> Self {
-        self.untyped.communicator = Some(communicator);
+        self.communicator = Some(communicator);
         // Each process has the positions of its own entries alone.
-        self.untyped.system.pattern = OnceCell::new();
+        self.system.pattern = OnceCell::new();
         self
     }
 
@@ -194,20 +224,12 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
     /// When the form has other unknowns than the spaces, a region does not exist, or the matrix is too large
     /// to be numbered.
     pub fn pattern(&self) -> Result<&Arc<BlockPattern<D>>, AssemblyError> {
-        self.untyped.system.pattern()
+        self.system.pattern()
     }
 
     /// Seconds spent in assembly so far.
     pub fn assembly_seconds(&self) -> f64 {
-        self.untyped.seconds
-    }
-
-    /// Solves the problem.
-    ///
-    /// # Errors
-    /// [`SolveError`] with the reason, and of Newton's method the history and the last iterate.
-    pub fn solve(&mut self) -> Result<Solved<D, N>, SolveError> {
-        self.untyped.solve()
+        self.seconds
     }
 
     /// The places among the values of the tangent that an update may change, as ascending ranges of whole blocks:
@@ -217,14 +239,14 @@ impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
     /// # Errors
     /// If assembly fails.
     pub fn changed_places(&mut self) -> Result<&[Range<usize>], AssemblyError> {
-        Ok(self.untyped.ready()?.1.touched())
+        Ok(self.ready()?.1.touched())
     }
 }
 
-/// A form without its type, and what belongs to its solution.
+/// A form with what belongs to its solution.
 #[doc(hidden)]
 pub struct OwnedForm<'a, const D: usize> {
-    pub form: Box<dyn AnyForm<D> + 'a>,
+    pub form: Form<D>,
     pub assembler: &'a Assembler<D>,
     pub pattern: &'a Arc<BlockPattern<D>>,
     pub constraints: &'a Constraints<D>,
@@ -232,7 +254,7 @@ pub struct OwnedForm<'a, const D: usize> {
     pub options: NewtonOptions,
 }
 
-/// The solution of a form without its type, for those who make one form after the other.
+/// The solution of a form, for those who make one form after the other.
 #[doc(hidden)]
 pub fn solve_owned<const D: usize>(
     owned: OwnedForm<'_, D>,
@@ -240,65 +262,16 @@ pub fn solve_owned<const D: usize>(
     memory: &mut StepMemory,
 ) -> Result<Solved<D>, SolveError> {
     let OwnedForm { form, assembler, pattern, constraints, start, options } = owned;
-    let mut untyped: UntypedProblem<'_, D, 1> = UntypedProblem::new(Held::Own(form), [start.space()]);
-    untyped.system.assembler = Cow::Borrowed(assembler);
-    untyped.system.pattern = OnceCell::from(Arc::clone(pattern));
-    untyped.constraints.push(Cow::Borrowed(constraints));
-    untyped.start = Some([start]);
-    untyped.solver = Solver::Lent(solver);
-    untyped.options = options;
-    untyped.memory = std::mem::take(memory);
-    let solved = untyped.solve();
-    let matrix = untyped.assembled.take().map(Assembled::into_matrix);
-    *memory = StepMemory { matrix, ..untyped.memory };
+    let mut problem: Problem<'_, D, 1> = Problem::on_spaces(form, [start.space()]);
+    problem.system.assembler = Cow::Borrowed(assembler);
+    problem.system.pattern = OnceCell::from(Arc::clone(pattern));
+    problem.constraints.push(Cow::Borrowed(constraints));
+    problem.start = Some([start]);
+    problem.solver = Solver::Lent(solver);
+    problem.options = options;
+    problem.memory = std::mem::take(memory);
+    let solved = problem.solve();
+    let matrix = problem.assembled.take().map(Assembled::into_matrix);
+    *memory = StepMemory { matrix, ..problem.memory };
     solved
-}
-
-/// A problem as the system of equations that Newton's method solves.
-impl<F: Form<D>, const D: usize, const N: usize> NonlinearProblem for Problem<'_, F, D, N> {
-    type Error = AssemblyError;
-
-    fn residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
-        self.untyped.residual(u)
-    }
-
-    fn tangent(&mut self, u: &[f64]) -> Result<Tangent<'_>, AssemblyError> {
-        self.untyped.tangent(u)
-    }
-
-    fn linear_part(&mut self) -> Result<Option<&BlockMatrix>, AssemblyError> {
-        self.untyped.linear_part()
-    }
-
-    fn has_symmetric_linear_part(&self) -> bool {
-        self.untyped.has_symmetric_linear_part()
-    }
-
-    fn nonlinear_residual(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
-        self.untyped.nonlinear_residual(u)
-    }
-
-    fn nonlinear_tangent(&mut self, u: &[f64]) -> Result<Option<NonlinearTangent<'_>>, AssemblyError> {
-        self.untyped.nonlinear_tangent(u)
-    }
-
-    fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {
-        self.untyped.active_points(u)
-    }
-
-    fn fields(&self) -> Vec<FieldUnknowns> {
-        self.untyped.fields()
-    }
-
-    fn products(&mut self, u: &[f64], x: &[f64]) -> Result<Products, AssemblyError> {
-        self.untyped.products(u, x)
-    }
-
-    fn summed_up(&mut self, own: Vec<f64>) -> Result<Vec<f64>, AssemblyError> {
-        self.untyped.summed_up(own)
-    }
-
-    fn sizes_of_terms(&mut self, u: &[f64], terms: Terms) -> Result<Option<Vec<f64>>, AssemblyError> {
-        self.untyped.sizes_of_terms(u, terms)
-    }
 }

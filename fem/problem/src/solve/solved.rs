@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::{Expression, Functional};
+use crate::contract::{Expression, Functional};
 use thiserror::Error;
 
 use super::{NewtonStep, SolverReport};
@@ -79,7 +79,7 @@ impl<const D: usize, const N: usize> Solved<D, N> {
     ///
     /// # Errors
     /// As [`Assembler::functional`].
-    pub fn functional<F: Functional<D>>(&self, functional: &F) -> Result<f64, AssemblyError> {
+    pub fn functional(&self, functional: &Functional<D>) -> Result<f64, AssemblyError> {
         self.assembler.functional(functional)
     }
 
@@ -87,9 +87,9 @@ impl<const D: usize, const N: usize> Solved<D, N> {
     ///
     /// # Errors
     /// As [`Assembler::at_points`].
-    pub fn at_points<E: Expression<D>>(
+    pub fn at_points(
         &self,
-        expression: &E,
+        expression: &Expression<D>,
         points: &[[f64; D]],
     ) -> Result<PointValues<D>, AssemblyError> {
         self.assembler.at_points(expression, points)
@@ -99,9 +99,9 @@ impl<const D: usize, const N: usize> Solved<D, N> {
     ///
     /// # Errors
     /// As [`Assembler::project`].
-    pub fn project<E: Expression<D>>(
+    pub fn project(
         &self,
-        expression: &E,
+        expression: &Expression<D>,
         space: &Arc<Space<D>>,
     ) -> Result<Field<D>, AssemblyError>
     where

@@ -14,7 +14,6 @@ use crate::inverse::rates::{BEFORE, OF_BEFORE, Own, Wanted, add_rates, rows};
 use crate::inverse::step_equations::Solution;
 use crate::linear_algebra::vector::add_scaled;
 use crate::solve::Transpose;
-use crate::solve::any_form::AnyForm;
 
 /// The states that a form of second rates reads.
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +33,7 @@ pub struct SecondOrderState<'f, const D: usize> {
 }
 
 pub(super) type SecondRatesAt<'a, const D: usize> =
-    Box<dyn Fn(&At<D>, &SecondOrderState<D>) -> Result<Box<dyn AnyForm<D> + 'a>, ControlError> + 'a>;
+    Box<dyn Fn(&At<D>, &SecondOrderState<D>) -> Result<Form<D>, ControlError> + 'a>;
 
 pub(super) const STATE: &str = "state";
 pub(super) const ADJOINT: &str = "adjoint";
@@ -50,11 +49,11 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
     /// by u along `du`, by the state before along `dbefore`, by p along `dp`, and by each control along its direction, each by
     /// `derivative`. The criterion's own second variation by the state is taken from its energy; where that energy reads controls, its
     /// derivatives by state and control, and by control twice, have to be in the second rates.
-    pub fn second_rates<F: Form<D> + 'a>(
+    pub fn second_rates<F: Into<Form<D>>>(
         mut self,
         form: impl Fn(&At<D>, &SecondOrderState<D>) -> Result<F, ControlError> + 'a,
     ) -> Self {
-        self.second_rates = Some(Box::new(move |at, states| Ok(Box::new(form(at, states)?))));
+        self.second_rates = Some(Box::new(move |at, states| Ok(form(at, states)?.into())));
         self
     }
 }
@@ -79,7 +78,7 @@ impl<const D: usize> LoadHistory<'_, D> {
             Own { name: ADJOINT, meaning: "the equations of the step change", wanted: Wanted::Yes },
         ];
         let spaces = [&self.space, &self.equations.constants()?];
-        rows(&*form, &own, step, &self.controls, spaces, &self.equations.assembler, action)
+        rows(&form, &own, step, &self.controls, spaces, &self.equations.assembler, action)
     }
 
     /// x with R_u x = −load or R_uᵀ x = −load.
@@ -92,7 +91,7 @@ impl<const D: usize> LoadHistory<'_, D> {
     ) -> Result<Field<D>, HistoryFailure> {
         let form = self.form(&At::new(&self.controls, step, Some(before)))?;
         let constraints = (self.constraints)(step)?;
-        self.equations.linearised(Solution::Step(step), &*form, &constraints, u, load, transpose)
+        self.equations.linearised(Solution::Step(step), &form, &constraints, u, load, transpose)
     }
 }
 
@@ -136,7 +135,7 @@ impl<const D: usize> Linearised<D> for LoadHistory<'_, D> {
         let rates = self.rates.as_ref().ok_or(HistoryFailure::Missing("rates"))?(&at, &u, &p)?;
         let spaces = [&self.space, &self.equations.constants()?];
         let controls = (&self.controls, self.remembers());
-        let mut by_before = add_rates(&*rates, step, controls, spaces, &self.equations.assembler, gradient)?;
+        let mut by_before = add_rates(&rates, step, controls, spaces, &self.equations.assembler, gradient)?;
         let zero = Field::zero(&self.space);
         let mut unused = vec![0.0; action.len()];
         // Without a change of p first, which is found from it.

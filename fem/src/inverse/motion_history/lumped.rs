@@ -5,12 +5,12 @@
 
 use super::MotionHistory;
 use crate::assemble::Parts;
+use crate::contract::Form;
 use crate::constraints::Constraints;
 use crate::field::Field;
 use crate::inverse::error::HistoryFailure;
 use crate::inverse::interval::Interval;
 use crate::inverse::step_equations::reads_no_history;
-use crate::solve::any_form::AnyForm;
 use crate::time::mass::row_sums;
 use crate::time::{Mass, SolvedFor, StepFailure};
 
@@ -35,20 +35,20 @@ impl<const D: usize> MotionHistory<'_, D> {
         let interval = self.interval_at_start();
         let step = interval.step_from(&self.space, start)?;
         let form = self.form(&interval, &step)?;
-        reads_no_history(&*form)?;
-        let matrix = self.equations.tangent(&*form, &Field::zero(&self.space))?;
+        reads_no_history(&form)?;
+        let matrix = self.equations.tangent(&form, &Field::zero(&self.space))?;
         Ok(row_sums(&matrix)?)
     }
 
     /// The second rate by the form's residual at zero.
     pub(super) fn by_masses(
         &self,
-        form: &dyn AnyForm<D>,
+        form: &Form<D>,
         masses: &[f64],
         conditions: &Constraints<D>,
     ) -> Result<Field<D>, HistoryFailure> {
         let zero = Field::zero(&self.space);
-        let load = form.residual(&self.equations.assembler, &[zero.view()], &[&self.space], Parts::ALL)?;
+        let load = self.equations.assembler.residual_of(form, &[zero.view()], &[&self.space], Parts::ALL)?;
         self.divided(&load, masses, conditions)
     }
 

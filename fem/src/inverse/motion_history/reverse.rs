@@ -30,7 +30,7 @@ impl<const D: usize> MotionHistory<'_, D> {
         }
         let Some(masses) = interval.masses(before) else {
             let form = self.form(interval, &step)?;
-            let adjoint = self.equations.adjoint(interval.solution, &*form, &conditions, &unknown, &load)?;
+            let adjoint = self.equations.adjoint(interval.solution, &form, &conditions, &unknown, &load)?;
             self.add_derivatives((interval, &step), [&unknown, &adjoint], gradient, &mut by_before)?;
             return Ok(by_before);
         };
@@ -63,9 +63,9 @@ impl<const D: usize> MotionHistory<'_, D> {
         let spaces = [&self.space, &self.equations.constants()?];
         let assembler = &self.equations.assembler;
         let [given @ .., before] =
-            rows(&*rates, &own, interval.step(), &self.controls, spaces, assembler, gradient)?;
+            rows(&rates, &own, interval.step(), &self.controls, spaces, assembler, gradient)?;
         add_scaled(&mut by_before[..interval.unknowns], 1.0, &before);
-        let tested = OPERATORS.map(|name| is_tested(&*rates, name));
+        let tested = OPERATORS.map(|name| is_tested(&rates, name));
         let (by_rows, by_tangents): (Vec<usize>, Vec<usize>) =
             (0..3).filter(|place| read[*place]).partition(|place| tested[*place]);
         for place in by_rows {
@@ -99,11 +99,11 @@ impl<const D: usize> MotionHistory<'_, D> {
         let Some(directly) = directly else {
             alone.known[place] = Field::zero(&self.space);
             let form = self.form(interval, &alone)?;
-            return self.equations.transposed(&*form, &evaluated[place], adjoint);
+            return self.equations.transposed(&form, &evaluated[place], adjoint);
         };
         alone.known[place] = evaluated[place].minus(unknown)?;
         let form = self.form(interval, &alone)?;
-        let mut slope = self.equations.transposed(&*form, unknown, adjoint)?;
+        let mut slope = self.equations.transposed(&form, unknown, adjoint)?;
         add_scaled(&mut slope, -1.0, directly);
         Ok(slope)
     }
@@ -122,7 +122,7 @@ impl<const D: usize> MotionHistory<'_, D> {
         }
         let fixed = Step { weights: [0.0; 3], known: evaluated.clone(), ..step.clone() };
         let form = self.form(interval, &fixed)?;
-        Ok(Some(self.equations.transposed(&*form, unknown, adjoint)?))
+        Ok(Some(self.equations.transposed(&form, unknown, adjoint)?))
     }
 
     /// Looks whether the form reads its unknown itself, and refuses that with schemes that read second rates.
@@ -136,14 +136,14 @@ impl<const D: usize> MotionHistory<'_, D> {
             let evaluated = evaluated(step, unknown)?;
             let fixed = Step { weights: [0.0; 3], known: evaluated.clone(), ..step.clone() };
             let form = self.form(interval, &fixed)?;
-            if reads_unknown_itself(&*form, unknown, &evaluated, &self.equations.assembler)? {
+            if reads_unknown_itself(&form, unknown, &evaluated, &self.equations.assembler)? {
                 self.reading = Reading::Itself;
             } else if form.is_affine() {
                 self.reading = Reading::ByOperators;
             }
         }
         if self.reading == Reading::Itself && self.scheme.reads_second_rates() {
-            return Err(refused(&*self.form(interval, step)?));
+            return Err(refused(&self.form(interval, step)?));
         }
         Ok(())
     }

@@ -19,7 +19,6 @@ use crate::inverse::rates::{OPERATORS, Own, Wanted, is_tested, rows};
 use crate::inverse::steps_unknown::evaluated;
 use crate::linear_algebra::vector::{add_scaled, largest};
 use crate::solve::Transpose;
-use crate::solve::any_form::AnyForm;
 use crate::time::Step;
 
 /// The fields that a form of second rates of a motion reads.
@@ -38,7 +37,7 @@ pub struct SecondOrderMotion<'f, const D: usize> {
 }
 
 pub(super) type SecondRatesOf<'a, const D: usize> =
-    Box<dyn Fn(&During<D>, &SecondOrderMotion<D>) -> Result<Box<dyn AnyForm<D> + 'a>, ControlError> + 'a>;
+    Box<dyn Fn(&During<D>, &SecondOrderMotion<D>) -> Result<Form<D>, ControlError> + 'a>;
 
 pub(super) const ADJOINT: &str = "adjoint";
 
@@ -54,11 +53,11 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
     /// by `known_value`, `known_rate` and `known_second_rate` along the three `changes`, by p along `dp`, and by each control along its
     /// direction, each by `derivative`; known parts that the form does not read are left out. The form reads its unknown, and the state
     /// before, by the operators of [`time`](crate::time) alone.
-    pub fn second_rates<F: Form<D> + 'a>(
+    pub fn second_rates<F: Into<Form<D>>>(
         mut self,
         form: impl Fn(&During<D>, &SecondOrderMotion<D>) -> Result<F, ControlError> + 'a,
     ) -> Self {
-        self.second_rates = Some(Box::new(move |during, states| Ok(Box::new(form(during, states)?))));
+        self.second_rates = Some(Box::new(move |during, states| Ok(form(during, states)?.into())));
         self
     }
 
@@ -85,14 +84,14 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
             wanted: Wanted::IfTested,
         });
         for (place, own) in own.iter_mut().enumerate() {
-            let untested = !is_tested(&*second, own.name);
+            let untested = !is_tested(&second, own.name);
             own.wanted = Wanted::when(untested && self.reads(interval, step, u, place)?);
         }
         let adjoint = Own { name: ADJOINT, meaning: "the equations of the step change", wanted: Wanted::Yes };
         let [value, rate, second_rate] = own;
         let spaces = [&self.space, &self.equations.constants()?];
         let own = [value, rate, second_rate, adjoint];
-        rows(&*second, &own, interval.step(), &self.controls, spaces, &self.equations.assembler, action)
+        rows(&second, &own, interval.step(), &self.controls, spaces, &self.equations.assembler, action)
     }
 
     /// Whether the form depends on value, rate or second rate: whether another known part gives another residual.
@@ -110,7 +109,8 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         other.known[place] = Field::from_values(&self.space, moved)?;
         let residual = |step: &Step<D>| -> Result<Vec<f64>, HistoryFailure> {
             let form = self.form(interval, step)?;
-            Ok(form.residual(&self.equations.assembler, &[unknown.view()], &[&self.space], Parts::ALL)?)
+            let assembler = &self.equations.assembler;
+            Ok(assembler.residual_of(&form, &[unknown.view()], &[&self.space], Parts::ALL)?)
         };
         Ok(residual(step)? != residual(&other)?)
     }
@@ -124,7 +124,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         transpose: Transpose,
     ) -> Result<Field<D>, HistoryFailure> {
         let (form, conditions) = (self.form(interval, step)?, self.conditions(interval)?);
-        self.equations.linearised(interval.solution, &*form, &conditions, unknown, load, transpose)
+        self.equations.linearised(interval.solution, &form, &conditions, unknown, load, transpose)
     }
 
     #[inline(never)]

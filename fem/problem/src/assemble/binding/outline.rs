@@ -1,72 +1,41 @@
-//! Forms without their kernels: what asks for no more than names, data and couplings is compiled once and not for every form.
+//! Forms with what the tangents of some of their integrals couple.
 
-use std::convert::Infallible;
 use std::ops::Deref;
 use std::sync::Arc;
 
-use forms_core::contract::{
-    BilinearKernel, BilinearVisitor, Degree, Entity, Expression, FieldDescription, Form, Functional, Inputs,
-    Integral, Region, Requirements, Role, Side,
-};
+use forms_core::contract::{Degree, Entity, Integral, Requirements, Side};
 
 use super::entities::Entities;
 use crate::assemble::Parts;
 use crate::assemble::scatter::group_nodes::{Reading, SeenAtFacets};
+use crate::contract::Function;
 use crate::mesh::Facet;
 use crate::space::Space;
 
-/// Name, fields and data of a form, a functional or a derived field.
-#[derive(Clone, Copy)]
-#[doc(hidden)]
-pub struct Described<'a, const D: usize> {
-    name: &'static str,
-    fields: &'static [FieldDescription],
-    inputs: &'a Inputs<D>,
-}
-
-impl<'a, const D: usize> Described<'a, D> {
-    pub fn of<F: Form<D>>(form: &'a F) -> Self {
-        Described { name: form.name(), fields: form.fields(), inputs: form.inputs() }
-    }
-
-    pub fn of_functional<F: Functional<D>>(functional: &'a F) -> Self {
-        Described { name: functional.name(), fields: functional.fields(), inputs: functional.inputs() }
-    }
-
-    pub fn of_expression<E: Expression<D>>(expression: &'a E) -> Self {
-        Described { name: expression.name(), fields: expression.fields(), inputs: expression.inputs() }
-    }
-
-    pub fn name(&self) -> &'static str {
-        self.name
-    }
-
-    pub fn fields(&self) -> &'static [FieldDescription] {
-        self.fields
-    }
-
-    pub fn inputs(&self) -> &'a Inputs<D> {
-        self.inputs
-    }
-
-    /// The name of the field with a role; empty if there is none.
-    pub fn name_of(&self, role: Role) -> &'static str {
-        self.fields.iter().find(|field| field.role == role).map_or("", |field| field.name)
-    }
-}
-
-/// A form's description with what the tangents of some of its integrals couple.
+/// A form with what the tangents of some of its integrals couple.
 #[doc(hidden)]
 pub struct Outline<'a, const D: usize> {
-    described: Described<'a, D>,
+    form: &'a Function<D>,
     pub(in crate::assemble) couplings: Vec<Coupling>,
     is_symmetric: bool,
 }
 
 impl<'a, const D: usize> Outline<'a, D> {
-    pub fn of<F: Form<D>>(form: &'a F, parts: Parts) -> Self {
-        let (couplings, is_symmetric) = couplings(form, parts);
-        Outline { described: Described::of(form), couplings, is_symmetric }
+    #[inline(never)]
+    pub fn of(form: &'a Function<D>, parts: Parts) -> Self {
+        let (mut couplings, mut is_symmetric) = (Vec::<Coupling>::new(), true);
+        for term in form.tangent().iter().filter(|term| parts.contain(term.integral.dependence)) {
+            let Integral { test, trial, region, test_side, trial_side, degree, displacement, .. } =
+                *term.integral;
+            let (sides, requirements) = ([test_side, trial_side], *term.kernel.constants().requirements);
+            let coupling = Coupling { test, trial, region, sides, degree, displacement, requirements };
+            let on_pairs = form.inputs().regions[region].entity == Entity::Pairs;
+            is_symmetric &= term.integral.symmetric && test == trial && test_side == trial_side;
+            if on_pairs || !couplings.iter().any(|known| known.is_like(&coupling)) {
+                couplings.push(coupling);
+            }
+        }
+        Outline { form, couplings, is_symmetric }
     }
 
     /// Whether each of the tangents is proved to be symmetric by itself, so that their sum is, except for rounding.
@@ -80,11 +49,11 @@ impl<'a, const D: usize> Outline<'a, D> {
     }
 }
 
-impl<'a, const D: usize> Deref for Outline<'a, D> {
-    type Target = Described<'a, D>;
+impl<const D: usize> Deref for Outline<'_, D> {
+    type Target = Function<D>;
 
-    fn deref(&self) -> &Described<'a, D> {
-        &self.described
+    fn deref(&self) -> &Function<D> {
+        self.form
     }
 }
 
@@ -113,7 +82,7 @@ impl Coupling {
     /// None elsewhere, and where the spaces differ, so that all nodes count.
     pub fn seen_on_pairs<const D: usize>(
         &self,
-        form: &Described<D>,
+        form: &Function<D>,
         tests: &[&Arc<Space<D>>],
         trials: &[&Arc<Space<D>>],
         entities: &Entities,
@@ -137,47 +106,5 @@ impl Coupling {
     /// Whether it has the pairs of another one, up to the degree of the rule.
     pub fn slides_as(&self, other: &Coupling) -> bool {
         self.region == other.region && self.displacement == other.displacement
-    }
-}
-
-struct CouplingVisitor<'a> {
-    regions: &'a [Region],
-    parts: Parts,
-    found: Vec<Coupling>,
-    are_symmetric: bool,
-}
-
-/// The couplings of the tangents of some of a form's integrals, and whether all of these are proved to be symmetric.
-fn couplings<F: Form<D>, const D: usize>(form: &F, parts: Parts) -> (Vec<Coupling>, bool) {
-    let regions = &form.inputs().regions;
-    let mut visitor = CouplingVisitor { regions, parts, found: vec![], are_symmetric: true };
-    match form.tangent(&mut visitor) {
-        Ok(()) => (visitor.found, visitor.are_symmetric),
-        Err(never) => match never {},
-    }
-}
-
-impl CouplingVisitor<'_> {
-    fn add(&mut self, integral: &Integral, requirements: Requirements) {
-        let Integral { test, trial, region, test_side, trial_side, degree, displacement, .. } = *integral;
-        let sides = [test_side, trial_side];
-        let coupling = Coupling { test, trial, region, sides, degree, displacement, requirements };
-        let on_pairs = self.regions[region].entity == Entity::Pairs;
-        let is_new = on_pairs || !self.found.iter().any(|known| known.is_like(&coupling));
-        if self.parts.contain(integral.dependence) {
-            self.are_symmetric &= integral.symmetric && test == trial && test_side == trial_side;
-            if is_new {
-                self.found.push(coupling);
-            }
-        }
-    }
-}
-
-impl<const D: usize> BilinearVisitor<D> for CouplingVisitor<'_> {
-    type Error = Infallible;
-
-    fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), Infallible> {
-        self.add(integral, K::REQUIREMENTS);
-        Ok(())
     }
 }

@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::Form;
-
 use super::BlockPattern;
 use crate::assemble::binding::outline::Outline;
 use crate::assemble::{Assembler, AssemblyError, Parts};
+use crate::contract::Form;
 use crate::linear_algebra::LinearAlgebraError;
 use crate::space::Space;
 
@@ -16,9 +15,9 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// As [`BlockPattern::for_form`].
-    pub fn pattern<F: Form<D>>(
+    pub fn pattern(
         &self,
-        form: &F,
+        form: &Form<D>,
         tests: &[&Arc<Space<D>>],
         trials: &[&Arc<Space<D>>],
     ) -> Result<BlockPattern<D>, AssemblyError> {

@@ -8,21 +8,22 @@ mod run;
 pub(super) mod sizes;
 mod tables;
 
-use std::marker::PhantomData;
 use std::sync::Arc;
 
-use forms_core::contract::{Form, Role};
+use forms_core::contract::{Integrals as Compiled, Role, Term, is_on_same_points};
 
 pub use layout::{ElementCells, ElementLayout, FieldLayout};
 
-use self::prepare::{Prepare, Prepared, of_facet};
-use self::run::Run;
+use self::prepare::{ElementIntegral, Prepared, Standalone, of_facet, prepare};
+use self::run::Counted as CountedCall;
 use self::sizes::{Counted, Sizes};
 use self::tables::ElementTables;
 use super::AssemblyError;
 use super::binding::notices;
 use super::binding::{Binding, Tabulated};
 use super::kernel_calls::matrices::block_order;
+use super::kernel_calls::sink::Direct;
+use crate::contract::Form;
 use crate::element::CellShape;
 use crate::lanes::{InstructionSet, Order};
 use crate::mesh::Mesh;
@@ -32,13 +33,29 @@ use crate::quadrature::Quadrature;
 /// A form's element matrices and vectors on cells that the caller lists.
 ///
 /// The form's cell integrals must be bound to the region "all", its facet integrals to "boundary". With
-/// [`super::Fixed`] sizes the loops are compiled for one element and rule.
-pub struct ElementKernel<F, S: Sizes, const D: usize> {
-    form: F,
+/// [`super::Fixed`] sizes the loops are compiled for one element and rule. The type `f::Kernels` of a form `f` says which
+/// kernels to compile:
+///
+/// ```no_run
+/// # use forms_fem::assemble::{AssemblyError, ElementKernel, ElementLayout};
+/// # use forms_fem::prelude::*;
+/// # #[forms(dimension = 2)]
+/// # mod heat {
+/// #     #[cells]
+/// #     pub struct Omega;
+/// #     pub fn balance(u: Unknown<Scalar>, v: Test<Scalar>) -> Form { integral(Omega, dot(grad(u), grad(v))) }
+/// # }
+/// # fn kernel(layout: ElementLayout) -> Result<(), AssemblyError> {
+/// let form = heat::balance(&heat::Omega::on("all"));
+/// let kernel = ElementKernel::<2>::new::<heat::balance::Kernels>(&form, layout, &Quadrature::Estimated)?;
+/// # Ok(())
+/// # }
+/// ```
+pub struct ElementKernel<const D: usize> {
+    form: Form<D>,
     tables: ElementTables<D>,
     tangent: Integrals<D>,
     residual: Integrals<D>,
-    sizes: PhantomData<S>,
 }
 
 /// The integrals of a tangent or of a residual.
@@ -57,41 +74,46 @@ impl<const D: usize> Integrals<D> {
     }
 }
 
-impl<F: Form<D>, const D: usize> ElementKernel<F, Counted, D> {
+impl<const D: usize> ElementKernel<D> {
     /// A kernel whose loops count their lengths.
     ///
     /// # Errors
     /// As [`ElementKernel::with_sizes`].
-    pub fn new(form: F, layout: ElementLayout, quadrature: &Quadrature<D>) -> Result<Self, AssemblyError> {
-        Self::with_sizes(form, layout, quadrature)
+    pub fn new<I: Compiled<D>>(
+        form: &Form<D>,
+        layout: ElementLayout,
+        quadrature: &Quadrature<D>,
+    ) -> Result<Self, AssemblyError> {
+        Self::with_sizes::<I, Counted>(form, layout, quadrature)
     }
-}
 
-impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
     /// Prepares a form of one test function and one unknown.
     ///
     /// # Errors
     /// An [`AssemblyError`] that names the form and what does not fit: a region, a field, a size.
-    pub fn with_sizes(
-        form: F,
+    pub fn with_sizes<I: Compiled<D>, S: Sizes>(
+        form: &Form<D>,
         layout: ElementLayout,
         quadrature: &Quadrature<D>,
     ) -> Result<Self, AssemblyError> {
-        Self::with_instructions(form, layout, quadrature, InstructionSet::best())
+        Self::with_instructions::<I, S>(form, layout, quadrature, InstructionSet::best())
     }
 
     /// An element kernel in a certain set of instructions; of the best that is available where that one is not.
     ///
     /// # Errors
     /// As [`ElementKernel::with_sizes`].
-    pub fn with_instructions(
-        form: F,
+    pub fn with_instructions<I: Compiled<D>, S: Sizes>(
+        form: &Form<D>,
         layout: ElementLayout,
         quadrature: &Quadrature<D>,
         instructions: InstructionSet,
     ) -> Result<Self, AssemblyError> {
         let name = form.name();
         let unsuited = |what: String| AssemblyError::Layout { form: name, what };
+        if !form.has_integrals::<I>() {
+            return Err(unsuited("the kernels are those of another form".to_owned()));
+        }
         let tests = form.fields().iter().filter(|field| matches!(field.role, Role::Test(_)));
         let components: Vec<usize> = tests.map(|field| field.components()).collect();
         let &[components] = &components[..] else {
@@ -162,20 +184,33 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
         notices::tell(name, form.inputs());
         let mut binding = Binding::empty(name, form.fields(), &form.inputs().regions, &tables.reference);
         binding.tabulated(Tabulated { degree: tables.layout.element.degree, on_facets: false });
-        let listed: Option<Vec<_>> = tables.listed(&form, &mut binding).into_iter().collect();
+        let listed: Option<Vec<_>> = tables.listed(form, &mut binding).into_iter().collect();
         let elements = binding.elements.to_vec();
         tables.known = listed.map(|listed| (listed, elements));
-        let prepare =
-            || Prepare { tables: &tables, form: &form, quadrature, found: vec![], sizes: PhantomData::<S> };
-        let (mut tangent, mut residual) = (prepare(), prepare());
-        form.whole_tangent(&mut tangent)?;
-        form.whole_residual(&mut residual)?;
-        let [tangent, residual] = [tangent.found, residual.found].map(Integrals::new);
-        Ok(ElementKernel { form, tables, tangent, residual, sizes: PhantomData })
+        let constants = form.inputs().constants();
+        let joined = I::joined_residual::<Standalone<S>>(constants);
+        let places: Vec<_> = joined.iter().map(|term| term.integral).collect();
+        let is_apart =
+            |term: &Term<_>| !places.iter().any(|place| is_on_same_points(place, term.integral));
+        let residual = joined.into_iter().chain(apart(I::residual::<Standalone<S>>(constants), is_apart));
+        let prepared = |terms: &mut dyn Iterator<Item = Term<Box<dyn ElementIntegral<D>>>>| {
+            let one = |Term { integral, kernel }| prepare(form, &tables, quadrature, integral, kernel);
+            terms.map(one).collect::<Result<Vec<_>, AssemblyError>>().map(Integrals::new)
+        };
+        let residual = prepared(&mut residual.collect::<Vec<_>>().into_iter())?;
+        let tangent: Vec<_> = match places.is_empty() {
+            true => I::tangent::<Standalone<S>>(constants),
+            false => {
+                let joined = I::joined_tangent::<Standalone<S>>(constants);
+                joined.into_iter().chain(apart(I::tangent::<Standalone<S>>(constants), is_apart)).collect()
+            }
+        };
+        let tangent = prepared(&mut tangent.into_iter())?;
+        Ok(ElementKernel { form: form.clone(), tables, tangent, residual })
     }
 
     /// The form.
-    pub fn form(&self) -> &F {
+    pub fn form(&self) -> &Form<D> {
         &self.form
     }
 
@@ -227,7 +262,7 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
         if self.tangent.all_fixed {
             return run_fixed(form, &mut self.tangent.list, cells, target);
         }
-        self.walk_tangent(cells, target)
+        run_all((&self.form, &self.tables), &mut self.tangent, cells, target)
     }
 
     /// Element vectors of the residual, one after the other.
@@ -241,22 +276,37 @@ impl<F: Form<D>, S: Sizes, const D: usize> ElementKernel<F, S, D> {
         if self.residual.all_fixed {
             return run_fixed(form, &mut self.residual.list, cells, target);
         }
-        self.walk_residual(cells, target)
+        run_all((&self.form, &self.tables), &mut self.residual, cells, target)
     }
+}
 
-    #[inline(never)]
-    fn walk_tangent(&mut self, cells: &ElementCells, target: &mut [f64]) -> Result<(), AssemblyError> {
-        let ElementKernel { form, tables, tangent: Integrals { list: integrals, addend, .. }, .. } = self;
-        let sizes = PhantomData::<S>;
-        form.whole_tangent(&mut Run { form, tables, integrals, addend, cells, target, index: 0, sizes })
-    }
+/// The terms for which a condition holds.
+fn apart<K>(terms: Vec<Term<K>>, is_apart: impl Fn(&Term<K>) -> bool) -> impl Iterator<Item = Term<K>> {
+    terms.into_iter().filter(move |term| is_apart(term))
+}
 
-    #[inline(never)]
-    fn walk_residual(&mut self, cells: &ElementCells, target: &mut [f64]) -> Result<(), AssemblyError> {
-        let ElementKernel { form, tables, residual: Integrals { list: integrals, addend, .. }, .. } = self;
-        let sizes = PhantomData::<S>;
-        form.whole_residual(&mut Run { form, tables, integrals, addend, cells, target, index: 0, sizes })
+/// Runs integrals, with fixed lengths and without.
+#[inline(never)]
+fn run_all<const D: usize>(
+    (form, tables): (&Form<D>, &ElementTables<D>),
+    integrals: &mut Integrals<D>,
+    cells: &ElementCells,
+    target: &mut [f64],
+) -> Result<(), AssemblyError> {
+    let Integrals { list, addend, .. } = integrals;
+    for (index, integral) in list.iter_mut().enumerate() {
+        match integral {
+            Prepared::Fixed(groups) => {
+                of_facet(form.name(), groups, cells.facet)?.run(cells, target, index > 0);
+            }
+            Prepared::Counted { kernel, groups, memory } => {
+                let group = of_facet(form.name(), groups, cells.facet)?;
+                let sink = Direct { target: &mut *target, addend: (index > 0).then_some(&mut *addend) };
+                kernel.run(CountedCall { form, tables, group, cells, memory, sink })?;
+            }
+        }
     }
+    Ok(())
 }
 
 /// Runs integrals that all have fixed lengths.

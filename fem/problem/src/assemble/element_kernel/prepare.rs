@@ -4,16 +4,18 @@ use std::any::Any;
 use std::marker::PhantomData;
 
 use forms_core::contract::{
-    BilinearKernel, BilinearVisitor, Form, Integral, LinearKernel, LinearVisitor, Requirements, Role,
+    Backend, BilinearConstants, BilinearKernel, ExpressionKernel, Integral, LinearKernel, Requirements, Role,
 };
+
+use super::run::{Counted, run_matrices, run_vectors};
 
 use super::tables::ElementTables;
 use crate::assemble::AssemblyError;
 use crate::assemble::element_kernel::fixed::{FixedIntegral, PrepareMatrices, PrepareVectors, fits};
 use crate::assemble::element_kernel::sizes::Sizes;
-use crate::assemble::kernel_calls::BilinearConstants;
 use crate::assemble::kernel_calls::matrices::{along_axes, by_moments};
 use crate::assemble::walk::{Group, groups};
+use crate::contract::Form;
 use crate::quadrature::Quadrature;
 
 /// Memory of the loops, whose types are known inside them.
@@ -23,8 +25,8 @@ pub(super) type Kept = Option<Box<dyn Any + Send>>;
 pub(super) enum Prepared<const D: usize> {
     /// Loops of fixed lengths, ready to be run.
     Fixed(Vec<Box<dyn FixedIntegral>>),
-    /// Loops that count their lengths, which run when the form hands over the kernel.
-    Counted { groups: Vec<Group<D>>, memory: Kept },
+    /// Loops that count their lengths.
+    Counted { kernel: Box<dyn ElementIntegral<D>>, groups: Vec<Group<D>>, memory: Kept },
 }
 
 /// The entry of the facet that was asked for, or of the cells.
@@ -77,39 +79,69 @@ impl<K, S: Sizes> Lengths<K, S> {
     }
 }
 
-/// Prepares each integral of a form.
-pub(super) struct Prepare<'a, F, S, const D: usize> {
-    pub tables: &'a ElementTables<D>,
-    pub form: &'a F,
-    pub quadrature: &'a Quadrature<D>,
-    pub found: Vec<Prepared<D>>,
-    pub sizes: PhantomData<S>,
-}
+/// The backend of element kernels of some sizes.
+pub(super) struct Standalone<S>(PhantomData<S>);
 
-impl<F: Form<D>, S: Sizes, const D: usize> Prepare<'_, F, S, D> {
-    fn groups(
-        &self,
-        integral: &Integral,
-        requirements: &Requirements,
-    ) -> Result<Vec<Group<D>>, AssemblyError> {
-        let binding = self.tables.bind(self.form)?;
-        let degree = self.tables.layout.element.degree;
-        let degrees: Vec<usize> = binding.degrees(&[]).into_iter().collect();
-        let degrees: Vec<usize> = (self.form.fields().iter().zip(degrees))
-            .map(|(field, found)| match field.role {
-                Role::Test(_) | Role::Unknown(_) => degree,
-                _ => found,
-            })
-            .collect();
-        groups(&binding, integral, self.quadrature, &degrees, requirements)
+impl<S: Sizes, const D: usize> Backend<D> for Standalone<S> {
+    type Linear = Box<dyn ElementIntegral<D>>;
+    type Bilinear = Box<dyn ElementIntegral<D>>;
+    type Expression = ();
+
+    fn linear<K: LinearKernel<D>>(kernel: K) -> Self::Linear {
+        Box::new(Vectors { kernel, sizes: PhantomData::<S> })
     }
+
+    fn bilinear<K: BilinearKernel<D>>(kernel: K) -> Self::Bilinear {
+        Box::new(Matrices { kernel, sizes: PhantomData::<S> })
+    }
+
+    fn expression<K: ExpressionKernel<D>>(_: K) {}
 }
 
-impl<F: Form<D>, S: Sizes, const D: usize> BilinearVisitor<D> for Prepare<'_, F, S, D> {
-    type Error = AssemblyError;
+/// An integral whose kernel's type is behind a virtual call.
+pub(super) trait ElementIntegral<const D: usize>: Send + Sync {
+    /// Inputs of its kernel.
+    fn requirements(&self) -> &'static Requirements;
 
-    fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), AssemblyError> {
-        let (tables, groups) = (self.tables, self.groups(integral, &K::REQUIREMENTS)?);
+    /// Loops of fixed lengths, one per group; none where lengths are counted.
+    ///
+    /// # Errors
+    /// Tables of other lengths.
+    fn with_fixed_lengths(
+        &self,
+        form: &'static str,
+        tables: &ElementTables<D>,
+        groups: &[Group<D>],
+    ) -> Result<Option<Vec<Box<dyn FixedIntegral>>>, AssemblyError>;
+
+    /// Runs loops that count their lengths.
+    ///
+    /// # Errors
+    /// Errors of the form's data, or of the lengths of the lists.
+    fn run(&self, call: Counted<D>) -> Result<(), AssemblyError>;
+}
+
+struct Matrices<K, S> {
+    kernel: K,
+    sizes: PhantomData<S>,
+}
+
+struct Vectors<K, S> {
+    kernel: K,
+    sizes: PhantomData<S>,
+}
+
+impl<K: BilinearKernel<D>, S: Sizes, const D: usize> ElementIntegral<D> for Matrices<K, S> {
+    fn requirements(&self) -> &'static Requirements {
+        const { &K::REQUIREMENTS }
+    }
+
+    fn with_fixed_lengths(
+        &self,
+        form: &'static str,
+        tables: &ElementTables<D>,
+        groups: &[Group<D>],
+    ) -> Result<Option<Vec<Box<dyn FixedIntegral>>>, AssemblyError> {
         let factorised = |group: &Group<D>| {
             let (kernel, tables) = (BilinearConstants::of::<K, D>(), group.sides[0].products[0].as_ref());
             tables.is_some_and(|tables| {
@@ -117,36 +149,79 @@ impl<F: Form<D>, S: Sizes, const D: usize> BilinearVisitor<D> for Prepare<'_, F,
                     && by_moments::<D>(&kernel, tables, K::SYMMETRIC).is_none()
             })
         };
-        if const { Lengths::<K, S>::of_matrices() } && !groups.iter().any(factorised) {
-            let order = &tables.orders[usize::from(K::SYMMETRIC)];
-            let prepared = groups.iter().map(|group| {
-                let tables = tables.fixed::<S>(self.form.name(), group)?;
-                let work = PrepareMatrices { kernel, group, tables, order };
-                Ok(self.tables.instructions.run(work))
-            });
-            self.found.push(Prepared::Fixed(prepared.collect::<Result<_, AssemblyError>>()?));
-        } else {
-            self.found.push(Prepared::Counted { groups, memory: None });
+        if !const { Lengths::<K, S>::of_matrices() } || groups.iter().any(factorised) {
+            return Ok(None);
         }
-        Ok(())
+        let (kernel, order) = (&self.kernel, &tables.orders[usize::from(K::SYMMETRIC)]);
+        let prepared = groups.iter().map(|group| {
+            let fixed = tables.fixed::<S>(form, group)?;
+            Ok(tables.instructions.run(PrepareMatrices { kernel, group, tables: fixed, order }))
+        });
+        prepared.collect::<Result<_, AssemblyError>>().map(Some)
+    }
+
+    fn run(&self, call: Counted<D>) -> Result<(), AssemblyError> {
+        // Loops of fixed lengths were prepared, so that this is not reached: it keeps others from being compiled.
+        if const { Lengths::<K, S>::of_matrices_always() } {
+            return Ok(());
+        }
+        run_matrices(&self.kernel, call)
     }
 }
 
-impl<F: Form<D>, S: Sizes, const D: usize> LinearVisitor<D> for Prepare<'_, F, S, D> {
-    type Error = AssemblyError;
-
-    fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, kernel: &K) -> Result<(), AssemblyError> {
-        let (tables, groups) = (self.tables, self.groups(integral, &K::REQUIREMENTS)?);
-        if const { Lengths::<K, S>::of_vectors() } {
-            let prepared = groups.iter().map(|group| {
-                let fixed = tables.fixed::<S>(self.form.name(), group)?;
-                let work = PrepareVectors { kernel, tables: fixed, order: &tables.orders[2] };
-                Ok(tables.instructions.run(work))
-            });
-            self.found.push(Prepared::Fixed(prepared.collect::<Result<_, AssemblyError>>()?));
-        } else {
-            self.found.push(Prepared::Counted { groups, memory: None });
-        }
-        Ok(())
+impl<K: LinearKernel<D>, S: Sizes, const D: usize> ElementIntegral<D> for Vectors<K, S> {
+    fn requirements(&self) -> &'static Requirements {
+        const { &K::REQUIREMENTS }
     }
+
+    fn with_fixed_lengths(
+        &self,
+        form: &'static str,
+        tables: &ElementTables<D>,
+        groups: &[Group<D>],
+    ) -> Result<Option<Vec<Box<dyn FixedIntegral>>>, AssemblyError> {
+        if !const { Lengths::<K, S>::of_vectors() } {
+            return Ok(None);
+        }
+        let (kernel, order) = (&self.kernel, &tables.orders[2]);
+        let prepared = groups.iter().map(|group| {
+            let fixed = tables.fixed::<S>(form, group)?;
+            Ok(tables.instructions.run(PrepareVectors { kernel, tables: fixed, order }))
+        });
+        prepared.collect::<Result<_, AssemblyError>>().map(Some)
+    }
+
+    fn run(&self, call: Counted<D>) -> Result<(), AssemblyError> {
+        // As above.
+        if const { Lengths::<K, S>::of_vectors() } {
+            return Ok(());
+        }
+        run_vectors(&self.kernel, call)
+    }
+}
+
+/// An integral of a form, prepared with its groups.
+///
+/// # Errors
+/// A region or data that do not fit, or sizes that are not those of the tables.
+pub(super) fn prepare<const D: usize>(
+    form: &Form<D>,
+    tables: &ElementTables<D>,
+    quadrature: &Quadrature<D>,
+    integral: &Integral,
+    kernel: Box<dyn ElementIntegral<D>>,
+) -> Result<Prepared<D>, AssemblyError> {
+    let binding = tables.bind(form)?;
+    let degree = tables.layout.element.degree;
+    let degrees: Vec<usize> = (form.fields().iter().zip(binding.degrees(&[])))
+        .map(|(field, found)| match field.role {
+            Role::Test(_) | Role::Unknown(_) => degree,
+            _ => found,
+        })
+        .collect();
+    let groups = groups(&binding, integral, quadrature, &degrees, kernel.requirements())?;
+    Ok(match kernel.with_fixed_lengths(form.name(), tables, &groups)? {
+        Some(fixed) => Prepared::Fixed(fixed),
+        None => Prepared::Counted { kernel, groups, memory: None },
+    })
 }

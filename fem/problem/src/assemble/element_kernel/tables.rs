@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::{FieldDescription, Form, Role};
+use forms_core::contract::{FieldDescription, Role};
 
 use super::{ElementCells, ElementLayout};
 use crate::assemble::AssemblyError;
@@ -11,6 +11,7 @@ use crate::assemble::binding::{Binding, List, Tabulated, Values};
 use crate::assemble::element_kernel::fixed::FixedTables;
 use crate::assemble::element_kernel::sizes::{Array, Sizes};
 use crate::assemble::walk::Group;
+use crate::contract::Form;
 use crate::lanes::{Checked, Order};
 use crate::mesh::Mesh;
 
@@ -28,7 +29,7 @@ pub(super) struct ElementTables<const D: usize> {
 
 impl<const D: usize> ElementTables<D> {
     /// Values that the caller lists, by field; `None` of those that come with the form.
-    pub fn listed<F: Form<D>>(&self, form: &F, binding: &mut Binding<D>) -> Vec<Option<Values<'static, D>>> {
+    pub fn listed(&self, form: &Form<D>, binding: &mut Binding<D>) -> Vec<Option<Values<'static, D>>> {
         let value = |field: &FieldDescription| {
             let listed = self.layout.fields.iter().find(|known| known.name == field.name);
             let source = !matches!(field.role, Role::Unknown(_) | Role::Test(_) | Role::Direction(_));
@@ -45,7 +46,7 @@ impl<const D: usize> ElementTables<D> {
         form.fields().iter().map(value).collect()
     }
 
-    pub fn bind<'a, F: Form<D>>(&'a self, form: &'a F) -> Result<Binding<'a, D>, AssemblyError> {
+    pub fn bind<'a>(&'a self, form: &'a Form<D>) -> Result<Binding<'a, D>, AssemblyError> {
         let inputs = form.inputs();
         let mut binding = Binding::empty(form.name(), form.fields(), &inputs.regions, &self.reference);
         if let Some((values, elements)) = &self.known {

@@ -7,10 +7,9 @@
 
 use std::ops::Range;
 
-use forms_core::contract::{Basis, BilinearKernel};
+use forms_core::contract::{Basis, BilinearConstants, BilinearKernel};
 
 use super::bilinear_calls::{BilinearCalls, Factors, Functions, MatrixCall, MatrixCalls};
-use super::constants::BilinearConstants;
 use crate::assemble::AssemblyError;
 use crate::assemble::batch::{ArgumentBasis, Batch, BatchBuffers, Cells};
 use crate::assemble::binding::Binding;

@@ -2,7 +2,6 @@
 
 mod bilinear_calls;
 pub(super) mod block_sink;
-mod constants;
 mod linear_calls;
 mod node_pairs;
 pub(super) mod reference_tensor;
@@ -13,6 +12,5 @@ pub(super) mod matrices;
 pub(super) mod vectors;
 
 pub(super) use bilinear_calls::{BilinearCalls, Factors};
-pub(super) use constants::{BilinearConstants, LinearConstants};
 pub(super) use linear_calls::LinearCalls;
 pub(super) use node_pairs::{NodePairs, no_products};

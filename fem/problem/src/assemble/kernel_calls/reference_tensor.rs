@@ -9,11 +9,10 @@
 mod blocks;
 mod scalars;
 
-use forms_core::contract::BilinearKernel;
+use forms_core::contract::{BilinearConstants, BilinearKernel};
 
 use self::blocks::Terms;
 pub(in crate::assemble) use self::scalars::{Coefficient, InLanes, contract as contract_numbers, products};
-use super::BilinearConstants;
 use super::block_sink::BlockSink;
 use crate::assemble::walk::GroupSide;
 use crate::compiled_here::compiled_here;

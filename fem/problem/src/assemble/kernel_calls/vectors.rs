@@ -5,9 +5,8 @@
 
 use std::ops::Range;
 
-use forms_core::contract::{Basis, LinearKernel};
+use forms_core::contract::{Basis, LinearConstants, LinearKernel};
 
-use super::constants::LinearConstants;
 use super::linear_calls::{LinearCalls, VectorCall, VectorCalls};
 use crate::assemble::AssemblyError;
 use crate::assemble::batch::{ArgumentBasis, Batch, BatchBuffers, Cells};

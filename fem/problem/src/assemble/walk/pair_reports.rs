@@ -3,13 +3,11 @@
 use std::fmt;
 use std::sync::Arc;
 
-use forms_core::contract::{
-    Entity, FieldDescription, Form, Integral, LinearKernel, LinearVisitor, Pairing, Requirements, Role,
-};
+use forms_core::contract::{Entity, FieldDescription, Integral, Pairing, Requirements, Role};
 
 use super::degrees::Estimate;
 use crate::assemble::binding::Binding;
-use crate::assemble::binding::outline::Described;
+use crate::contract::Function;
 use crate::assemble::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldView};
@@ -108,14 +106,14 @@ impl<const D: usize> FoundPairs<D> {
     }
 }
 
-struct ReportVisitor<'a, 'b, const D: usize> {
+struct PairReports<'a, 'b, const D: usize> {
     assembler: &'a Assembler<D>,
     binding: &'a Binding<'b, D>,
     degrees: Vec<usize>,
     found: Vec<FoundPairs<D>>,
 }
 
-impl<const D: usize> ReportVisitor<'_, '_, D> {
+impl<const D: usize> PairReports<'_, '_, D> {
     /// The pairs of an integral, if it is the first of its region and displacement.
     #[inline(never)]
     fn add(&mut self, integral: &Integral, requirements: &Requirements) -> Result<(), AssemblyError> {
@@ -155,48 +153,33 @@ impl<const D: usize> ReportVisitor<'_, '_, D> {
 }
 
 compiled_here!(
-    pair_reports: ReportVisitor::<D>::add,
+    pair_reports: PairReports::<D>::add,
     Assembler::<D>::follow,
     Assembler::<D>::follow_found,
-    Assembler::<D>::reported_pairs,
+    Assembler::<D>::pairs_of_form,
 );
-
-impl<const D: usize> LinearVisitor<D> for ReportVisitor<'_, '_, D> {
-    type Error = AssemblyError;
-
-    fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), AssemblyError> {
-        self.add(integral, &K::REQUIREMENTS)
-    }
-}
 
 impl<const D: usize> Assembler<D> {
     /// The contact pairs of a form at some unknowns, in the order of its integrals. Pairs that were assembled on are not searched
     /// for again.
-    pub(crate) fn pairs_of_form<F: Form<D>>(
-        &self,
-        form: &F,
-        unknowns: &[FieldView<D>],
-        tests: &[&Arc<Space<D>>],
-    ) -> Result<Vec<FoundPairs<D>>, AssemblyError> {
-        self.reported_pairs(Described::of(form), unknowns, tests, &mut |visitor| form.residual(visitor))
-    }
-
+    #[doc(hidden)]
     #[inline(never)]
-    fn reported_pairs(
+    pub fn pairs_of_form(
         &self,
-        form: Described<D>,
+        form: &Function<D>,
         unknowns: &[FieldView<D>],
         tests: &[&Arc<Space<D>>],
-        walk: &mut dyn FnMut(&mut ReportVisitor<D>) -> Result<(), AssemblyError>,
     ) -> Result<Vec<FoundPairs<D>>, AssemblyError> {
         if form.inputs().regions.iter().all(|region| region.entity != Entity::Pairs) {
             return Ok(vec![]);
         }
         let binding = self.bind(form, unknowns)?;
         let degrees = binding.degrees(tests);
-        let mut visitor = ReportVisitor { assembler: self, binding: &binding, degrees, found: vec![] };
-        walk(&mut visitor)?;
-        Ok(visitor.found)
+        let mut reports = PairReports { assembler: self, binding: &binding, degrees, found: vec![] };
+        for term in form.residual() {
+            reports.add(term.integral, term.kernel.constants().requirements)?;
+        }
+        Ok(reports.found)
     }
 
     /// Follows the motion of the surfaces of some found pairs, which one unknown displaces, from one state of all unknowns to

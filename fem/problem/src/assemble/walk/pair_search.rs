@@ -8,7 +8,8 @@ use forms_core::contract::{Entity, Pairing};
 use super::degrees::Estimate;
 use super::pair_groups::without_coefficients;
 use crate::assemble::binding::entities::Entities;
-use crate::assemble::binding::outline::{Coupling, Described};
+use crate::assemble::binding::outline::Coupling;
+use crate::contract::Function;
 use crate::assemble::binding::{Binding, pair_error};
 use crate::assemble::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
@@ -60,7 +61,7 @@ impl<const D: usize> PairSearch<D> {
     #[inline(never)]
     pub fn entities<'a>(
         &self,
-        form: &Described<D>,
+        form: &Function<D>,
         tests: &[&'a Arc<Space<D>>],
         trials: &[&'a Arc<Space<D>>],
         coupling: &Coupling,
@@ -80,13 +81,13 @@ impl<const D: usize> PairSearch<D> {
     /// The pairs that an integral has at an iterate.
     fn pairs(
         &self,
-        form: &Described<D>,
+        form: &Function<D>,
         tests: &[&Arc<Space<D>>],
         unknowns: &[FieldView<D>],
         coupling: &Coupling,
     ) -> Result<Arc<Pairs<D>>, AssemblyError> {
         let mesh = &tests[0].mesh;
-        let mut binding = Binding::new(*form, mesh, unknowns)?;
+        let mut binding = Binding::new(form, mesh, unknowns)?;
         binding.searches = Some((&self.known, self.threads));
         let degrees = binding.degrees(tests);
         let history = binding.history_degree(&coupling.requirements, &self.quadrature)?;
@@ -103,7 +104,7 @@ impl<const D: usize> PairSearch<D> {
     #[inline(never)]
     pub fn surfaces(
         &self,
-        form: &Described<D>,
+        form: &Function<D>,
         mesh: &Mesh<D>,
         coupling: &Coupling,
     ) -> Result<BTreeSet<Facet>, AssemblyError> {
@@ -124,7 +125,7 @@ impl<const D: usize> PairSearch<D> {
     #[inline(never)]
     pub fn slide_to(
         &mut self,
-        form: &Described<D>,
+        form: &Function<D>,
         tests: &[&Arc<Space<D>>],
         unknowns: &[FieldView<D>],
         couplings: &[Coupling],
@@ -158,7 +159,7 @@ impl<const D: usize> PairSearch<D> {
     #[inline(never)]
     pub fn covers(
         &self,
-        form: &Described<D>,
+        form: &Function<D>,
         tests: &[&Arc<Space<D>>],
         unknowns: &[FieldView<D>],
         couplings: &[Coupling],

@@ -1,7 +1,7 @@
 //! The positive parts of a scalar along the facets of a plane mesh: those between its zeros, which lie anywhere on a
 //! facet, not at quadrature points.
 
-use forms_core::contract::Expression;
+use crate::contract::Expression;
 
 use crate::assemble::{Assembler, AssemblyError, FacetSample};
 use crate::mesh::Facet;
@@ -30,9 +30,9 @@ impl Assembler<2> {
     ///
     /// # Errors
     /// An unknown region, a function that is no scalar, a value that is not finite, or data that do not fit.
-    pub fn positive_parts<E: Expression<2>>(
+    pub fn positive_parts(
         &self,
-        expression: &E,
+        expression: &Expression<2>,
         region: &str,
         degree: usize,
     ) -> Result<Vec<PositivePart>, AssemblyError> {
@@ -70,9 +70,9 @@ pub(in crate::assemble) struct FacetZeros {
 
 impl<const D: usize> Assembler<D> {
     /// The zeros of a scalar along each facet of a plane mesh's region.
-    pub(in crate::assemble) fn facet_zeros<E: Expression<D>>(
+    pub(in crate::assemble) fn facet_zeros(
         &self,
-        expression: &E,
+        expression: &Expression<D>,
         region: &str,
         degree: usize,
     ) -> Result<Vec<FacetZeros>, AssemblyError> {
@@ -107,9 +107,9 @@ impl<const D: usize> Assembler<D> {
         Ok(facets)
     }
 
-    pub(in crate::assemble) fn expect_scalar<E: Expression<D>>(
+    pub(in crate::assemble) fn expect_scalar(
         &self,
-        expression: &E,
+        expression: &Expression<D>,
     ) -> Result<(), AssemblyError> {
         match expression.shape().iter().product() {
             1 => Ok(()),

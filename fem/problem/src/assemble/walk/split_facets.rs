@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::Expression;
+use crate::contract::Expression;
 
 use crate::assemble::{Assembler, AssemblyError};
 use crate::quadrature::{Piece, Quadrature, SplitFacets};
@@ -23,9 +23,9 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// As [`Assembler::along_facets`], a region of interior facets, and a function that is no scalar.
-    pub fn split_at_zeros<E: Expression<D>>(
+    pub fn split_at_zeros(
         &self,
-        expression: &E,
+        expression: &Expression<D>,
         region: &str,
         resolution: usize,
     ) -> Result<Self, AssemblyError> {

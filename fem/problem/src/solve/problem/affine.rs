@@ -1,13 +1,14 @@
 //! Affine problems: one assembly, one linear system.
 
-use super::untyped::{Found, UntypedProblem};
+use super::Problem;
+use super::solution::Found;
 use crate::linear_algebra::vector::norm;
 use crate::solve::linear_system::{check_equations, solve_reduced};
 use crate::solve::{
     Elimination, LinearSolver, NewtonFailure, NewtonStep, NonlinearProblem, SolveError, Transpose,
 };
 
-impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
+impl<const D: usize, const N: usize> Problem<'_, D, N> {
     /// One assembly, one linear system.
     pub(super) fn solve_affine(
         &mut self,

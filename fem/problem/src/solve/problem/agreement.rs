@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use forms_core::contract::{Entity, Region, Source};
 
-use super::untyped::UntypedProblem;
+use super::Problem;
 use crate::assemble::AssemblyError;
 use crate::constraints::Constraints;
 use crate::field::Field;
@@ -17,7 +17,7 @@ use crate::space::Space;
 /// A part of a problem, and the number that tells it apart.
 type Part = (&'static str, u64);
 
-impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
+impl<const D: usize, const N: usize> Problem<'_, D, N> {
     /// Compares what the processes were given, but for the values of functions of position, and which cells each has.
     pub(super) fn agree_on_problem(&self, constraints: &[&Constraints<D>; N]) -> Result<(), AssemblyError> {
         let Some(communicator) = self.communicator else { return Ok(()) };

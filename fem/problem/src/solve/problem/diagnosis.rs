@@ -1,10 +1,10 @@
 //! Errors of linear solvers told in a problem's own terms: field, component, position, rigid motions.
 
-use super::untyped::UntypedProblem;
+use super::Problem;
 use crate::linear_algebra::LinearAlgebraError;
 use crate::solve::{Elimination, Floating, NonlinearProblem, SolverError, WorstEquation};
 
-impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
+impl<const D: usize, const N: usize> Problem<'_, D, N> {
     /// A singular matrix is reported with the field and the place of an unknown that it does not determine, an equation
     /// that does not hold with those of its unknown.
     pub(in crate::solve) fn named(&self, error: SolverError, elimination: &Elimination) -> SolverError {

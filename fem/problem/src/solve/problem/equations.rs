@@ -5,8 +5,8 @@ use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::untyped::UntypedProblem;
-use crate::assemble::{AssemblyError, Parts, Terms};
+use super::Problem;
+use crate::assemble::{AssemblyError, Outline, Parts, Terms};
 use crate::history::commits;
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::communicator::{agreed, all_active, summed};
@@ -14,7 +14,7 @@ use crate::solve::linear_and_nonlinear::Nonlinear;
 use crate::solve::{ActivePoints, FieldUnknowns, NonlinearProblem, NonlinearTangent, Products, Tangent};
 use crate::space::Space;
 
-impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
+impl<const D: usize, const N: usize> Problem<'_, D, N> {
     fn own_residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
         if let Some(split) = &self.split {
             let start = Instant::now();
@@ -52,7 +52,7 @@ impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
     }
 }
 
-impl<const D: usize, const N: usize> NonlinearProblem for UntypedProblem<'_, D, N> {
+impl<const D: usize, const N: usize> NonlinearProblem for Problem<'_, D, N> {
     type Error = AssemblyError;
 
     fn residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
@@ -87,7 +87,7 @@ impl<const D: usize, const N: usize> NonlinearProblem for UntypedProblem<'_, D, 
     }
 
     fn has_symmetric_linear_part(&self) -> bool {
-        self.system.form.outline(Parts::LINEAR_AND_CONSTANT).is_symmetric()
+        Outline::of(&self.system.form, Parts::LINEAR_AND_CONSTANT).is_symmetric()
     }
 
     fn nonlinear_tangent(&mut self, u: &[f64]) -> Result<Option<NonlinearTangent<'_>>, AssemblyError> {

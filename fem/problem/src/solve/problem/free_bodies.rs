@@ -1,6 +1,6 @@
 //! Bodies that nothing holds, and rigid tools that an unknown is not given on, by name.
 
-use super::untyped::UntypedProblem;
+use super::Problem;
 use crate::compiled_here::compiled_here;
 use crate::linear_algebra::{free_motions, free_motions_of_body};
 use crate::solve::{Elimination, Floating};
@@ -56,7 +56,7 @@ fn tool_at<const D: usize>(space: &Space<D>, node: usize) -> Option<String> {
     tools.find(carries).map(str::to_owned)
 }
 
-impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
+impl<const D: usize, const N: usize> Problem<'_, D, N> {
     /// The part that floats at a node of an unknown that the matrix does not determine: a rigid tool, the node's body with its motions, or all bodies
     /// together with theirs.
     pub(super) fn floating(&self, number: usize, node: usize, elimination: &Elimination) -> Floating {

@@ -3,12 +3,12 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::untyped::UntypedProblem;
+use super::Problem;
 use crate::assemble::AssemblyError;
 use crate::constraints::Constraints;
 use crate::space::Space;
 
-impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
+impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     /// A guess at the first iterates: each vector field on the mesh moved by 1.05 times the mean of its prescribed
     /// values, for a body that is moved at one side follows nearly as it is. None where nothing is moved.
     pub(super) fn extrapolate_prescribed(

@@ -1,11 +1,12 @@
 //! A load step of a problem: Newton's method from a predicted state, then from the last one, and the motion between followed.
 
 use super::SolveError;
-use super::untyped::{Found, UntypedProblem};
+use super::Problem;
+use super::solution::Found;
 use crate::constraints::Constraints;
 use crate::solve::{Elimination, LinearSolver, NewtonFailure};
 
-impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
+impl<const D: usize, const N: usize> Problem<'_, D, N> {
     /// The solution from the start, or, in a load step whose start is a prediction that leads nowhere, from the state before.
     pub(super) fn iterate_from_starts(
         &mut self,

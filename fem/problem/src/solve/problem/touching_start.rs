@@ -5,7 +5,7 @@
 //! that slip everywhere. A trace of overlap, along the normal, has the derivative of bodies that press and stick.
 
 use super::SolveError;
-use super::untyped::UntypedProblem;
+use super::Problem;
 use crate::assemble::FoundPairs;
 use crate::mesh::{Facet, Mesh};
 use crate::pairs::PairGroup;
@@ -28,7 +28,7 @@ fn diameter<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> f64 {
     corners.iter().flat_map(|a| corners.iter().map(move |b| distance(a, b))).fold(0.0, f64::max)
 }
 
-impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
+impl<const D: usize, const N: usize> Problem<'_, D, N> {
     /// Moves the cells at surfaces that slide and just touch into each other by a trace, where an unknown that displaces them starts
     /// from zero and is not at rest there.
     pub(super) fn overlap_touching(

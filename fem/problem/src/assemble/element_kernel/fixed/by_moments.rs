@@ -4,7 +4,7 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]
 
-use forms_core::contract::BilinearKernel;
+use forms_core::contract::{BilinearConstants, BilinearKernel};
 
 use super::batch::FixedBatch;
 use super::fields::FieldBuffers;
@@ -13,7 +13,7 @@ use super::tables::MOST_NUMBERS;
 use crate::assemble::element_kernel::sizes::{Array, Sizes};
 use crate::assemble::kernel_calls::matrices::by_moments;
 use crate::assemble::kernel_calls::sum_factorisation::{Derivatives, Moments, unit};
-use crate::assemble::kernel_calls::{BilinearConstants, no_products};
+use crate::assemble::kernel_calls::no_products;
 use crate::assemble::walk::Group;
 use crate::lanes::{Order, Ordered, SimdLane};
 

@@ -4,7 +4,7 @@
 // loops over lane values are plain.
 #![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
-use forms_core::contract::BilinearKernel;
+use forms_core::contract::{BilinearConstants, BilinearKernel};
 
 use super::batch::FixedBatch;
 use super::by_moments::{self, ByMoments};
@@ -18,7 +18,7 @@ use crate::assemble::kernel_calls::block_sink::BlockSink;
 use crate::assemble::kernel_calls::reference_tensor::{
     InLanes, ReferenceTensor, contract, contract_numbers, products, suits,
 };
-use crate::assemble::kernel_calls::{BilinearConstants, NodePairs, no_products};
+use crate::assemble::kernel_calls::{NodePairs, no_products};
 use crate::assemble::walk::Group;
 use crate::lanes::{LaneWork, Order, Ordered, SharedWork, SimdLane};
 

@@ -9,7 +9,7 @@
 
 use forms_core::contract::{Basis, BilinearKernel, PointGeometry, Requirements};
 
-use crate::assemble::kernel_calls::BilinearConstants;
+use forms_core::contract::BilinearConstants;
 use crate::assemble::kernel_calls::block_sink::BlockSink;
 use crate::assemble::walk::GroupSide;
 use crate::lanes::SimdLane;

@@ -1,48 +1,20 @@
-//! A problem whose form has a type no more: all of it but the form's kernels is compiled once, in this crate.
+//! Solution of a problem: of one linear system, or by Newton's method.
 
-use std::borrow::Cow;
-use std::cell::OnceCell;
-use std::sync::Arc;
 use std::time::Instant;
 
-use super::SolveError;
+use super::{Problem, SolveError};
 use super::form_equations::{FormEquations, newton_for_form};
-use crate::assemble::{Assembler, AssemblyError};
+use crate::assemble::AssemblyError;
 use crate::compiled_here::compiled_here;
 use crate::constraints::Constraints;
 use crate::field::Field;
 use crate::history::commits;
 use crate::linear_algebra::{BlockMatrix, Restriction};
-use crate::solve::any_form::Held;
-use crate::solve::communicator::{Communicator, agreed};
-use crate::solve::linear_and_nonlinear::SplitSystem;
+use crate::solve::communicator::agreed;
 use crate::solve::linear_part::{Assembled, System};
 use crate::solve::{
-    Elimination, LinearSolver, NewtonFailure, NewtonOptions, NewtonStep, Solved, Start, TangentSolver,
+    Elimination, LinearSolver, NewtonFailure, NewtonStep, Solved, Start, TangentSolver,
 };
-use crate::space::Space;
-
-/// The data of a [`Problem`](super::Problem), and what is known of it.
-pub(in crate::solve) struct UntypedProblem<'a, const D: usize, const N: usize> {
-    pub system: System<'a, D, N>,
-    pub constraints: Vec<Cow<'a, Constraints<D>>>,
-    pub start: Option<[&'a Field<D>; N]>,
-    /// The state from which a load step goes; the start is its prediction.
-    pub last_state: Option<[&'a Field<D>; N]>,
-    pub solver: Solver<'a>,
-    pub options: NewtonOptions,
-    pub progress: Option<EachStep<'a>>,
-    pub communicator: Option<&'a dyn Communicator>,
-    pub assembled: Option<Assembled>,
-    /// Both parts, if pairs slide and the solver condenses.
-    pub split: Option<SplitSystem<D>>,
-    /// Spent in assembly so far.
-    pub seconds: f64,
-    /// The memory that earlier steps left.
-    pub memory: StepMemory,
-    /// Remarks of whoever made the problem.
-    pub notes: Vec<String>,
-}
 
 /// Memory that one step of a history leaves to the next, and the map from its matrix to the reduced one: nothing that a result depends on.
 #[derive(Debug, Default)]
@@ -70,36 +42,11 @@ impl Solver<'_> {
 /// Is called with the start and each iterate.
 pub(in crate::solve) type EachStep<'a> = Box<dyn FnMut(&NewtonStep) + 'a>;
 
-impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
-    #[inline(never)]
-    pub fn new(form: Held<'a, D>, spaces: [&Arc<Space<D>>; N]) -> Self {
-        let assembler = Cow::Owned(Assembler::new(spaces[0].mesh()));
-        let spaces = spaces.map(Arc::clone);
-        UntypedProblem {
-            system: System {
-                form,
-                assembler,
-                assembler_at: None,
-                spaces,
-                pattern: OnceCell::new(),
-                loads: vec![],
-            },
-            constraints: vec![],
-            start: None,
-            last_state: None,
-            solver: Solver::Own(Box::default()),
-            options: NewtonOptions::default(),
-            progress: None,
-            communicator: None,
-            assembled: None,
-            split: None,
-            seconds: 0.0,
-            memory: StepMemory::default(),
-            notes: vec![],
-        }
-    }
-
-    /// See [`Problem::solve`](super::Problem::solve).
+impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
+    /// Solves the problem.
+    ///
+    /// # Errors
+    /// [`SolveError`] with the reason, and of Newton's method the history and the last iterate.
     #[inline(never)]
     pub fn solve(&mut self) -> Result<Solved<D, N>, SolveError> {
         let begun = Instant::now();
@@ -200,7 +147,7 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
 
     /// The system, with what no iterate changes assembled.
     #[inline(never)]
-    pub fn ready(&mut self) -> Result<(&System<'a, D, N>, &mut Assembled), AssemblyError> {
+    pub(in crate::solve) fn ready(&mut self) -> Result<(&System<'a, D, N>, &mut Assembled), AssemblyError> {
         let commits = commits(self.system.form.inputs());
         let assembled = match self.assembled.take() {
             Some(assembled) if assembled.commits == commits => assembled,
@@ -219,14 +166,14 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
 pub(super) type Found = (Vec<f64>, Vec<f64>, Vec<NewtonStep>);
 
 compiled_here!(
-    untyped:
-    UntypedProblem::<D, 1>::new,
-    UntypedProblem::<D, 1>::solve,
-    UntypedProblem::<D, 1>::ready,
-    UntypedProblem::<D, 2>::new,
-    UntypedProblem::<D, 2>::solve,
-    UntypedProblem::<D, 2>::ready,
-    UntypedProblem::<D, 3>::new,
-    UntypedProblem::<D, 3>::solve,
-    UntypedProblem::<D, 3>::ready,
+    solution:
+    Problem::<D, 1>::on_spaces,
+    Problem::<D, 1>::solve,
+    Problem::<D, 1>::ready,
+    Problem::<D, 2>::on_spaces,
+    Problem::<D, 2>::solve,
+    Problem::<D, 2>::ready,
+    Problem::<D, 3>::on_spaces,
+    Problem::<D, 3>::solve,
+    Problem::<D, 3>::ready,
 );
