@@ -99,9 +99,9 @@ fn stacked<const D: usize>(first: &Mesh<D>, second: &Mesh<D>) -> Result<Arc<Mesh
 }
 
 /// Seconds of a residual, and of a tangent into its pattern.
-fn assembly<F: Form<D>, const D: usize>(
+fn assembly<const D: usize>(
     assembler: &Assembler<D>,
-    form: &F,
+    form: &Form<D>,
     u: &Field<D>,
     space: &Arc<Space<D>>,
 ) -> Result<[f64; 2], AssemblyError> {

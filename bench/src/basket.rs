@@ -1,6 +1,6 @@
 //! The basket: one line per kernel. The forms are in `forms`, their UFL counterparts in `peers/basket.py`.
 
-use crate::forms::given::*;
+use crate::forms::given::typed::*;
 
 crate::register! { |c|
     poisson_tri_P1: Tangent of Cells, Triangle, degree 1, geometry 1, rule 0, [], Entities, poisson();

@@ -299,9 +299,9 @@ where
 }
 
 /// Residual and tangent of the contact term at iterates that differ a little, so that pairs are searched for at each.
-fn term_of<F: Form<D>, const D: usize>(
+fn term_of<const D: usize>(
     pair: &Pair<D>,
-    form: &F,
+    form: &Form<D>,
     samples: usize,
 ) -> Result<MeasuredBodies, Box<dyn Error>>
 where
@@ -361,9 +361,9 @@ where
 }
 
 /// The block pressed down and drawn along in one step; mesh and space are not in the time, pattern and factorisations are.
-fn solve_of<F: Form<D>, const D: usize>(
+fn solve_of<const D: usize>(
     pair: &Pair<D>,
-    form: &F,
+    form: &Form<D>,
     samples: usize,
 ) -> Result<MeasuredBodies, Box<dyn Error>>
 where

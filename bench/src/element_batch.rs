@@ -1,12 +1,11 @@
 //! Element matrices and vectors of a batch of cells in the layouts of FFCx: prepared once per kernel and thread.
 
-use std::marker::PhantomData;
-
 use forms_fem::assemble::{AssemblyError, ElementCells, ElementKernel, ElementLayout, FieldLayout, Sizes};
 use forms_fem::contract::Form;
 use forms_fem::element::{CellShape, Lagrange};
 use thiserror::Error;
 
+use crate::forms::given::WithIntegrals;
 use crate::basix::{NodeOrder, RuleError, node_count, our_node_numbers, quadrature};
 
 /// Whether a kernel is that of a residual or of its tangent.
@@ -61,7 +60,7 @@ pub enum BatchError {
 
 impl Setting {
     /// Starts of each field's coefficients in a cell's list, and the length of that list.
-    pub fn coefficients<const D: usize>(&self, form: &impl Form<D>) -> (Vec<usize>, usize) {
+    pub fn coefficients<const D: usize>(&self, form: &Form<D>) -> (Vec<usize>, usize) {
         let mut starts = Vec::new();
         let mut start = 0;
         for (name, degree) in self.fields {
@@ -72,7 +71,7 @@ impl Setting {
     }
 
     /// FFCx's layout of coordinates, coefficients and matrices.
-    fn layout<const D: usize>(&self, form: &impl Form<D>) -> ElementLayout {
+    fn layout<const D: usize>(&self, form: &Form<D>) -> ElementLayout {
         let Setting { shape, degree, geometry, order, .. } = *self;
         // Entry `ours` is at the position of `theirs`.
         let places = |degree: usize, start: usize, stride: usize| {
@@ -102,12 +101,12 @@ impl Setting {
     }
 }
 
-fn components_of<const D: usize>(form: &impl Form<D>, name: &str) -> usize {
+fn components_of<const D: usize>(form: &Form<D>, name: &str) -> usize {
     form.fields().iter().find(|field| field.name == name).map_or(0, |field| field.components())
 }
 
 /// Components of a form's test function.
-pub fn test_components<const D: usize>(form: &impl Form<D>) -> usize {
+pub fn test_components<const D: usize>(form: &Form<D>) -> usize {
     let is_test = |role| matches!(role, forms_fem::contract::Role::Test(_));
     form.fields().iter().find(|field| is_test(field.role)).map_or(0, |field| field.components())
 }
@@ -121,67 +120,32 @@ pub trait Batch {
     fn run(&mut self, cells: &ElementCells, results: &mut [f64]) -> Result<(), AssemblyError>;
 }
 
-/// Which of a form's kernels are compiled: a type, so that those of the other kind are not.
-pub trait Computed: 'static {
-    /// Runs them.
-    ///
-    /// # Errors
-    /// Errors of the form or its data.
-    fn run<F: Form<D>, S: Sizes, const D: usize>(
-        kernel: &mut ElementKernel<F, S, D>,
-        cells: &ElementCells,
-        results: &mut [f64],
-    ) -> Result<(), AssemblyError>;
+struct Prepared<const D: usize> {
+    kernel: ElementKernel<D>,
+    output: Output,
 }
 
-/// Element matrices.
-pub struct Tangent;
-
-/// Element vectors.
-pub struct Residual;
-
-impl Computed for Tangent {
-    fn run<F: Form<D>, S: Sizes, const D: usize>(
-        kernel: &mut ElementKernel<F, S, D>,
-        cells: &ElementCells,
-        results: &mut [f64],
-    ) -> Result<(), AssemblyError> {
-        kernel.matrices(cells, results)
-    }
-}
-
-impl Computed for Residual {
-    fn run<F: Form<D>, S: Sizes, const D: usize>(
-        kernel: &mut ElementKernel<F, S, D>,
-        cells: &ElementCells,
-        results: &mut [f64],
-    ) -> Result<(), AssemblyError> {
-        kernel.vectors(cells, results)
-    }
-}
-
-struct Prepared<C, F, S: Sizes, const D: usize> {
-    kernel: ElementKernel<F, S, D>,
-    computed: PhantomData<C>,
-}
-
-impl<C: Computed, F: Form<D>, S: Sizes, const D: usize> Batch for Prepared<C, F, S, D> {
+impl<const D: usize> Batch for Prepared<D> {
     #[inline]
     fn run(&mut self, cells: &ElementCells, results: &mut [f64]) -> Result<(), AssemblyError> {
-        C::run(&mut self.kernel, cells, results)
+        match self.output {
+            Output::Tangent => self.kernel.matrices(cells, results),
+            Output::Residual => self.kernel.vectors(cells, results),
+        }
     }
 }
 
-/// Prepares a form for a setting.
+/// Prepares a form for a setting, with the integrals of its type.
 ///
 /// # Errors
 /// No such rule, or a form that does not fit.
-pub fn prepare<C: Computed, F: Form<D> + 'static, S: Sizes, const D: usize>(
+pub fn prepare<T: WithIntegrals<D>, S: Sizes, const D: usize>(
     setting: &Setting,
-    form: F,
+    typed: &T,
 ) -> Result<Box<dyn Batch>, BatchError> {
-    let layout = setting.layout(&form);
+    let form = typed.form();
+    let layout = setting.layout(form);
     let rule = quadrature(setting.shape, setting.rule)?;
-    let kernel = ElementKernel::<F, S, D>::with_sizes(form, layout, &rule)?;
-    Ok(Box::new(Prepared { kernel, computed: PhantomData::<C> }))
+    let kernel = ElementKernel::with_sizes::<T::Integrals, S>(form, layout, &rule)?;
+    Ok(Box::new(Prepared { kernel, output: setting.output }))
 }

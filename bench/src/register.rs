@@ -91,21 +91,22 @@ macro_rules! register {
             #[cfg(debug_assertions)]
             type Sizes = forms_fem::assemble::Counted;
             #[allow(unused_variables)]
-            fn form($c: &[f64; CONSTANTS]) -> impl forms_fem::contract::Form<D> + use<> {
+            fn form($c: &[f64; CONSTANTS]) -> impl $crate::forms::given::WithIntegrals<D> + use<> {
                 $form
             }
             fn lengths() -> Lengths {
-                let form = form(&[1.0; CONSTANTS]);
-                let rows = node_count(SETTING.shape, $degree) * test_components(&form);
+                let typed = form(&[1.0; CONSTANTS]);
+                let form = $crate::forms::given::WithIntegrals::form(&typed);
+                let rows = node_count(SETTING.shape, $degree) * test_components(form);
                 Lengths {
                     size: if SETTING.output == Output::Tangent { rows * rows } else { rows },
-                    width: SETTING.coefficients(&form).1,
+                    width: SETTING.coefficients(form).1,
                     coordinates: 3 * node_count(SETTING.shape, $geometry),
                     facets: $crate::basix::our_facets(SETTING.shape),
                 }
             }
             fn ready(constants: &[f64; CONSTANTS]) -> Result<(Lengths, Box<dyn Batch>), BatchError> {
-                Ok((lengths(), prepare::<$crate::element_batch::$output, _, Sizes, D>(&SETTING, form(constants))?))
+                Ok((lengths(), prepare::<_, Sizes, D>(&SETTING, &form(constants))?))
             }
             // SAFETY: the symbol is this kernel's alone, for the names in a basket differ.
             #[unsafe(export_name = concat!("batch_", stringify!($name)))]

@@ -65,7 +65,7 @@ fn wave(space: &Arc<Space<2>>, frequency: f64, size: f64) -> Field<2> {
 }
 
 /// The action against the matrix times the vector, all integrals and some; and the same as an operator.
-fn check<F: Form<2>>(form: &F, mesh: &Arc<Mesh<2>>, spaces: &[&Arc<Space<2>>]) {
+fn check(form: &Form<2>, mesh: &Arc<Mesh<2>>, spaces: &[&Arc<Space<2>>]) {
     let assembler = Assembler::new(mesh);
     let unknowns: Vec<Field<2>> = spaces.iter().map(|space| wave(space, 0.37, 0.02)).collect();
     let directions: Vec<Field<2>> = spaces.iter().map(|space| wave(space, 0.91, 1.0)).collect();

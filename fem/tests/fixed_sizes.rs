@@ -1,6 +1,7 @@
 //! Element kernels whose loops have fixed lengths against those that count: the same matrices and vectors.
 
 use forms_fem::assemble::{Counted, ElementCells, ElementKernel, ElementLayout, FieldLayout, Fixed, Sizes};
+use forms_fem::contract::Integrals;
 use forms_fem::element::{CellShape, Lagrange};
 use forms_fem::lanes::InstructionSet;
 use forms_fem::prelude::*;
@@ -47,23 +48,23 @@ fn noise(count: usize) -> Vec<f64> {
 const CELLS: usize = 11;
 
 /// Matrices and vectors of some distorted cells, one row of numbers each.
-fn results<F: Form<D>, S: Sizes, const D: usize>(
-    form: F,
+fn results<I: Integrals<D>, S: Sizes, const D: usize>(
+    form: &Form<D>,
     components: usize,
     degrees: [usize; 2],
     shape: CellShape,
     facet: usize,
     set: InstructionSet,
 ) -> [Vec<f64>; 2] {
-    ordered_results::<F, S, D>(form, components, degrees, shape, facet, set, 2, |node, component, _| {
+    ordered_results::<I, S, D>(form, components, degrees, shape, facet, set, 2, |node, component, _| {
         node * components + component
     })
 }
 
 /// The same by a rule of some degree, with the row of each component of a node among those of the given number of nodes.
 #[allow(clippy::too_many_arguments)]
-fn ordered_results<F: Form<D>, S: Sizes, const D: usize>(
-    form: F,
+fn ordered_results<I: Integrals<D>, S: Sizes, const D: usize>(
+    form: &Form<D>,
     components: usize,
     [shape_degree, degree]: [usize; 2],
     shape: CellShape,
@@ -99,7 +100,7 @@ fn ordered_results<F: Form<D>, S: Sizes, const D: usize>(
         noise(CELLS * (width + linear.nodes())).iter().map(|value| 0.1 * value).collect();
     let cells = ElementCells { count: CELLS, coordinates: &coordinates, coefficients: &coefficients, facet };
     let quadrature = Quadrature::Degree(rule);
-    let kernel = ElementKernel::<F, S, D>::with_instructions(form, layout, &quadrature, set);
+    let kernel = ElementKernel::with_instructions::<I, S>(form, layout, &quadrature, set);
     let mut kernel = kernel.expect("it fits");
     let size = kernel.size();
     let mut matrices = vec![f64::NAN; CELLS * size * size];
@@ -136,15 +137,15 @@ macro_rules! compare {
                 $({
                     type Sizes = Fixed<$nodes, $points, $geometry_nodes>;
                     let form = || $on_cells::<$dimension>(&data, &Omega::on("all"));
-                    let fixed = results::<_, Sizes, $dimension>(form(), $components, degrees, shape, 0, set);
-                    let counted = results::<_, Counted, $dimension>(form(), $components, degrees, shape, 0, set);
+                    let fixed = results::<$on_cells::Kernels, Sizes, $dimension>(&form(), $components, degrees, shape, 0, set);
+                    let counted = results::<$on_cells::Kernels, Counted, $dimension>(&form(), $components, degrees, shape, 0, set);
                     agree(&fixed, &counted, &format!("{set}, {}", stringify!($on_cells)));
                 })*
                 $(for facet in 0..2 {
                     type Sizes = Fixed<$nodes, $facet_points, $geometry_nodes>;
                     let form = || $on_facets::<$dimension>(&data, &Gamma::on("boundary"));
-                    let fixed = results::<_, Sizes, $dimension>(form(), $dimension, degrees, shape, facet, set);
-                    let counted = results::<_, Counted, $dimension>(form(), $dimension, degrees, shape, facet, set);
+                    let fixed = results::<$on_facets::Kernels, Sizes, $dimension>(&form(), $dimension, degrees, shape, facet, set);
+                    let counted = results::<$on_facets::Kernels, Counted, $dimension>(&form(), $dimension, degrees, shape, facet, set);
                     agree(&fixed, &counted, &format!("{set}, {}, facet {facet}", stringify!($on_facets)));
                 })*
             }
@@ -180,20 +181,20 @@ fn rows_stand_in_any_order() {
         for (name, row) in orders {
             let form = || elasticity::<2>(&data, &omega);
             let linear = [
-                ordered_results::<_, Fixed<3, 1, 3>, 2>(form(), 2, [1, 1], triangle, 0, set, 1, row),
-                ordered_results::<_, Counted, 2>(form(), 2, [1, 1], triangle, 0, set, 1, row),
+                ordered_results::<elasticity::Kernels, Fixed<3, 1, 3>, 2>(&form(), 2, [1, 1], triangle, 0, set, 1, row),
+                ordered_results::<elasticity::Kernels, Counted, 2>(&form(), 2, [1, 1], triangle, 0, set, 1, row),
             ];
             agree(&linear[0], &linear[1], &format!("{set}, linear, {name}"));
             let quadratic = [
-                ordered_results::<_, Fixed<6, 3, 3>, 2>(form(), 2, [1, 2], triangle, 0, set, 2, row),
-                ordered_results::<_, Counted, 2>(form(), 2, [1, 2], triangle, 0, set, 2, row),
+                ordered_results::<elasticity::Kernels, Fixed<6, 3, 3>, 2>(&form(), 2, [1, 2], triangle, 0, set, 2, row),
+                ordered_results::<elasticity::Kernels, Counted, 2>(&form(), 2, [1, 2], triangle, 0, set, 2, row),
             ];
             agree(&quadratic[0], &quadratic[1], &format!("{set}, quadratic, {name}"));
             // By moments.
             let quadrilateral = CellShape::Quadrilateral;
             let by_moments = [
-                ordered_results::<_, Fixed<9, 9, 4>, 2>(form(), 2, [1, 2], quadrilateral, 0, set, 4, row),
-                ordered_results::<_, Counted, 2>(form(), 2, [1, 2], quadrilateral, 0, set, 4, row),
+                ordered_results::<elasticity::Kernels, Fixed<9, 9, 4>, 2>(&form(), 2, [1, 2], quadrilateral, 0, set, 4, row),
+                ordered_results::<elasticity::Kernels, Counted, 2>(&form(), 2, [1, 2], quadrilateral, 0, set, 4, row),
             ];
             agree(&by_moments[0], &by_moments[1], &format!("{set}, quadrilaterals, {name}"));
         }
@@ -202,14 +203,14 @@ fn rows_stand_in_any_order() {
         for (name, row) in orders {
             let form = || diffusion::<2>(&data, &omega);
             let numbers = [
-                ordered_results::<_, Fixed<3, 1, 3>, 2>(form(), 1, [1, 1], triangle, 0, set, 1, row),
-                ordered_results::<_, Counted, 2>(form(), 1, [1, 1], triangle, 0, set, 1, row),
+                ordered_results::<diffusion::Kernels, Fixed<3, 1, 3>, 2>(&form(), 1, [1, 1], triangle, 0, set, 1, row),
+                ordered_results::<diffusion::Kernels, Counted, 2>(&form(), 1, [1, 1], triangle, 0, set, 1, row),
             ];
             agree(&numbers[0], &numbers[1], &format!("{set}, numbers, {name}"));
             let quadrilateral = CellShape::Quadrilateral;
             let by_moments = [
-                ordered_results::<_, Fixed<9, 9, 9>, 2>(form(), 1, [2, 2], quadrilateral, 0, set, 4, row),
-                ordered_results::<_, Counted, 2>(form(), 1, [2, 2], quadrilateral, 0, set, 4, row),
+                ordered_results::<diffusion::Kernels, Fixed<9, 9, 9>, 2>(&form(), 1, [2, 2], quadrilateral, 0, set, 4, row),
+                ordered_results::<diffusion::Kernels, Counted, 2>(&form(), 1, [2, 2], quadrilateral, 0, set, 4, row),
             ];
             agree(&by_moments[0], &by_moments[1], &format!("{set}, numbers on quadrilaterals, {name}"));
         }
@@ -236,12 +237,15 @@ fn lengths_that_do_not_fit_are_named() {
     let quadrature = Quadrature::Degree(2);
     let form = || elasticity::<2>(&data, &Omega::on("all"));
     type Wrong = Fixed<6, 3, 3>;
-    let error = ElementKernel::<_, Wrong, 2>::with_sizes(form(), layout.clone(), &quadrature).err();
+    let error = ElementKernel::with_sizes::<elasticity::Kernels, Wrong>(&form(), layout.clone(), &quadrature).err();
     let message = error.expect("a triangle has three nodes").to_string();
     assert!(message.contains("there are 3 nodes, and 6 are fixed"), "{message}");
-    let unlisted = ElementLayout { fields: layout.fields[..1].to_vec(), ..layout };
+    let unlisted = ElementLayout { fields: layout.fields[..1].to_vec(), ..layout.clone() };
     type Right = Fixed<3, 3, 3>;
-    let error = ElementKernel::<_, Right, 2>::with_sizes(form(), unlisted, &quadrature).err();
+    let error = ElementKernel::with_sizes::<elasticity::Kernels, Right>(&form(), unlisted, &quadrature).err();
     let message = error.expect("the gap is not listed").to_string();
     assert!(message.contains("every field"), "{message}");
+    let error = ElementKernel::new::<diffusion::Kernels>(&form(), layout, &quadrature).err();
+    let message = error.expect("these are other kernels").to_string();
+    assert!(message.contains("those of another form"), "{message}");
 }

@@ -262,7 +262,7 @@ fn element_kernels_count_the_measure_of_listed_cells() -> Outcome {
     };
     let data = data(1.0);
     let form = measured::weights(&data, &measured::Omega::on("all"));
-    let mut kernel = ElementKernel::new(form, layout, &Quadrature::Estimated)?;
+    let mut kernel = ElementKernel::new::<measured::weights::Kernels>(&form, layout, &Quadrature::Estimated)?;
     let coordinates: Vec<f64> = mesh.cell(0).iter().flat_map(|node| mesh.nodes()[*node as usize]).collect();
     let cells = ElementCells { count: 1, coordinates: &coordinates, coefficients: &[], facet: 0 };
     let mut matrix = vec![0.0; 64];

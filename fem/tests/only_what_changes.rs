@@ -49,7 +49,7 @@ fn wave(space: &Arc<Space<2>>, shift: f64) -> Field<2> {
 }
 
 /// Tangents and residuals of successive iterates are those of an assembly from scratch, and K comes back.
-fn follows<F: Form<2>>(form: &F, space: &Arc<Space<2>>) {
+fn follows(form: &Form<2>, space: &Arc<Space<2>>) {
     let assembler = Assembler::new(space.mesh());
     let mut problem = Problem::new(form, space).assembler(&assembler);
     let pattern = problem.pattern().unwrap().clone();

@@ -78,7 +78,7 @@ fn wave<const D: usize>(space: &Arc<Space<D>>) -> Field<D> {
 }
 
 /// Tangent and residual of a form for each number of threads.
-fn same<F: Form<D>, const D: usize>(form: &F, mesh: &Arc<Mesh<D>>, spaces: &[&Arc<Space<D>>]) {
+fn same<const D: usize>(form: &Form<D>, mesh: &Arc<Mesh<D>>, spaces: &[&Arc<Space<D>>]) {
     let fields: Vec<Field<D>> = spaces.iter().map(|space| wave(space)).collect();
     let fields: Vec<&Field<D>> = fields.iter().collect();
     let pattern = BlockPattern::for_form(form, spaces, spaces).unwrap();

@@ -38,7 +38,7 @@ fn frequency() -> f64 {
     (YOUNGS_MODULUS / DENSITY).sqrt() * WAVE_NUMBER
 }
 
-fn form(step: &Step<2>) -> bar::motion::Compiled<2> {
+fn form(step: &Step<2>) -> Form<2> {
     model(step.into()).motion()
 }
 

@@ -3,28 +3,15 @@
 use std::process::Command;
 use std::sync::Arc;
 
-use forms_fem::contract::{self, ExpressionVisitor, FieldDescription, Formula, Inputs};
+use forms_fem::contract::{FieldDescription, Formula, Inputs, Integrals};
 use forms_fem::prelude::*;
 
-/// A functional without integrals whose module was compiled without optimisation.
-struct Unoptimised(Inputs<2>);
+/// A functional without integrals.
+struct Nothing;
 
-impl contract::Functional<2> for Unoptimised {
-    fn name(&self) -> &'static str {
-        "length"
-    }
-    fn fields(&self) -> &'static [FieldDescription] {
+impl Integrals<2> for Nothing {
+    fn fields() -> &'static [FieldDescription] {
         &[]
-    }
-    fn inputs(&self) -> &Inputs<2> {
-        &self.0
-    }
-    fn formula(&self) -> &'static Formula {
-        const FORMULA: Formula = Formula { unicode: "", latex: "" };
-        &FORMULA
-    }
-    fn density<V: ExpressionVisitor<2>>(&self, _: &mut V) -> Result<(), V::Error> {
-        Ok(())
     }
 }
 
@@ -48,7 +35,8 @@ fn told_once_per_process() {
     if std::env::var_os(CHILD).is_some() {
         let mesh = rectangle([0.0, 0.0], [1.0, 1.0], [1, 1], CellShape::Triangle, 1).expect("a mesh");
         let assembler = Assembler::new(&Arc::new(mesh));
-        let form = Unoptimised(Inputs { optimised: false, ..Inputs::empty() });
+        let inputs = Inputs { optimised: false, ..Inputs::empty() };
+        let form = Functional::of::<Nothing>("length", &Formula::NONE, inputs);
         for _ in 0..2 {
             assert_eq!(assembler.functional(&form).expect("no integrals"), 0.0);
         }

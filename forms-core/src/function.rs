@@ -273,6 +273,18 @@ impl<const D: usize, B: Backend<D>> From<&Energy<D, B>> for Form<D, B> {
     }
 }
 
+impl<const D: usize, B: Backend<D>> From<&Energy<D, B>> for Functional<D, B> {
+    fn from(energy: &Energy<D, B>) -> Self {
+        Functional(Arc::clone(&energy.0.0))
+    }
+}
+
+impl<const D: usize, B: Backend<D>> From<&Functional<D, B>> for Functional<D, B> {
+    fn from(functional: &Functional<D, B>) -> Self {
+        functional.clone()
+    }
+}
+
 impl<const D: usize, B: Backend<D>> From<&Form<D, B>> for Form<D, B> {
     fn from(form: &Form<D, B>) -> Self {
         form.clone()

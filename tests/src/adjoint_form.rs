@@ -8,10 +8,10 @@ use crate::dense::{assert_close, assert_same_matrix, dense, deviation};
 
 /// Matrix and right side are the expected ones, the matrix is symmetric exactly for θ = 1, and the form is
 /// affine in its unknown. Gives the right side back.
-pub fn check_adjoint<F: Form<D>, const D: usize>(
+pub fn check_adjoint<const D: usize>(
     body: &Body<D>,
     theta: f64,
-    form: &F,
+    form: &Form<D>,
     expected: &DMatrix<f64>,
     expected_side: &DVector<f64>,
 ) -> Vec<f64> {

@@ -134,15 +134,18 @@ pub fn data<const D: usize>(theta: f64) -> forms::Data<D> {
 }
 
 /// The forms of a body, with its regions bound.
-impl<const D: usize> Body<D> {
+impl<const D: usize> Body<D>
+where
+    Dim: Dimension<D>,
+{
     /// (14).
-    pub fn direct(&self, theta: f64) -> forms::direct::Compiled<D> {
+    pub fn direct(&self, theta: f64) -> Form<D> {
         let (omega, gamma_c) = (forms::Omega::on("all"), forms::GammaC::on(CONTACT));
         forms::direct(&data(theta), &omega, &forms::GammaN::on(LOADED), &gamma_c)
     }
 
     /// (21) at the body's state.
-    pub fn discrete_adjoint(&self, data: &forms::Data<D>) -> forms::discrete_adjoint::Compiled<D> {
+    pub fn discrete_adjoint(&self, data: &forms::Data<D>) -> Form<D> {
         let (omega, gamma_c) = (forms::Omega::on("all"), forms::GammaC::on(CONTACT));
         forms::discrete_adjoint(
             data,
@@ -155,19 +158,19 @@ impl<const D: usize> Body<D> {
     }
 
     /// (22) at the body's state.
-    pub fn consistent_adjoint(&self, data: &forms::Data<D>) -> forms::consistent_adjoint::Compiled<D> {
+    pub fn consistent_adjoint(&self, data: &forms::Data<D>) -> Form<D> {
         let (omega, gamma_c) = (forms::Omega::on("all"), forms::GammaC::on(CONTACT));
         forms::consistent_adjoint(data, &omega, &gamma_c, &forms::Boundary::on("boundary"), &self.u)
     }
 
     /// (41) at the body's state.
-    pub fn extended_adjoint(&self, data: &forms::Data<D>) -> forms::extended_adjoint::Compiled<D> {
+    pub fn extended_adjoint(&self, data: &forms::Data<D>) -> Form<D> {
         let (omega, gamma_c) = (forms::Omega::on("all"), forms::GammaC::on(CONTACT));
         forms::extended_adjoint(data, &omega, &gamma_c, &forms::Boundary::on("boundary"), &self.u)
     }
 
     /// J.
-    pub fn criterion(&self, data: &forms::Data<D>, u: &Field<D>) -> forms::criterion::Compiled<D> {
+    pub fn criterion(&self, data: &forms::Data<D>, u: &Field<D>) -> Functional<D> {
         forms::criterion(data, &forms::Omega::on("all"), &forms::Boundary::on("boundary"), u)
     }
 

@@ -6,7 +6,7 @@ use forms_tests::reference_file::{Family, Reference, ReferenceFile};
 
 fn compare<const D: usize>(file: ReferenceFile) -> f64
 where
-    solid::energy::Compiled<D>: Form<D> + Functional<D>,
+    Dim: Dimension<D>,
 {
     let mut reference = Reference::<D>::new(file);
     let data = solid::Data {

@@ -11,7 +11,7 @@ use forms_fem::prelude::*;
 const SHAPES: [CellShape; 2] = [CellShape::Triangle, CellShape::Quadrilateral];
 const THETAS: [f64; 3] = [-1.0, 0.0, 1.0];
 
-fn solve(form: &impl Form<2>, assembler: &Assembler<2>, constraints: &Constraints<2>) -> Field<2> {
+fn solve(form: &Form<2>, assembler: &Assembler<2>, constraints: &Constraints<2>) -> Field<2> {
     let equations = Problem::new(form, constraints.space()).assembler(assembler);
     equations.constrained(constraints).solve().unwrap().into_field()
 }

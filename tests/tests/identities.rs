@@ -51,14 +51,14 @@ struct System {
     residual: Vec<f64>,
 }
 
-fn system<const D: usize>(body: &Body<D>, form: &impl Form<D>) -> System {
+fn system<const D: usize>(body: &Body<D>, form: &Form<D>) -> System {
     let p = wave(&body.space, 1.0, 0.8);
     let matrix = body.assembler.tangent(form, &[&p], &[&body.space]).unwrap();
     let residual = body.assembler.residual(form, &[&p], &[&body.space]).unwrap();
     System { matrix: dense(&matrix), residual }
 }
 
-fn tangent<const D: usize>(body: &Body<D>, form: &impl Form<D>) -> nalgebra::DMatrix<f64> {
+fn tangent<const D: usize>(body: &Body<D>, form: &Form<D>) -> nalgebra::DMatrix<f64> {
     dense(&body.assembler.tangent(form, &[&body.u], &[&body.space]).unwrap())
 }
 

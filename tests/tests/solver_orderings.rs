@@ -85,8 +85,8 @@ fn check<const D: usize, const N: usize>(
     assert!(difference < 1e-12, "{difference:e}");
 }
 
-fn check_one<F: forms_fem::contract::Form<D>, const D: usize>(
-    form: &F,
+fn check_one<const D: usize>(
+    form: &Form<D>,
     mesh: &Arc<Mesh<D>>,
     constraints: &Constraints<D>,
 ) {

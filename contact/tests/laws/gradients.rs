@@ -20,27 +20,24 @@ pub struct Moves {
 }
 
 /// Both in the plane and in space: the tangent's order where parts stick, slip and lift off, and dJ/dκ.
-pub fn check_law<L2, L3, G2, G3>(
+pub fn check_law<L2, L3>(
     moves: Moves,
-    plane: (impl Fn(Data<2>) -> L2, impl Fn(&L2, &Field<2>, &Field<2>) -> G2),
-    space: (impl Fn(Data<3>) -> L3, impl Fn(&L3, &Field<3>, &Field<3>) -> G3),
+    plane: (impl Fn(Data<2>) -> L2, impl Fn(&L2, &Field<2>, &Field<2>) -> Functional<2>),
+    space: (impl Fn(Data<3>) -> L3, impl Fn(&L3, &Field<3>, &Field<3>) -> Functional<3>),
 ) where
     L2: WithFriction<2> + WithAdjoint<2>,
     L3: WithFriction<3> + WithAdjoint<3>,
-    G2: Functional<2>,
-    G3: Functional<3>,
 {
     check(&plane_block(4), moves, plane);
     check(&solid_block(), moves, space);
 }
 
-fn check<L, G, const D: usize>(
+fn check<L, const D: usize>(
     block: &Block<D>,
     moves: Moves,
-    (law, by_friction): (impl Fn(Data<D>) -> L, impl Fn(&L, &Field<D>, &Field<D>) -> G),
+    (law, by_friction): (impl Fn(Data<D>) -> L, impl Fn(&L, &Field<D>, &Field<D>) -> Functional<D>),
 ) where
     L: WithFriction<D> + WithAdjoint<D>,
-    G: Functional<D>,
     Dim: Dimension<D>,
 {
     for friction in [Friction::Coulomb(0.6), Friction::Tresca(20.0)] {

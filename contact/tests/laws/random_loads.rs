@@ -96,19 +96,17 @@ fn bound(friction: Friction, pressure: f64) -> f64 {
 
 /// Solves from the start. `traction` is that on the body, `normal` points into the obstacle, `augmentation` is γ. The solution,
 /// if it converged.
-fn check<L, T, N>(
+fn check<L>(
     problem: &ContactProblem<2, L>,
     start: &Field<2>,
     friction: Friction,
     augmentation: f64,
     label: &dyn Debug,
-    traction: impl Fn(&L, &Field<2>) -> T,
-    normal: impl Fn(&L, &Field<2>) -> N,
+    traction: impl Fn(&L, &Field<2>) -> Expression<2>,
+    normal: impl Fn(&L, &Field<2>) -> Expression<2>,
 ) -> Option<Field<2>>
 where
     L: ContactLaw<2>,
-    T: Expression<2>,
-    N: Expression<2>,
 {
     // The start is noise: its residual is a hundred times the forces of the solution, and the result is judged relative to these.
     let options = NewtonOptions {
@@ -205,7 +203,7 @@ mod flat_normal {
     }
 }
 
-fn flat(u: &Field<2>) -> flat_normal::downwards::Compiled<2> {
+fn flat(u: &Field<2>) -> Expression<2> {
     flat_normal::downwards(u)
 }
 

@@ -72,10 +72,10 @@ pub fn wave<const D: usize>(space: &Arc<Space<D>>, size: f64, phase: f64) -> Fie
 
 /// The tangent passes its Taylor test with an order of 1.95 or more (or the form is affine along the direction), and
 /// another form's tangent does not.
-pub fn check_tangent<F: Form<D>, const D: usize>(
+pub fn check_tangent<const D: usize>(
     label: &str,
     assembler: &Assembler<D>,
-    form: &F,
+    form: &Form<D>,
     unknowns: &[&Field<D>],
     directions: &[&Field<D>],
 ) {

@@ -10,7 +10,7 @@ use super::kernels::PointKernel;
 use super::walk::groups;
 use super::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
-use crate::contract::{Energy, Form, Function, Functional};
+use crate::contract::{Form, Function, Functional};
 use crate::field::{Field, FieldView, views};
 use crate::quadrature::Quadrature;
 use crate::threads::Threads;
@@ -24,12 +24,16 @@ impl<const D: usize> Assembler<D> {
         self.sum_of(functional, &[])
     }
 
-    /// The value of an energy at its unknowns.
+    /// The value of an energy, or of a functional of unknowns, at its unknowns.
     ///
     /// # Errors
     /// As [`Assembler::functional`].
-    pub fn energy(&self, energy: &Energy<D>, unknowns: &[&Field<D>]) -> Result<f64, AssemblyError> {
-        self.sum_of(energy, &views(unknowns))
+    pub fn energy(
+        &self,
+        energy: impl Into<Functional<D>>,
+        unknowns: &[&Field<D>],
+    ) -> Result<f64, AssemblyError> {
+        self.sum_of(&energy.into(), &views(unknowns))
     }
 
     #[inline(never)]

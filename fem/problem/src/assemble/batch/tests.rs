@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::Form;
+use crate::contract::Form;
 
 use crate::assemble::{Assembler, AssemblyError};
 use crate::element::CellShape;
@@ -37,7 +37,7 @@ fn check_error<T: std::fmt::Debug>(result: Result<T, AssemblyError>, expected: u
 
 // A matrix and a vector.
 fn check_all<const D: usize>(
-    form: &impl Form<D>,
+    form: &Form<D>,
     mesh: &Mesh<D>,
     moved: Vec<[f64; D]>,
     expected: usize,

@@ -27,8 +27,8 @@ fn a_listed_cell_that_is_inverted_is_named() {
         rows: vec![0, 1, 2, 3],
     };
     let form = listed::mass(&listed::Omega::on("all"));
-    let kernel: ElementKernel<_, Counted, 2> =
-        ElementKernel::new(form, layout, &Quadrature::Degree(2)).expect("the layout fits");
+    let kernel: ElementKernel<2> =
+        ElementKernel::new::<listed::mass::Kernels>(&form, layout, &Quadrature::Degree(2)).expect("the layout fits");
     let square = [0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0];
     let dart = [0.0, 0.0, 1.0, 0.0, 0.2, 0.2, 0.0, 1.0];
     let cells = |coordinates: &[f64], count| {
