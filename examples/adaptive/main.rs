@@ -56,7 +56,7 @@ fn table(out: &mut StandardOutput, study: &Study) {
 }
 
 fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
-    // A long computation must not end with nowhere to put its result.
+    // Before the long computation: its results can be written.
     std::fs::create_dir_all(&options.out)
         .map_err(|error| format!("the output directory {} cannot be used: {error}", options.out.display()))?;
     let file = |name: &str| options.out.join(name);

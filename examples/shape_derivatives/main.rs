@@ -30,7 +30,7 @@ struct Options {
     /// Central differences are taken up to this number of cells across the thickness.
     #[arg(long, default_value_t = 8)]
     differences: usize,
-    /// Goes on where the memory will not do, by an estimate.
+    /// Runs even if the estimated memory exceeds what is available.
     #[arg(long)]
     any_memory: bool,
 }
