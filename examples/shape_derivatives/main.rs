@@ -1,5 +1,5 @@
 //! The shape derivative of the paper's cylinder in four ways, on free, clamped and contact boundary: the table of
-//! `docs/shape_derivatives.md`.
+//! README.md next to this file.
 //!
 //! `cargo run --release --bin shape_derivatives -- --finest 64`
 
