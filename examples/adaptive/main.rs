@@ -1,5 +1,5 @@
 //! Adaptive meshes compared with uniform ones, for a goal with a dual-weighted estimate and for norms with a residual estimator:
-//! the tables and pictures of docs/adaptivity.md.
+//! the tables and pictures of examples/results.md.
 //!
 //! `cargo run --release --bin adaptive`
 

@@ -1,4 +1,4 @@
-//! Hertz's contacts on meshes that follow the error compared with meshes refined everywhere: the tables of docs/adaptivity.md.
+//! Hertz's contacts on meshes that follow the error compared with meshes refined everywhere: the table of docs/contact_in_space.md.
 //!
 //! `cargo run --release --bin adaptive_hertz -- cylinder` or `-- ball`
 
