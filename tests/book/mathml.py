@@ -1,15 +1,10 @@
-"""The preprocessor of the book for formulas: blocks ```math and formulas in text, $u_n$, become MathML, which a browser shows
-without a script.
+"""Formulas as MathML, which a browser shows without a script: blocks ```math of a page and formulas in text, $u_n$.
 
-mdBook runs it, as docs/book.toml says. Pages hold LaTeX, as GitHub shows it. The part of LaTeX that is known is in the tables
-below; anything else is an error with the page's name, so that no formula is shown wrongly.
-
-Where the book has no address of the repository, a link to a source whose label names it becomes that label: `project`, which
-runs after this, would write the path behind it once more.
+Pages hold LaTeX, as GitHub shows it. The part of LaTeX that is known is in the tables below; anything else is an error with the
+page's name, so that no formula is shown wrongly.
 """
 
 import html
-import json
 import re
 import sys
 
@@ -31,7 +26,6 @@ TOKEN = re.compile(r"\s+|\\([A-Za-z]+|.)|([0-9]+(?:\.[0-9]+)?)|(.)", re.DOTALL)
 BLOCK = re.compile(r"^```math\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 # Code of any kind, which has no formulas, or a formula in text.
 INLINE = re.compile(r"^ *```.*?^ *```$|^    .*?$|(`+).*?\1|(?<![\\$\w])\$(?![\s$])([^$\n]+?)(?<!\s)\$(?![\w$])", re.DOTALL | re.MULTILINE)
-LINK = re.compile(r"\[(`?)([^\[\]]*?)\1\]\(((?:\.\./)+[^()\s#]+)\)")
 
 
 class Unknown(Exception):
@@ -226,37 +220,3 @@ def typeset(page, text):
             sys.exit(f"{page}: {error} In the formula\n{latex}")
     text = BLOCK.sub(lambda match: f'<div class="formula">\n{formula(match[1], True)}\n</div>', text)
     return INLINE.sub(lambda match: formula(match[2], False) if match[2] else match[0], text)
-
-
-def without_repetition(text):
-    """A page whose links out of the book are their labels where these name the file."""
-    def one(match):
-        mark, label, path = match.groups()
-        outside = path.removeprefix("../")
-        return f"{mark}{label}{mark}" if label and label.strip("`") in outside else match[0]
-    return LINK.sub(one, text)
-
-
-def rewrite(value, linked):
-    """Rewrites the text of each chapter below a value of the book."""
-    if isinstance(value, list):
-        for item in value:
-            rewrite(item, linked)
-    elif isinstance(value, dict):
-        if isinstance(chapter := value.get("Chapter"), dict) and chapter.get("path"):
-            text = typeset(chapter["path"], chapter["content"])
-            chapter["content"] = text if linked else without_repetition(text)
-        for member in value.values():
-            rewrite(member, linked)
-
-
-def main():
-    if sys.argv[1:2] == ["supports"]:
-        return
-    context, book = json.load(sys.stdin)
-    rewrite(book, context["config"]["output"]["html"].get("git-repository-url"))
-    json.dump(book, sys.stdout)
-
-
-if __name__ == "__main__":
-    main()

@@ -3,7 +3,7 @@
 import unittest
 from xml.etree import ElementTree
 
-from mathml import Reader, Unknown, mathml, typeset, without_repetition
+from mathml import Reader, Unknown, mathml, typeset
 
 
 def words(latex):
@@ -48,10 +48,6 @@ class Formulas(unittest.TestCase):
         self.assertIn("`$x$`", shown)
         self.assertIn("    $ shell $x$", shown)
         self.assertIn("```rust\n$x$\n```", shown)
-
-    def test_links_out_of_the_book(self):
-        self.assertEqual(without_repetition("[`laws`](../contact/src/laws) and [a test](../fem/tests/x.rs)"), "`laws` and [a test](../fem/tests/x.rs)")
-        self.assertEqual(without_repetition("[time](time.md#impact)"), "[time](time.md#impact)")
 
 
 if __name__ == "__main__":
