@@ -200,7 +200,8 @@ class Reader:
                 break
         if self.words() != "aligned":
             raise Unknown("aligned does not end")
-        cell = '<mtd style="text-align: {}; padding: 0.3em 0.1em">{}</mtd>'
+        # Chromium and Firefox align the block in a cell by the value with a prefix, others by the one without.
+        cell = '<mtd style="text-align: {0}; text-align: -webkit-{0}; padding: 0.3em 0.1em">{1}</mtd>'
         cells = ("".join(cell.format(("right", "left")[at % 2], one) for at, one in enumerate(row)) for row in rows)
         return f"<mtable displaystyle=\"true\">{''.join(f'<mtr>{row}</mtr>' for row in cells)}</mtable>"
 
