@@ -1,5 +1,5 @@
 //! A bar that flies onto a rigid obstacle and bounces (Doyen, Ern & Piperno 2011), by one scheme after the other, compared with d'Alembert's
-//! waves: it prints the table of docs/time.md, draws energies and forces over time, and writes them to `out/bar_impact.csv`, and the
+//! waves: it prints the table of examples/results.md, draws energies and forces over time, and writes them to `out/bar_impact.csv`, and the
 //! conserving scheme's film to `out/bar_impact.pvd`.
 //!
 //! Run it with `cargo run --release --bin bar_impact -- [CELLS ALONG THE BAR] [STEPS PER UNIT OF TIME]`.

@@ -1,5 +1,5 @@
 //! Eigenproblems of two forms: the tones of a square membrane, the load under which a column buckles, and the tones of a block that
-//! nothing holds. It prints the table of docs/eigenproblems.md with closed forms and draws modes into `out`.
+//! nothing holds. It prints the table of examples/results.md with closed forms and draws modes into `out`.
 //!
 //! `cargo run --release --bin eigenmodes`
 

@@ -1,6 +1,6 @@
 //! Young's modulus and the coefficient of friction from slips: a block is pressed on a flat and pulled to and fro, and the displacements
 //! of points on its lower side are "measured", on a finer mesh with another rule, with noise. Both numbers are found by the adjoint of
-//! the history and L-BFGS, from several starts; docs/inverse_problems.md has the table.
+//! the history and L-BFGS, from several starts; examples/results.md has the results.
 //!
 //! `cargo run --release --bin friction_identification -- [NOISE IN PARTS OF THE LARGEST SLIP]`
 

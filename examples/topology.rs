@@ -1,5 +1,5 @@
 //! A cantilever of least compliance in half of its area: densities of cells, smoothed by a filter that is a form (Lazarov and Sigmund
-//! 2011, Int. J. Numer. Methods Eng. 86), and the method of moving asymptotes. It prints the table of docs/inverse_problems.md and writes
+//! 2011, Int. J. Numer. Methods Eng. 86), and the method of moving asymptotes. It prints the numbers of examples/results.md and writes
 //! pictures of the densities and of the compliance to `out`.
 //!
 //! `cargo run --release --bin topology -- [CELLS ALONG] [ITERATIONS]`; `bench/peers/topology_scipy.py` is the same in NumPy.

@@ -137,7 +137,7 @@ impl Law {
         }
     }
 
-    /// The law of a name.
+    /// The law with the given name, if there is one.
     pub fn named(name: &str) -> Option<Law> {
         Law::ALL.into_iter().find(|law| law.name() == name)
     }

@@ -213,7 +213,7 @@ fn serve<M: DifferentiableMap>(map: M, requests: &Receiver<Request>) {
 
 /// A panic of what is called becomes a failure.
 pub(crate) fn caught<T>(call: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
-    // Nothing that was interrupted is used again.
+    // After a panic the interrupted state is not used again.
     catch_unwind(AssertUnwindSafe(call)).unwrap_or_else(|panic| Err(Failure::Panic(message(&*panic))))
 }
 

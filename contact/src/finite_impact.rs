@@ -35,7 +35,7 @@ pub fn threshold(
 /// and each of its terms enters a step as the quotient of its differences ([`neo_hookean_secant`](crate::operators::neo_hookean_secant)),
 /// the pressure Φ(β₀, β₁) as in [`impact`](crate::impact::impact): with `conserving` E₁ and the work that friction has taken stay
 /// together what they were, with `hybrid` they never grow. Friction resists the slip Δu_t of a step by Π_κΦ(γ Δu_t), which takes energy
-/// or none; what sticks creeps by its force over γ in a step. Both are for
+/// or none. Sticking points drift by force/γ per step. Both are for
 /// [`GeneralisedAlpha::mid_point`](forms_fem::time::GeneralisedAlpha::mid_point), with the displacement before the step,
 /// `step.before.value`, as third argument.
 #[forms(dimension = 2)]

@@ -1,5 +1,5 @@
 //! The area of a hole as a goal, under contact, in degree 1 and 2: what the estimated error leaves out, and what is left then.
-//! FORMS_SWEEPS=1 prints the table of docs/adaptivity.md for all θ.
+//! FORMS_SWEEPS=1 prints all meshes for all θ; docs/adaptivity.md names two.
 //!
 //! Half an arch, round below and square above, with a hole of radius 1: its top is pressed down, its round side onto a flat. Nodes stay on the
 //! outline of the first mesh, so that all meshes are of one body.

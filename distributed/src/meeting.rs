@@ -64,7 +64,7 @@ impl fmt::Display for Call {
     }
 }
 
-/// Checks that all processes make the same call. The error says who does what else.
+/// Checks that all processes make the same call. The error names the processes that make another one.
 pub(crate) fn check_same(own: Call, all: &[Call]) -> Result<(), PetscError> {
     let others = |is_one: &dyn Fn(&Call) -> bool| -> Vec<usize> {
         all.iter().enumerate().filter(|(_, call)| is_one(call)).map(|(rank, _)| rank).collect()

@@ -8,7 +8,7 @@ use crate::petsc::{self, FORWARD, INSERT, Index, Object, call};
 use crate::rows::Rows;
 use crate::world::World;
 
-/// A vector; each process keeps its rows, and the way from there to a copy of all rows on every process.
+/// A vector whose rows are distributed, and the scatter that copies all rows to every process.
 #[derive(Debug)]
 pub(crate) struct DistributedVector<'w> {
     rows: Rows,

@@ -152,7 +152,7 @@ impl World {
         Ok(numbers.collect())
     }
 
-    /// A result of this process, if all have one. Else an error on all, so that none waits for another for ever.
+    /// The result of this process if all processes have one, otherwise an error on all, so that none waits forever.
     ///
     /// # Errors
     /// This process's own error, or that there was one elsewhere.

@@ -1,5 +1,5 @@
 //! Adaptive meshes compared with uniform ones, for a goal with a dual-weighted estimate and for norms with a residual estimator:
-//! the tables and pictures of docs/adaptivity.md.
+//! the tables and pictures of examples/results.md.
 //!
 //! `cargo run --release --bin adaptive`
 
@@ -56,7 +56,7 @@ fn table(out: &mut StandardOutput, study: &Study) {
 }
 
 fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
-    // A long computation must not end with nowhere to put its result.
+    // Before the long computation: its results can be written.
     std::fs::create_dir_all(&options.out)
         .map_err(|error| format!("the output directory {} cannot be used: {error}", options.out.display()))?;
     let file = |name: &str| options.out.join(name);

@@ -12,7 +12,7 @@ pub struct Options {
     /// Unknowns at which each study ends
     #[arg(long, value_name = "N", default_value_t = 26_000)]
     pub unknowns: usize,
-    /// Directory of the pictures; made where it does not exist
+    /// Directory of the pictures; created if it does not exist
     #[arg(long, value_name = "DIR", default_value = "out/adaptive")]
     pub out: PathBuf,
 }

@@ -45,7 +45,7 @@ struct Options {
     /// The integration over contact facets
     #[arg(long, value_enum, default_value_t = ContactFacets::Split)]
     contact_facets: ContactFacets,
-    /// Directory of the pictures; made where it does not exist
+    /// Directory of the pictures; created if it does not exist
     #[arg(long, value_name = "DIR", default_value = "out/adaptive_cylinder")]
     out: PathBuf,
 }
@@ -146,7 +146,7 @@ fn study(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
 }
 
 fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
-    // A long computation must not end with nowhere to put its result.
+    // Before the long computation: its results can be written.
     std::fs::create_dir_all(&options.out)
         .map_err(|error| format!("the output directory {} cannot be used: {error}", options.out.display()))?;
     goal::to_tolerance(options, out)?;

@@ -1,4 +1,4 @@
-//! Hertz's contacts on meshes that follow the error compared with meshes refined everywhere: the tables of docs/adaptivity.md.
+//! Hertz's contacts on meshes that follow the error compared with meshes refined everywhere: the table of docs/contact_in_space.md.
 //!
 //! `cargo run --release --bin adaptive_hertz -- cylinder` or `-- ball`
 
@@ -63,7 +63,7 @@ struct Options {
     /// Marks cells by η_T²/r², too, r the distance from the point that touches first: for the pressure there
     #[arg(long)]
     near_axis: bool,
-    /// Directory of the pictures; made where it does not exist
+    /// Directory of the pictures; created if it does not exist
     #[arg(long, value_name = "DIR", default_value = "out/adaptive_hertz")]
     out: PathBuf,
 }
@@ -148,7 +148,7 @@ fn as_uniform(contact: Contact, [first, row]: [&Row; 2]) -> f64 {
 }
 
 fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
-    // A long computation must not end with nowhere to put its result.
+    // Before the long computation: its results can be written.
     std::fs::create_dir_all(&options.out)
         .map_err(|error| format!("the output directory {} cannot be used: {error}", options.out.display()))?;
     let (series, name) = match options.contact {

@@ -28,7 +28,7 @@ fn main() -> ExitCode {
 
 fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
     options.check()?;
-    // A long computation must not end with nowhere to put its result.
+    // Before the long computation: its results can be written.
     std::fs::create_dir_all(&options.out)
         .map_err(|error| format!("the output directory {} cannot be used: {error}", options.out.display()))?;
     let mut written = Vec::new();

@@ -39,10 +39,10 @@ pub struct Options {
     /// Threads for assembly; one per core where it is not given. Results do not depend on it
     #[arg(long, value_name = "N")]
     pub threads: Option<Threads>,
-    /// Goes on where the memory will not do, by an estimate
+    /// Runs even if the estimated memory exceeds what is available
     #[arg(long)]
     pub any_memory: bool,
-    /// Directory of the results; made where it does not exist
+    /// Directory of the results; created if it does not exist
     #[arg(long, value_name = "DIR", default_value = "out/convergence")]
     pub out: PathBuf,
 }

@@ -38,7 +38,7 @@ pub fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
         let unknowns = settings.unknowns();
         memory::check(&format!("--radial {}", settings.radial), unknowns, memory::of_contact(unknowns))?;
     }
-    // A long computation must not end with nowhere to put its result.
+    // Before the long computation: its results can be written.
     destinations::prepare_directory(&options.out)?;
     if let Some(json) = &options.json {
         destinations::check_file(json)?;

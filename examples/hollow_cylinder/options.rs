@@ -51,13 +51,13 @@ pub struct Options {
     /// Threads for assembly; one per core where it is not given. Results do not depend on it
     #[arg(long, value_name = "N")]
     threads: Option<Threads>,
-    /// Goes on where the memory will not do, by an estimate
+    /// Runs even if the estimated memory exceeds what is available
     #[arg(long)]
     pub any_memory: bool,
     /// Writes all results to this file too; its directory must exist
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
-    /// Directory of the .vtu file and the pictures; made where it does not exist
+    /// Directory of the .vtu file and the pictures; created if it does not exist
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
 }

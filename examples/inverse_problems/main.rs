@@ -1,6 +1,6 @@
 //! Two inverse problems of a public benchmark of differentiable solvers (arXiv 2606.27895): the conductivity of a slab from
 //! temperatures, and a cantilever of least compliance, with a control per cell. It prints values, gradients and differences,
-//! and what they cost, for docs/inverse_problems.md.
+//! and what they cost, for examples/results.md.
 //!
 //! `cargo run --release --bin inverse_problems -- heat --cells 16 32 64 --solver direct`, `structure`, `inversion`, or `motion`, which is a motion in time
 //! of this project's own.

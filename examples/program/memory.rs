@@ -11,8 +11,8 @@ pub fn of_contact(unknowns: f64) -> f64 {
     unknowns * (AT_FIRST + PER_DOUBLING * unknowns.max(1.0).log2())
 }
 
-/// Refuses what needs more memory than the system has; where the system does not say what it has, nothing is refused. The
-/// option is the one that asks for so much, as it is written on the command line.
+/// An error if a computation needs more memory than the system reports. Without a report nothing is refused. `option` is the
+/// option of the command line that asks for this memory.
 ///
 /// # Errors
 /// One line with the option, the estimate and what is available.

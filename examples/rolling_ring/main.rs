@@ -1,4 +1,4 @@
-//! A ring of rubber that is thrown along a flat: it falls, touches, and is spun by friction. Large displacements and strains, contact by
+//! Large-displacement impact with friction: a ring of rubber falls on a flat, touches, and is spun by friction. Contact by
 //! Nitsche's method in mid-point schemes that know the energy ([`forms_contact::finite_impact`]).
 //!
 //! Checks; each ends the program if it fails: energy and work of friction stay together what they were (`conserving`) or never grow

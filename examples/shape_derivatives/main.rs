@@ -1,5 +1,5 @@
 //! The shape derivative of the paper's cylinder in four ways, on free, clamped and contact boundary: the table of
-//! `docs/shape_derivatives.md`.
+//! README.md next to this file.
 //!
 //! `cargo run --release --bin shape_derivatives -- --finest 64`
 
@@ -30,7 +30,7 @@ struct Options {
     /// Central differences are taken up to this number of cells across the thickness.
     #[arg(long, default_value_t = 8)]
     differences: usize,
-    /// Goes on where the memory will not do, by an estimate.
+    /// Runs even if the estimated memory exceeds what is available.
     #[arg(long)]
     any_memory: bool,
 }

@@ -60,10 +60,10 @@ pub struct Options {
     /// Begins again where a run was stopped, or had ended
     #[arg(long)]
     pub anew: bool,
-    /// Goes on where the memory will not do, by an estimate
+    /// Runs even if the estimated memory exceeds what is available
     #[arg(long)]
     pub any_memory: bool,
-    /// Directory of all results; made where it does not exist
+    /// Directory of all results; created if it does not exist
     #[arg(long, value_name = "DIR", default_value = "out/shape_optimisation")]
     pub out: PathBuf,
 }
@@ -130,7 +130,7 @@ impl Options {
         })
     }
 
-    /// Unknowns of the displacement on biquadratic cells, except for those on the boundary; before any mesh is made.
+    /// Number of unknowns of the displacement on biquadratic cells, without those on the boundary, computed without a mesh.
     pub fn unknowns(&self) -> f64 {
         let [side, layers] = [self.cells_per_side(), self.layers].map(|count| count as f64);
         let cells = match self.case {

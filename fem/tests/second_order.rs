@@ -1,4 +1,4 @@
-//! Hessians of load histories: Taylor tests of order three, symmetry, differences of gradients, few stored states; what is missing is named.
+//! Hessians of load histories: Taylor tests of order three, symmetry, differences of gradients, checkpointing; what is missing is named.
 #![allow(clippy::too_many_arguments, reason = "constructors of second rates take six states")]
 
 use forms_fem::inverse::{

@@ -1,4 +1,4 @@
-//! Hessians of motions: Taylor tests of order three, symmetry, few stored states, by all kinds of controls; what is missing is named.
+//! Hessians of motions: Taylor tests of order three, symmetry, checkpointing, by all kinds of controls; what is missing is named.
 
 use forms_fem::inverse::{
     ControlError, Controls, During, MotionHistory, Observations, ReducedProblem, SecondOrderMotion,

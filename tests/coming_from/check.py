@@ -1,4 +1,4 @@
-"""Run the code blocks of docs/coming_from.md that are not ours, and the columns of docs/operators.md.
+"""Run the code blocks of docs/coming_from.md and forms.md that are not ours, and the columns of docs/operators.md.
 
     python tests/coming_from/check.py ufl scikit-fem
     python3 tests/coming_from/check.py getfem
@@ -14,13 +14,17 @@ from pathlib import Path
 
 import operators
 
-PAGE = Path(__file__).parents[2] / "docs" / "coming_from.md"
+PAGES = Path(__file__).parents[2] / "docs" / "coming_from.md", Path(__file__).parent / "forms.md"
+
+
+def text_of_pages():
+    return "\n".join(page.read_text() for page in PAGES)
 
 
 def blocks(language):
     """(heading, code) of every block of a language."""
     heading = ""
-    for match in re.finditer(r"^## ([^\n]*)$|^```python (\S+)\n(.*?)^```$", PAGE.read_text(), re.M | re.S):
+    for match in re.finditer(r"^## ([^\n]*)$|^```python (\S+)\n(.*?)^```$", text_of_pages(), re.M | re.S):
         if match[1]:
             heading = match[1]
         elif match[2] == language:
@@ -173,7 +177,7 @@ def main():
     failed = False
     for language in sys.argv[1:] or LANGUAGES:
         found = list(blocks(language))
-        forms = len(re.findall(r"^```rust$", PAGE.read_text(), re.M))
+        forms = len(re.findall(r"^```rust$", text_of_pages(), re.M))
         assert len(found) == forms, f"{len(found)} blocks of {language} for {forms} forms"
         for heading, code in found:
             make, result = LANGUAGES[language]

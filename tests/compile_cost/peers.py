@@ -1,4 +1,4 @@
-"""What the same forms cost FFCx and GetFEM, from the blocks of docs/coming_from.md.
+"""What the same forms cost FFCx and GetFEM, from the blocks of docs/coming_from.md and forms.md.
 
     python tests/compile_cost/peers.py ffcx        # requirements.txt of tests/coming_from, and fenics-ffcx==0.11.0; a C compiler
     python3 tests/compile_cost/peers.py getfem     # Debian: python3-getfem

@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parents[2]
 # name: (limit in pages, limit in comments, goal for both together)
 LIMITS = {
     "so many": (0, 0, 0),
-    "is told": (0, 1, 0),
+    "is told": (0, 0, 0),
     "stand, stands": (0, 0, 59),
     "beside": (0, 0, 79),
     "of which, of whom": (0, 0, 19),
@@ -31,18 +31,21 @@ LIMITS = {
 # Dates in user pages (README and docs without decisions), outside tables and code.
 DATES = (0, 0)
 # Sentences with more than 40 words in pages, per thousand sentences.
-LONG_SENTENCES = (9, 20)
+LONG_SENTENCES = (6, 20)
 
 # Public items of these directories with documentation: limits, a ratchet too. A function may begin with a verb, as Rust's own
 # documentation does; the count shows how many do.
 DOCUMENTED = ("fem/*.rs", "contact/*.rs", "forms-core/*.rs")
 NOT_DOCUMENTED = ("/tests/", "/tests.rs", "/benches/", "/examples/")
 ITEM_LIMITS = {
-    "first line refers or asks": 11,
+    "first line refers or asks": 4,
     "verb first, no function": 1,
     "verb first, functions": 162,
-    "Result without # Errors": 33,
+    "Result without # Errors": 13,
 }
+
+# Lines of all user pages (docs without decisions and the book's table of contents): a ratchet.
+USER_LINES = 1950
 
 # Lines of a page, and characters of an entry in the changelog, which are two lines of a wide editor.
 PAGE_LINES = {"README.md": 150, "docs/decisions/*.md": 60}
@@ -70,6 +73,9 @@ def sizes(pages):
         for pattern, most in PAGE_LINES.items():
             if fnmatch(name, pattern) and name != "docs/decisions/README.md" and text.count("\n") > most:
                 yield f"{name} has {text.count(chr(10))} lines, more than {most}"
+    lines = sum(text.count("\n") for path, text in pages.items() if is_user_page(path) and path.name != "SUMMARY.md" and path.parent != ROOT)
+    if lines > USER_LINES:
+        yield f"the user pages have {lines} lines, more than {USER_LINES}"
     for entry in (ROOT / "CHANGELOG.md").read_text().splitlines():
         if entry.startswith("- ") and len(entry) > CHANGELOG_ENTRY:
             yield f"CHANGELOG.md: an entry has {len(entry)} characters, more than {CHANGELOG_ENTRY}: {entry[:60]}…"

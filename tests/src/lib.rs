@@ -7,6 +7,7 @@ pub mod contact_by_loops;
 pub mod dense;
 pub mod reference_file;
 
-/// The page of translations, whose blocks in our notation are compiled here (`cargo test --doc`).
+/// The pages of translations, whose blocks in our notation are compiled here (`cargo test --doc`).
 #[doc = include_str!("../../docs/coming_from.md")]
+#[doc = include_str!("../coming_from/forms.md")]
 pub mod coming_from {}

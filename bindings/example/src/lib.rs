@@ -1,4 +1,4 @@
-//! A beam, clamped at its left end and loaded from above, on ground that is wherever the controls say: contact by Nitsche's method.
+//! A beam, clamped at its left end and loaded from above, on a ground whose heights are the controls: contact by Nitsche's method.
 
 use std::error::Error;
 
@@ -45,7 +45,7 @@ pub mod beam {
         derivative(balance(u, p), gap, by_gap) + derivative(balance(u, p), load, by_load)
     }
 
-    /// The same where the load is no control.
+    /// The rates with the ground as the only control.
     pub fn rates_by_gap(u: State<Vector>, p: State<Vector>, by_gap: Test<Scalar>) -> Form {
         derivative(balance(u, p), gap, by_gap)
     }

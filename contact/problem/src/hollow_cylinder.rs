@@ -174,7 +174,7 @@ impl Settings {
         self.pushes.last().copied().unwrap_or(IMPOSED_DISPLACEMENT)
     }
 
-    /// Unknowns of the displacement, the prescribed ones too, on biquadratic cells; before any mesh is made.
+    /// Number of unknowns of the displacement on biquadratic cells, prescribed ones included, computed without a mesh.
     pub fn unknowns(&self) -> f64 {
         let radial = self.radial as f64;
         2.0 * (2.0 * radial + 1.0) * (2.0 * CELLS_AROUND as f64 * radial)

@@ -112,7 +112,7 @@ pub mod nitsche {
         integral(Omega, cell_criterion(u)) + integral(Boundary, boundary_criterion(u))
     }
 
-    /// The discrete adjoint (21): the derivatives of `direct` and `criterion`, nothing typed by hand.
+    /// The discrete adjoint (21): the derivatives of `direct` and `criterion`, which the compiler takes.
     /// Its matrix is the transpose of the tangent of `direct`.
     pub fn discrete_adjoint(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
         derivative(direct(u, p), u, q) + derivative(criterion(u), u, q)

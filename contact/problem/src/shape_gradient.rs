@@ -1,6 +1,6 @@
 //! The gradient of the criterion by the shape: the volume form of the whole discrete problem (14) with an adjoint state.
-//! With p of (21) it is the exact derivative of J_h by the places of the mesh's nodes, as long as no quadrature point
-//! changes the sign of β_h; nothing of it is typed by hand.
+//! With p of (21) it is the exact derivative of J_h by the positions of the mesh's nodes, as long as no quadrature point
+//! changes the sign of β_h. The compiler derives it.
 
 use forms_fem::contract::FieldValue;
 use forms_fem::movement::{MovementError, diameters_to_movements};

@@ -13,7 +13,7 @@ pub(super) struct Grading {
 }
 
 impl Grading {
-    /// `cells` over the reach of the contact, of equal length up to `near` reaches.
+    /// `cells` cells over the reach of the contact, of equal length up to `near` times the reach.
     pub fn new(reach: f64, near: f64, cells: usize) -> Grading {
         let mut length = reach / cells as f64;
         let equal = (near * cells as f64).ceil() as usize;

@@ -1,4 +1,4 @@
-//! A block of rubber that is thrown along a flat with a spin: balances of energy, momentum and, before it touches, angular momentum.
+//! A thrown and spinning block of rubber on a flat: balances of energy, momentum and, before it touches, angular momentum.
 
 use forms_contact::finite_impact::finite_impact;
 use forms_fem::prelude::*;

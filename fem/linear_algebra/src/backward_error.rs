@@ -56,8 +56,8 @@ impl Residual {
         self.worst
     }
 
-    /// Fails unless each equation holds up to a part of its terms. An equation all of whose terms are rounding of other
-    /// ones, as that of a flow that rests under a pressure, is scaled by the terms of neighbouring rows.
+    /// Fails unless each equation holds up to a part of its terms. A row whose terms are pure round-off, such as
+    /// that of a fluid at rest under a pressure, is scaled by the terms of neighbouring rows.
     ///
     /// # Errors
     /// [`LinearAlgebraError::Inaccurate`] with the equation that is off by more.

@@ -88,7 +88,7 @@ fn parts_of_blocks(graph: &BlockGraph, cells: &CellBlocks) -> Vec<Part> {
         }
     }
     let mut parts: Vec<Part> = found.into_iter().map(|part| part.unwrap_or(Part::ALL)).collect();
-    // A block that moves up stays tied to all that it was tied to.
+    // A block that moves up keeps all its connections.
     for block in 0..parts.len() {
         for &other in graph.row(block) {
             let (one, two) = (parts[block], parts[other as usize]);

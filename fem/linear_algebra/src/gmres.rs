@@ -20,8 +20,8 @@ pub struct GmresOptions {
     /// Whether the preconditioner may differ from one application to the next (flexible GMRES, Saad 1993), as an
     /// inner iteration does. It costs a second vector per basis vector.
     pub flexible: bool,
-    /// Threads for dot products, which are the same for each number of them. What the operator and the
-    /// preconditioner use is theirs.
+    /// Threads for dot products, which are the same for each number of them. The operator and the
+    /// preconditioner choose their own number.
     pub threads: Threads,
 }
 

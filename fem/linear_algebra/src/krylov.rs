@@ -18,8 +18,8 @@ pub struct KrylovOptions {
     pub absolute_tolerance: f64,
     /// Most iterations; as many again where equations of a matrix are gone on with.
     pub max_iterations: usize,
-    /// Threads for dot products, which are the same for each number of them. What the operator and the
-    /// preconditioner use is theirs.
+    /// Threads for dot products, which are the same for each number of them. The operator and the
+    /// preconditioner choose their own number.
     pub threads: Threads,
 }
 

@@ -89,7 +89,7 @@ impl Bounds {
 /// Bounds that do not fit.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum BoundsMismatch {
-    /// Another number than of controls.
+    /// The number of bounds is not that of the controls.
     #[error("{lower} lower and {upper} upper bounds were given for {controls} controls")]
     Length {
         /// Lower bounds.

@@ -38,7 +38,7 @@ pub trait ShapeProblem<const D: usize> {
 pub struct Values<S> {
     /// The objective.
     pub criterion: f64,
-    /// The constraint, zero where it holds, relative to something of its kind: (V − V₀)/V₀, say.
+    /// The constraint as a ratio, such as (V − V₀)/V₀, zero where it holds.
     pub constraint: Option<f64>,
     /// The state.
     pub state: S,

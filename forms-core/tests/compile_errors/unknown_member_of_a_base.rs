@@ -5,7 +5,7 @@ pub mod elasticity {
     pub struct Data {
         pub lambda: Param,
         pub shear: Param,
-        /// It is told here, and nowhere else.
+        /// It is reported here, and nowhere else.
         pub density: Parm,
     }
 }

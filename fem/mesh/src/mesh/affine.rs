@@ -158,7 +158,7 @@ mod tests {
         let ring = annulus(1.0, 2.0, 2, 8, CellShape::Quadrilateral, 1)?;
         assert_eq!(affine(&ring), [0, 16]);
         assert_eq!(affine(&annulus(1.0, 2.0, 2, 8, CellShape::Quadrilateral, 2)?), [0, 0]);
-        // Simplices of degree 1 always are; of degree 2 those that a circle bends are not.
+        // Simplices of degree 1 are always affine. Curved ones of degree 2 are not.
         let ring = annulus(1.0, 2.0, 2, 8, CellShape::Triangle, 1)?;
         assert_eq!(affine(&ring), all(&ring));
         let [cells, facets] = affine(&annulus(1.0, 2.0, 2, 8, CellShape::Triangle, 2)?);

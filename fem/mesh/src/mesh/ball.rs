@@ -153,7 +153,7 @@ mod tests {
         let too_many = |core, layers| ball(1.0, [false; 3], core, layers, CellShape::Hexahedron, 2).err();
         assert_eq!(too_many(1000, 1), Some(MeshError::TooLarge { what: "nodes" }));
         assert_eq!(too_many(500, 500), Some(MeshError::TooLarge { what: "nodes" }));
-        // No fewer than there are.
+        // The estimate is an upper bound.
         for cut in PARTS {
             let mesh = ball(1.0, cut, 2, 3, CellShape::Hexahedron, 2).expect("a small ball");
             assert!(nodes_at_most(cut, 4, 6) >= mesh.node_count() as u64);

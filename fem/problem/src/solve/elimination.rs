@@ -69,7 +69,7 @@ impl Elimination {
         Elimination::new(offset, &prescribed)?.with_relations(relations)
     }
 
-    /// The same with unknowns that free ones give.
+    /// This elimination with relations: unknowns that free ones determine.
     ///
     /// # Errors
     /// If a relation names an unknown outside of all, one that is not free, or a number that is not finite.
@@ -232,7 +232,7 @@ impl Elimination {
         self.reduce_matrix_sharing(matrix, None)
     }
 
-    /// The same with a pattern that the reduced matrix may have, as that of an earlier one; it is shared if so.
+    /// The reduced matrix, as [`Elimination::reduce_matrix`] gives it, sharing a known pattern if it fits, such as that of an earlier matrix.
     ///
     /// # Errors
     /// As [`Elimination::reduce_matrix`].

@@ -31,6 +31,9 @@ pub(super) struct Nonlinear<const D: usize> {
 impl<const D: usize, const N: usize> System<'_, D, N> {
     /// The linear part by itself; none where there is none, or where nonlinear integrals go over cells, so that it has no factor
     /// that serves.
+    ///
+    /// # Errors
+    /// [`AssemblyError`] of the pattern, the load or the linear integrals.
     pub fn assemble_parts(&self, commits: u64) -> Result<Option<SplitSystem<D>>, AssemblyError> {
         let parts = Parts::LINEAR_AND_CONSTANT;
         let outline = Outline::of(&self.form, parts);
@@ -50,6 +53,9 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     }
 
     /// The residual at u.
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: a vector of another length, and what the nonlinear integrals refuse.
     pub fn residual_of_parts(&self, split: &SplitSystem<D>, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
         let mut linear = vec![0.0; split.load.len()];
         let product = split.linear.multiply_on(self.assembler.threads(), u, &mut linear);
@@ -60,6 +66,9 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     }
 
     /// The tangent of the nonlinear integrals at u, whose positions are made again where pairs have left them.
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: a vector of another length, and what the pattern or the integrals refuse.
     pub fn nonlinear_tangent<'p>(
         &self,
         split: &'p mut SplitSystem<D>,

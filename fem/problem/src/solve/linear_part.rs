@@ -111,6 +111,9 @@ impl Assembled {
 
 impl<const D: usize, const N: usize> System<'_, D, N> {
     /// The matrix pattern: blocks that the form leaves empty are not stored, nor those that the assembler's cells leave empty.
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: what the form reads does not fit the spaces, or the pattern cannot be made.
     pub fn pattern(&self) -> Result<&Arc<BlockPattern<D>>, AssemblyError> {
         if let Some(known) = self.pattern.get() {
             return Ok(known);
@@ -127,6 +130,9 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     }
 
     /// Gives the tangent at u other positions, where those known do not hold its entries. Whether it did.
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: a vector of another length, or pairs at u that cannot be found.
     pub fn follow(&mut self, u: &[f64]) -> Result<bool, AssemblyError> {
         let (views, outline) = (self.views(u)?, Outline::of(&self.form, Parts::ALL));
         if self.pattern()?.covers(&outline, &views)? {
@@ -139,6 +145,9 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     }
 
     /// The contact pairs at u, in numbers.
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: a vector of another length, or pairs at u that cannot be found.
     pub fn pairs(&self, u: &[f64]) -> Result<Vec<RegionPairs<D>>, AssemblyError> {
         Ok(self.found_pairs(u)?.into_iter().map(|found| found.report).collect())
     }
@@ -148,6 +157,9 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     }
 
     /// Follows the motion of all pairs that an unknown displaces from one state to another; see [`Assembler::follow`].
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: those of [`System::pairs`], and surfaces that may have passed through each other.
     pub fn follow_motion(&self, before: &[f64], after: &[f64]) -> Result<(), AssemblyError> {
         if !self.slides() {
             return Ok(());
@@ -162,6 +174,9 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     }
 
     /// The parts of a vector over all unknowns that belong to the spaces.
+    ///
+    /// # Errors
+    /// [`AssemblyError::LinearAlgebra`]: a vector of another length.
     pub fn views<'u>(&'u self, u: &'u [f64]) -> Result<[FieldView<'u, D>; N], AssemblyError> {
         check_size("the vector of all unknowns", self.unknowns(), u.len()).map_err(|why| self.misfit(why))?;
         let mut rest = u;
@@ -202,11 +217,17 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     }
 
     /// The active quadrature points at u, bit by bit; see [`Assembler::active_set`].
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: a vector of another length, and what the form refuses at u.
     pub fn active_set(&self, u: &[f64]) -> Result<Option<Vec<u32>>, AssemblyError> {
         self.assembler.active_set_of(&self.form, &self.views(u)?)
     }
 
     /// Assembles what no iterate changes, in the memory of an earlier assembly, or of a matrix with the same positions.
+    ///
+    /// # Errors
+    /// [`AssemblyError`] of the pattern, the load or the linear integrals.
     pub fn assemble(
         &self,
         commits: u64,
@@ -252,6 +273,9 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     }
 
     /// The residual at u.
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: a vector of another length, and what the nonlinear integrals refuse.
     pub fn residual(&self, assembled: &mut Assembled, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
         let mut residual = assembled.load.clone();
         if assembled.linear && u.iter().any(|u| *u != 0.0) {
@@ -266,6 +290,9 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     }
 
     /// The residual of all integrals at u, assembled by itself, and the forces on rigid surfaces.
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: a vector of another length, and what the integrals refuse.
     pub fn whole_residual(&self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
         let (views, spaces) = (self.views(u)?, self.spaces.each_ref());
         let mut residual = self.assembler_at(u)?.residual_of(&self.form, &views, &spaces, Parts::ALL)?;
@@ -274,6 +301,9 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     }
 
     /// The residual of the nonlinear integrals at u.
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: a vector of another length, and what the integrals refuse.
     pub fn nonlinear_residual(&self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
         let (views, spaces) = (self.views(u)?, self.spaces.each_ref());
         self.assembler_at(u)?.residual_of(&self.form, &views, &spaces, Parts::NONLINEAR)
@@ -281,6 +311,9 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
 
     /// Visits the forces on rigid surfaces with their unknowns among those of all spaces. Of several processes the one that owns the cell
     /// that carries a surface has its loads.
+    ///
+    /// # Errors
+    /// [`AssemblyError::OtherSpace`]: forces on a space that is not one of the problem's.
     pub fn for_each_load(&self, mut visit: impl FnMut(usize, f64)) -> Result<(), AssemblyError> {
         for loads in &self.loads {
             let Some(number) = self.spaces.iter().position(|space| space.numbers_as(&loads.space)) else {
@@ -296,6 +329,9 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     }
 
     /// See [`Assembler::sizes_of_contributions`].
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: a vector of another length, and what the integrals refuse.
     pub fn sizes_of_contributions(&self, u: &[f64], terms: Terms) -> Result<Vec<f64>, AssemblyError> {
         let (views, spaces) = (self.views(u)?, self.spaces.each_ref());
         let mut sizes = self.assembler_at(u)?.sizes_of_contributions(&self.form, &views, &spaces, terms)?;
@@ -304,6 +340,9 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
     }
 
     /// Makes the matrix the tangent at u, in a time proportional to what nonlinear integrals touch.
+    ///
+    /// # Errors
+    /// [`AssemblyError::NotFinite`] where u is not finite at an unknown that nonlinear integrals read; otherwise those of the integrals.
     pub fn update(&self, assembled: &mut Assembled, u: &[f64]) -> Result<(), AssemblyError> {
         let mut views = self.views(u)?;
         // A judgement of the iterate may have asked for it before the next step does.

@@ -142,12 +142,12 @@ impl LoadSteps {
         Self::through((1..=count).map(|step| end * step as f64 / count as f64))
     }
 
-    /// The same from another factor than 0.
+    /// These steps from the given factor instead of 0.
     pub fn starting_at(self, start: f64) -> Self {
         LoadSteps { start, ..self }
     }
 
-    /// The same with another start of Newton's method in each step.
+    /// These steps with the given start of Newton's method in each step.
     pub fn starting_steps_from(self, start_of_steps: StepStart) -> Self {
         LoadSteps { start_of_steps, ..self }
     }
@@ -299,7 +299,7 @@ pub struct CommittingSteps<'a, S> {
 }
 
 impl<'a, S> CommittingSteps<'a, S> {
-    /// The same with something else done at each success: [`LoadSteps::committing`].
+    /// These steps with the given action at each success, as [`LoadSteps::committing`].
     pub fn committing(mut self, commit: impl FnMut(&S) + 'a) -> Self {
         self.commit = Box::new(commit);
         self

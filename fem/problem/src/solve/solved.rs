@@ -28,7 +28,7 @@ pub struct Solved<const D: usize, const N: usize = 1> {
     pub assembly_seconds: f64,
     /// Seconds of this solution in all.
     pub seconds: f64,
-    /// The contact pairs at the solution, in numbers: open points, gaps, overlaps; and surfaces that face each other nowhere, which
+    /// The contact pairs at the solution, in numbers: open points, gaps, overlaps; and pairings without contact pairs, which
     /// [`Solved::notes`] puts into words.
     pub pairs: Vec<RegionPairs<D>>,
     pub(super) assembler: Assembler<D>,
@@ -173,6 +173,9 @@ impl<const D: usize> Solved<D, 1> {
 }
 
 /// The sum of a space's part of a residual over the nodes of a region, one number per component.
+///
+/// # Errors
+/// [`ReactionError`]: the mesh has no such region.
 #[doc(hidden)]
 pub fn resultant<const D: usize>(
     space: &Arc<Space<D>>,

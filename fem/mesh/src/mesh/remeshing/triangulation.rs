@@ -56,6 +56,9 @@ impl Polygons {
     }
 
     /// Triangles of about the sizes asked for.
+    ///
+    /// # Errors
+    /// [`RemeshingError`]: the outline cannot be triangulated.
     pub fn triangulate(&self, sizes: &SizeField) -> Result<Triangles, RemeshingError> {
         let mut points = self.points.clone();
         for _ in 0..ROUNDS {

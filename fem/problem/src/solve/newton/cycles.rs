@@ -34,6 +34,9 @@ pub(super) struct Cycle {
 
 impl Iteration<'_> {
     /// An error if there is no sense in going on from the last iterate.
+    ///
+    /// # Errors
+    /// [`NewtonFailure::Cycling`], [`NewtonFailure::Stagnated`] or [`NewtonFailure::NotConverged`].
     pub fn check_progress<E>(&self) -> Result<(), NewtonFailure<E>> {
         if let Some(Cycle { first, period }) = self.cycle_of_active_sets() {
             return Err(NewtonFailure::Cycling { first, period });
@@ -51,6 +54,9 @@ impl Iteration<'_> {
     }
 
     /// An error if the iterations are used up.
+    ///
+    /// # Errors
+    /// [`NewtonFailure::NotConverged`].
     pub fn check_iterations<E>(&self) -> Result<(), NewtonFailure<E>> {
         let iterations = self.history.len() - 1;
         if iterations >= self.options.max_iterations {
