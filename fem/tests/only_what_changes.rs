@@ -85,7 +85,7 @@ fn a_symmetric_linear_part_is_known_by_proof() {
     let mesh = mesh(6);
     let space = Space::vector(&mesh, 2).unwrap();
     let (omega, floor) = (resting::Omega::on("all"), resting::Floor::on("bottom"));
-    let known = |problem: &mut dyn NonlinearProblem<Error = AssemblyError>| {
+    let known = |problem: &mut dyn NonlinearProblem| {
         let asymmetry = problem.linear_part().unwrap().unwrap().asymmetry().unwrap();
         (problem.has_symmetric_linear_part(), asymmetry)
     };

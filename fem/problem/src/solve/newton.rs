@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub use self::active_points::ActivePoints;
 use super::elimination::Elimination;
 use super::linear_solver::LinearSolver;
-use crate::assemble::Terms;
+use crate::assemble::{AssemblyError, Terms};
 use crate::linear_algebra::vector::{add_scaled, norm};
 use crate::linear_algebra::{BlockMatrix, CsrMatrix};
 use condensed::{nonlinear_changes, share_linear_part};
@@ -29,29 +29,26 @@ pub use report::{NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, Newt
 pub use tangent::{NonlinearTangent, Products, Tangent};
 
 /// A system R(u) = 0 with a (generalised) derivative. Vectors and matrices have all unknowns, the prescribed
-/// ones included.
+/// ones included. A problem that is not assembled from a form reports its errors by [`AssemblyError::other`].
 pub trait NonlinearProblem {
-    /// Errors of assembly.
-    type Error: std::error::Error;
-
     /// R(u), one entry per unknown.
     ///
     /// # Errors
     /// If assembly fails.
-    fn residual(&mut self, u: &[f64]) -> Result<Vec<f64>, Self::Error>;
+    fn residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError>;
 
     /// An element of the generalised derivative of R at u.
     ///
     /// # Errors
     /// If assembly fails.
-    fn tangent(&mut self, u: &[f64]) -> Result<Tangent<'_>, Self::Error>;
+    fn tangent(&mut self, u: &[f64]) -> Result<Tangent<'_>, AssemblyError>;
 
     /// The part of every tangent that does not depend on u, if the problem knows it and tells of each tangent where
     /// it differs.
     ///
     /// # Errors
     /// If assembly fails.
-    fn linear_part(&mut self) -> Result<Option<&BlockMatrix>, Self::Error> {
+    fn linear_part(&mut self) -> Result<Option<&BlockMatrix>, AssemblyError> {
         Ok(None)
     }
 
@@ -65,7 +62,7 @@ pub trait NonlinearProblem {
     ///
     /// # Errors
     /// If assembly fails.
-    fn nonlinear_residual(&mut self, _u: &[f64]) -> Result<Option<Vec<f64>>, Self::Error> {
+    fn nonlinear_residual(&mut self, _u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
         Ok(None)
     }
 
@@ -74,7 +71,7 @@ pub trait NonlinearProblem {
     ///
     /// # Errors
     /// If assembly fails.
-    fn nonlinear_tangent(&mut self, _u: &[f64]) -> Result<Option<NonlinearTangent<'_>>, Self::Error> {
+    fn nonlinear_tangent(&mut self, _u: &[f64]) -> Result<Option<NonlinearTangent<'_>>, AssemblyError> {
         Ok(None)
     }
 
@@ -83,7 +80,7 @@ pub trait NonlinearProblem {
     ///
     /// # Errors
     /// If assembly fails.
-    fn active_points(&mut self, _u: &[f64]) -> Result<Option<ActivePoints>, Self::Error> {
+    fn active_points(&mut self, _u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {
         Ok(None)
     }
 
@@ -98,7 +95,7 @@ pub trait NonlinearProblem {
     ///
     /// # Errors
     /// If assembly fails.
-    fn products(&mut self, u: &[f64], x: &[f64]) -> Result<Products, Self::Error> {
+    fn products(&mut self, u: &[f64], x: &[f64]) -> Result<Products, AssemblyError> {
         Ok(self.tangent(u)?.products(x))
     }
 
@@ -106,7 +103,7 @@ pub trait NonlinearProblem {
     ///
     /// # Errors
     /// If another process fails.
-    fn summed_up(&mut self, own: Vec<f64>) -> Result<Vec<f64>, Self::Error> {
+    fn summed_up(&mut self, own: Vec<f64>) -> Result<Vec<f64>, AssemblyError> {
         Ok(own)
     }
 
@@ -115,7 +112,7 @@ pub trait NonlinearProblem {
     ///
     /// # Errors
     /// If assembly fails.
-    fn sizes_of_terms(&mut self, _u: &[f64], _terms: Terms) -> Result<Option<Vec<f64>>, Self::Error> {
+    fn sizes_of_terms(&mut self, _u: &[f64], _terms: Terms) -> Result<Option<Vec<f64>>, AssemblyError> {
         Ok(None)
     }
 }
@@ -130,14 +127,14 @@ const LINEAR_ACCURACY: f64 = 1e-4;
 ///
 /// # Errors
 /// [`NewtonError`] with the reason, the history and the last iterate.
-pub fn newton<P: NonlinearProblem>(
-    problem: &mut P,
+pub fn newton(
+    problem: &mut dyn NonlinearProblem,
     prescribed: &BTreeMap<usize, f64>,
     start: Vec<f64>,
     solver: &mut dyn LinearSolver,
     options: &NewtonOptions,
     progress: &mut dyn FnMut(&NewtonStep),
-) -> Result<NewtonSolution, NewtonError<P::Error>> {
+) -> Result<NewtonSolution, NewtonError> {
     match Elimination::new(start.len(), prescribed) {
         Ok(elimination) => {
             newton_eliminating(problem, elimination, Start::at(start), solver, options, progress)
@@ -170,14 +167,14 @@ impl Start {
 ///
 /// # Errors
 /// As [`newton()`].
-pub fn newton_eliminating<P: NonlinearProblem>(
-    problem: &mut P,
+pub fn newton_eliminating(
+    problem: &mut dyn NonlinearProblem,
     elimination: Elimination,
     start: Start,
     solver: &mut dyn LinearSolver,
     options: &NewtonOptions,
     progress: &mut dyn FnMut(&NewtonStep),
-) -> Result<NewtonSolution, NewtonError<P::Error>> {
+) -> Result<NewtonSolution, NewtonError> {
     let Start { u, guess } = start;
     let mut iteration = Iteration {
         u,
@@ -237,17 +234,17 @@ struct Residuals {
 }
 
 impl Residuals {
-    fn of<E>(full: Vec<f64>, elimination: &Elimination) -> Result<Self, NewtonFailure<E>> {
-        let reduced = elimination.reduce(&full).map_err(NewtonFailure::Mismatch)?;
+    fn of(full: Vec<f64>, elimination: &Elimination) -> Result<Self, NewtonFailure> {
+        let reduced = elimination.reduce(&full)?;
         Ok(Residuals { full, reduced })
     }
 
-    fn at<P: NonlinearProblem>(
-        problem: &mut P,
+    fn at(
+        problem: &mut dyn NonlinearProblem,
         elimination: &Elimination,
         u: &[f64],
-    ) -> Result<Self, NewtonFailure<P::Error>> {
-        Self::of(problem.residual(u).map_err(NewtonFailure::Assembly)?, elimination)
+    ) -> Result<Self, NewtonFailure> {
+        Self::of(problem.residual(u)?, elimination)
     }
 }
 
@@ -262,15 +259,15 @@ struct Step {
 
 impl Iteration<'_> {
     /// Newton's method: solve K δ = −R, take the step or a part of it, until an iterate is the solution.
-    fn run<P: NonlinearProblem>(
+    fn run(
         &mut self,
-        problem: &mut P,
+        problem: &mut dyn NonlinearProblem,
         mut elimination: Elimination,
         guess: Option<Vec<f64>>,
         solver: &mut dyn LinearSolver,
-    ) -> Result<Vec<f64>, NewtonFailure<P::Error>> {
+    ) -> Result<Vec<f64>, NewtonFailure> {
         let given = self.u.clone();
-        elimination.impose(&mut self.u).map_err(NewtonFailure::Mismatch)?;
+        elimination.impose(&mut self.u)?;
         let linear_part = share_linear_part(problem, &mut elimination, solver)?;
         let mut residuals = Residuals::at(problem, &elimination, &self.u)?;
         if !norm(&residuals.reduced).is_finite()
@@ -297,18 +294,18 @@ impl Iteration<'_> {
     }
 
     /// One Newton step, whole or shortened.
-    fn step<P: NonlinearProblem>(
+    fn step(
         &mut self,
-        problem: &mut P,
+        problem: &mut dyn NonlinearProblem,
         elimination: &mut Elimination,
         linear_part: Option<&Arc<CsrMatrix>>,
         residuals: &Residuals,
         solver: &mut dyn LinearSolver,
-    ) -> Result<Residuals, NewtonFailure<P::Error>> {
+    ) -> Result<Residuals, NewtonFailure> {
         self.set_tangent(problem, elimination, linear_part, solver)?;
         let load: Vec<f64> = residuals.reduced.iter().map(|value| -value).collect();
-        let solution = solver.solve(&load, self.linear_target()).map_err(NewtonFailure::LinearSolver)?;
-        let mut change = elimination.extend_by_zero(&solution.solution).map_err(NewtonFailure::Mismatch)?;
+        let solution = solver.solve(&load, self.linear_target())?;
+        let mut change = elimination.extend_by_zero(&solution.solution)?;
         let Taken { part, residuals: found } = match self.options.line_search {
             LineSearch::Off => Taken::whole(),
             LineSearch::OnPotential => along_potential(problem, &self.u, &change)?,
@@ -334,12 +331,12 @@ impl Iteration<'_> {
     }
 
     /// A step by a correction that is known.
-    fn correct<P: NonlinearProblem>(
+    fn correct(
         &mut self,
-        problem: &mut P,
+        problem: &mut dyn NonlinearProblem,
         elimination: &Elimination,
         change: Vec<f64>,
-    ) -> Result<Residuals, NewtonFailure<P::Error>> {
+    ) -> Result<Residuals, NewtonFailure> {
         add_scaled(&mut self.u, 1.0, &change);
         let found = Residuals::at(problem, elimination, &self.u)?;
         let reduced: Vec<f64> = elimination.free().iter().map(|unknown| change[*unknown]).collect();
@@ -357,51 +354,51 @@ impl Iteration<'_> {
     }
 
     /// Hands the tangent at the current iterate to the solver: what differs from the linear part, or the whole.
-    fn set_tangent<P: NonlinearProblem>(
+    fn set_tangent(
         &self,
-        problem: &mut P,
+        problem: &mut dyn NonlinearProblem,
         elimination: &mut Elimination,
         linear_part: Option<&Arc<CsrMatrix>>,
         solver: &mut dyn LinearSolver,
-    ) -> Result<(), NewtonFailure<P::Error>> {
+    ) -> Result<(), NewtonFailure> {
         if let (Some(linear_part), Some(solver)) = (linear_part, solver.as_condensing())
             && solver.condenses()
             && self.options.line_search != LineSearch::OnPotential
             && let Some(changes) = nonlinear_changes(problem, elimination, &self.u)?
         {
             let set = solver.set_added(linear_part, changes.additions, &changes.near);
-            return set.map_err(NewtonFailure::LinearSolver);
+            return Ok(set?);
         }
-        let tangent = problem.tangent(&self.u).map_err(NewtonFailure::Assembly)?;
+        let tangent = problem.tangent(&self.u)?;
         if self.options.line_search == LineSearch::OnPotential {
             check_potential(elimination, &tangent.matrix)?;
         }
-        match (linear_part, tangent.changed, solver.as_condensing()) {
+        let set = match (linear_part, tangent.changed, solver.as_condensing()) {
             (Some(linear_part), Some(changed), Some(solver)) => {
                 let entries = elimination.reduce_places(&tangent.matrix, changed);
-                let entries = entries.map_err(NewtonFailure::Mismatch)?;
+                let entries = entries?;
                 solver.set_changed(linear_part, &entries)
             }
             _ => {
                 let reduced = elimination.reduce_matrix(&tangent.matrix);
-                let reduced = reduced.map_err(NewtonFailure::Mismatch)?;
+                let reduced = reduced?;
                 drop(tangent);
                 solver.set_matrix(reduced)
             }
-        }
-        .map_err(NewtonFailure::LinearSolver)
+        };
+        Ok(set?)
     }
 
     /// Enters the current iterate into the history, with its residual and the norms of the whole step that led to it.
-    fn enter<P: NonlinearProblem>(
+    fn enter(
         &mut self,
-        problem: &mut P,
+        problem: &mut dyn NonlinearProblem,
         elimination: &Elimination,
         residuals: &Residuals,
         step: Step,
         lengths: Option<Vec<f64>>,
-    ) -> Result<(), NewtonFailure<P::Error>> {
-        let active = problem.active_points(&self.u).map_err(NewtonFailure::Assembly)?;
+    ) -> Result<(), NewtonFailure> {
+        let active = problem.active_points(&self.u)?;
         let norms = Norms { step: lengths, ..self.norms_at(elimination, &residuals.reduced) };
         self.record(norm(&residuals.reduced), norms, active, step);
         Ok(())

@@ -4,7 +4,6 @@ mod affine;
 mod agreement;
 mod diagnosis;
 mod equations;
-mod form_equations;
 mod free_bodies;
 mod setting;
 mod step;
@@ -72,7 +71,7 @@ pub struct Problem<'a, F, const D: usize, const N: usize = 1> {
 }
 
 /// The reason for which a problem was not solved, with the iterates up to it.
-pub type SolveError = NewtonError<AssemblyError>;
+pub type SolveError = NewtonError;
 
 impl<'a, F: Form<D>, const D: usize, const N: usize> Problem<'a, F, D, N> {
     /// The form on the space of its unknown, or on `[&first, &second]`, the spaces of its unknowns in the order of its
@@ -256,8 +255,6 @@ pub fn solve_owned<const D: usize>(
 
 /// A problem as the system of equations that Newton's method solves.
 impl<F: Form<D>, const D: usize, const N: usize> NonlinearProblem for Problem<'_, F, D, N> {
-    type Error = AssemblyError;
-
     fn residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
         self.untyped.residual(u)
     }

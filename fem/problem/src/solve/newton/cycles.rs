@@ -34,7 +34,7 @@ pub(super) struct Cycle {
 
 impl Iteration<'_> {
     /// An error if there is no sense in going on from the last iterate.
-    pub fn check_progress<E>(&self) -> Result<(), NewtonFailure<E>> {
+    pub fn check_progress(&self) -> Result<(), NewtonFailure> {
         if let Some(Cycle { first, period }) = self.cycle_of_active_sets() {
             return Err(NewtonFailure::Cycling { first, period });
         }
@@ -51,7 +51,7 @@ impl Iteration<'_> {
     }
 
     /// An error if the iterations are used up.
-    pub fn check_iterations<E>(&self) -> Result<(), NewtonFailure<E>> {
+    pub fn check_iterations(&self) -> Result<(), NewtonFailure> {
         let iterations = self.history.len() - 1;
         if iterations >= self.options.max_iterations {
             return Err(NewtonFailure::NotConverged { iterations });

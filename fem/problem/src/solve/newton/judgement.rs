@@ -108,13 +108,13 @@ impl Iteration<'_> {
     ///
     /// # Errors
     /// If there is no sense in going on.
-    pub fn judge<P: NonlinearProblem>(
+    pub fn judge(
         &mut self,
-        problem: &mut P,
+        problem: &mut dyn NonlinearProblem,
         elimination: &Elimination,
         reduced_residual: &[f64],
         solver: &mut dyn LinearSolver,
-    ) -> Result<Verdict, NewtonFailure<P::Error>> {
+    ) -> Result<Verdict, NewtonFailure> {
         let total = self.history.last().map_or(f64::NAN, |last| last.residual);
         if !total.is_finite() {
             return Err(NewtonFailure::NotFinite);
@@ -134,7 +134,7 @@ impl Iteration<'_> {
             return progress.map(|()| Verdict::GoOn);
         }
         if self.tangent_is_old() {
-            problem.tangent(&self.u).map_err(NewtonFailure::Assembly)?;
+            problem.tangent(&self.u)?;
         }
         let rows = self.judge_rows(problem, elimination, reduced_residual)?;
         let correction = match rows.hold || self.some_field_stays() || self.some_component_vanishes() {
@@ -197,15 +197,15 @@ impl Iteration<'_> {
     }
 
     /// Judges the free rows. Sizes of terms are computed where rounding of (|K| |u|)_i does not suffice.
-    fn judge_rows<P: NonlinearProblem>(
+    fn judge_rows(
         &mut self,
-        problem: &mut P,
+        problem: &mut dyn NonlinearProblem,
         elimination: &Elimination,
         residual: &[f64],
-    ) -> Result<Rows, NewtonFailure<P::Error>> {
-        let reduce = |full: &[f64]| elimination.reduce_amounts(full).map_err(NewtonFailure::Mismatch);
+    ) -> Result<Rows, NewtonFailure> {
+        let reduce = |full: &[f64]| elimination.reduce_amounts(full);
         let amounts = self.u.iter().map(|u| u.abs()).collect::<Vec<_>>();
-        let forces = problem.products(&self.u, &amounts).map_err(NewtonFailure::Assembly)?.sizes;
+        let forces = problem.products(&self.u, &amounts)?.sizes;
         let mut allowed: Vec<f64> = reduce(&forces)?.iter().map(|force| ROW_ROUNDING * force).collect();
         let holds = |allowed: &[f64]| residual.iter().zip(allowed).all(|(r, allowed)| r.abs() <= *allowed);
         self.worst = None;
@@ -215,13 +215,12 @@ impl Iteration<'_> {
         let add = |allowed: &mut [f64], part: f64, sizes: &[f64]| {
             allowed.iter_mut().zip(sizes).for_each(|(allowed, size)| *allowed += part * size);
         };
-        let terms = problem.sizes_of_terms(&self.u, Terms::OfRows).map_err(NewtonFailure::Assembly)?;
+        let terms = problem.sizes_of_terms(&self.u, Terms::OfRows)?;
         // A problem that does not know its terms has its forces.
         let terms = reduce(terms.as_ref().unwrap_or(&forces))?;
         add(&mut allowed, self.options.relative_tolerance, &terms);
         if !holds(&allowed)
-            && let Some(cells) =
-                problem.sizes_of_terms(&self.u, Terms::OfCells).map_err(NewtonFailure::Assembly)?
+            && let Some(cells) = problem.sizes_of_terms(&self.u, Terms::OfCells)?
         {
             add(&mut allowed, CELL_ROUNDING, &reduce(&cells)?);
         }
@@ -231,7 +230,7 @@ impl Iteration<'_> {
         {
             after_long_step = true;
             let moved: Vec<f64> = step.iter().map(|step| step.abs()).collect();
-            let moved = problem.products(&self.u, &moved).map_err(NewtonFailure::Assembly)?.sizes;
+            let moved = problem.products(&self.u, &moved)?.sizes;
             add(&mut allowed, STEP_ROUNDING, &reduce(&moved)?);
         }
         let hold = holds(&allowed);
@@ -250,18 +249,18 @@ impl Iteration<'_> {
     }
 
     /// −K⁻¹R with the last tangent, on all unknowns; none where it cannot be computed.
-    fn correction<E>(
+    fn correction(
         &self,
         elimination: &Elimination,
         residual: &[f64],
         solver: &mut dyn LinearSolver,
-    ) -> Result<Option<Vec<f64>>, NewtonFailure<E>> {
+    ) -> Result<Option<Vec<f64>>, NewtonFailure> {
         let load: Vec<f64> = residual.iter().map(|value| -value).collect();
         let Ok(found) = solver.solve(&load, 1e-2 * norm(residual)) else { return Ok(None) };
         if !norm(&found.solution).is_finite() {
             return Ok(None);
         }
-        elimination.extend_by_zero(&found.solution).map(Some).map_err(NewtonFailure::Mismatch)
+        Ok(Some(elimination.extend_by_zero(&found.solution)?))
     }
 
     /// Whether the last tangent is far from the one at the last iterate: a switch changed, or the step was long.
@@ -284,11 +283,11 @@ impl Iteration<'_> {
 
     /// Whether a correction is small next to the unknowns around each one, wherever they are: then residuals are rounding that
     /// the sizes of their terms do not show, as that of a stress computed from 1 + ∇u.
-    fn is_small_everywhere<P: NonlinearProblem>(
+    fn is_small_everywhere(
         &self,
-        problem: &mut P,
+        problem: &mut dyn NonlinearProblem,
         correction: &[f64],
-    ) -> Result<bool, NewtonFailure<P::Error>> {
+    ) -> Result<bool, NewtonFailure> {
         for component in &self.fields.components {
             let (change, range) = (component.largest(correction), component.range(&self.u));
             let in_field = component.largest_in_field(&self.u);
@@ -303,8 +302,8 @@ impl Iteration<'_> {
                 (own[unknown], uniform[unknown]) = (self.u[unknown].abs(), 1.0);
             }
             // Mean values of |u| around an unknown, with the amounts of its row for weights.
-            let sums = problem.products(&self.u, &own).map_err(NewtonFailure::Assembly)?.sizes;
-            let weights = problem.products(&self.u, &uniform).map_err(NewtonFailure::Assembly)?.sizes;
+            let sums = problem.products(&self.u, &own)?.sizes;
+            let weights = problem.products(&self.u, &uniform)?.sizes;
             let small = |unknown: usize| {
                 let change = correction[unknown].abs();
                 change * weights[unknown] <= LARGEST_ROUNDING * sums[unknown] || change <= rounding
@@ -344,12 +343,12 @@ impl Iteration<'_> {
     }
 
     /// The components in which the correction is not small, with its size as a part of what is allowed.
-    fn unsettled<P: NonlinearProblem>(
+    fn unsettled(
         &self,
-        problem: &mut P,
+        problem: &mut dyn NonlinearProblem,
         correction: &[f64],
         forces: &[f64],
-    ) -> Result<Vec<(Component, f64)>, NewtonFailure<P::Error>> {
+    ) -> Result<Vec<(Component, f64)>, NewtonFailure> {
         let tolerance = SOFTNESS * self.options.relative_tolerance;
         let mut unsettled = Vec::new();
         for component in &self.fields.components {
@@ -377,25 +376,25 @@ impl Iteration<'_> {
         for unknown in unsettled.iter().flat_map(|(component, _)| component.unknowns()) {
             rest[unknown] = correction[unknown].abs();
         }
-        let made = problem.products(&self.u, &rest).map_err(NewtonFailure::Assembly)?.sizes;
+        let made = problem.products(&self.u, &rest)?.sizes;
         let negligible = |terms: &[f64]| {
             let rows = made.iter().zip(forces).zip(terms);
             rows.into_iter().all(|((made, force), term)| *made <= UNKNOWN_ROUNDING * (force + term))
         };
-        let terms = problem.sizes_of_terms(&self.u, Terms::OfRows).map_err(NewtonFailure::Assembly)?;
+        let terms = problem.sizes_of_terms(&self.u, Terms::OfRows)?;
         Ok(if negligible(terms.as_deref().unwrap_or(forces)) { vec![] } else { unsettled })
     }
 
     /// The part, from 0 to 1, of a uniform value of a component that every row resists: 0 for a stress, 1 for a mass. Where all
     /// rows do, the value itself is a scale, and not its variation only.
-    fn resistance<P: NonlinearProblem>(
+    fn resistance(
         &self,
-        problem: &mut P,
+        problem: &mut dyn NonlinearProblem,
         component: &Component,
-    ) -> Result<f64, NewtonFailure<P::Error>> {
+    ) -> Result<f64, NewtonFailure> {
         let mut uniform = vec![0.0; self.u.len()];
         component.unknowns().for_each(|unknown| uniform[unknown] = 1.0);
-        let found = problem.products(&self.u, &uniform).map_err(NewtonFailure::Assembly)?;
+        let found = problem.products(&self.u, &uniform)?;
         let part = |unknown: usize| match found.sizes[unknown] {
             0.0 => 1.0,
             size => found.sums[unknown].abs() / size,
@@ -404,13 +403,13 @@ impl Iteration<'_> {
     }
 
     /// A change that makes those components zero that are rounding only. None if there is none, or it was tried before.
-    fn without_vanishing_components<P: NonlinearProblem>(
+    fn without_vanishing_components(
         &mut self,
-        problem: &mut P,
+        problem: &mut dyn NonlinearProblem,
         elimination: &Elimination,
         correction: &[f64],
         forces: &[f64],
-    ) -> Result<Option<Vec<f64>>, NewtonFailure<P::Error>> {
+    ) -> Result<Option<Vec<f64>>, NewtonFailure> {
         if self.zeroings >= ZEROINGS {
             return Ok(None);
         }
@@ -424,7 +423,7 @@ impl Iteration<'_> {
                 }
             }
         }
-        elimination.impose(&mut zeroed).map_err(NewtonFailure::Mismatch)?;
+        elimination.impose(&mut zeroed)?;
         let change: Vec<f64> = zeroed.iter().zip(&self.u).map(|(zeroed, u)| zeroed - u).collect();
         if largest(&change) == 0.0
             || !(self.is_rounding_in_shared_rows(problem, &vanishing, forces)?
@@ -438,31 +437,31 @@ impl Iteration<'_> {
 
     /// Whether the forces of some unknowns are rounding in all rows that others enter, and there is such a row. The multiplier
     /// of a contact that is open is one, and the velocity of a fluid at rest under a pressure.
-    fn is_rounding_in_shared_rows<P: NonlinearProblem>(
+    fn is_rounding_in_shared_rows(
         &self,
-        problem: &mut P,
+        problem: &mut dyn NonlinearProblem,
         unknowns: &[bool],
         forces: &[f64],
-    ) -> Result<bool, NewtonFailure<P::Error>> {
+    ) -> Result<bool, NewtonFailure> {
         let amounts = |own: bool| -> Vec<f64> {
             let of = |(u, is_own): (&f64, &bool)| if *is_own == own { u.abs() } else { 0.0 };
             self.u.iter().zip(unknowns).map(of).collect()
         };
-        let own = problem.products(&self.u, &amounts(true)).map_err(NewtonFailure::Assembly)?.sizes;
-        let others = problem.products(&self.u, &amounts(false)).map_err(NewtonFailure::Assembly)?.sizes;
+        let own = problem.products(&self.u, &amounts(true))?.sizes;
+        let others = problem.products(&self.u, &amounts(false))?.sizes;
         let mut shared = own.iter().zip(&others).zip(forces).filter(|((_, others), _)| **others > 0.0);
         let enters = own.iter().zip(&others).any(|(own, others)| *own > 0.0 && *others > 0.0);
         Ok(enters && shared.all(|((own, _), force)| *own <= ROW_ROUNDING * force))
     }
 
     /// Whether the correction takes some unknowns away, and their equations hold without them.
-    fn is_corrected_to_zero<P: NonlinearProblem>(
+    fn is_corrected_to_zero(
         &self,
-        problem: &mut P,
+        problem: &mut dyn NonlinearProblem,
         elimination: &Elimination,
         unknowns: &[bool],
         correction: &[f64],
-    ) -> Result<bool, NewtonFailure<P::Error>> {
+    ) -> Result<bool, NewtonFailure> {
         let mut zeroed = self.u.clone();
         for component in &self.fields.components {
             let left = component.unknowns().map(|unknown| (self.u[unknown] + correction[unknown]).abs());
@@ -474,24 +473,24 @@ impl Iteration<'_> {
                 component.unknowns().for_each(|unknown| zeroed[unknown] = 0.0);
             }
         }
-        elimination.impose(&mut zeroed).map_err(NewtonFailure::Mismatch)?;
-        let of = |full: Vec<f64>| -> Result<f64, NewtonFailure<P::Error>> {
-            let reduced = elimination.reduce(&full).map_err(NewtonFailure::Mismatch)?;
+        elimination.impose(&mut zeroed)?;
+        let of = |full: Vec<f64>| -> Result<f64, NewtonFailure> {
+            let reduced = elimination.reduce(&full)?;
             let own = elimination.free().iter().zip(reduced).filter(|(unknown, _)| unknowns[**unknown]);
             Ok(own.fold(0.0, |most, (_, value)| f64::max(most, value.abs())))
         };
-        let now = of(problem.residual(&self.u).map_err(NewtonFailure::Assembly)?)?;
-        let without = of(problem.residual(&zeroed).map_err(NewtonFailure::Assembly)?)?;
+        let now = of(problem.residual(&self.u)?)?;
+        let without = of(problem.residual(&zeroed)?)?;
         Ok(without <= VANISHED * now)
     }
 
     /// None if corrections that do not become shorter are rounding of the solution; otherwise their part of it.
-    fn judge_rounding<P: NonlinearProblem>(
+    fn judge_rounding(
         &self,
-        problem: &mut P,
+        problem: &mut dyn NonlinearProblem,
         unsettled: &[(Component, f64)],
         correction: &[f64],
-    ) -> Result<Option<f64>, NewtonFailure<P::Error>> {
+    ) -> Result<Option<f64>, NewtonFailure> {
         let mut rest = vec![0.0; correction.len()];
         let mut part = None;
         for (component, _) in unsettled {
@@ -506,9 +505,8 @@ impl Iteration<'_> {
             return Ok(None);
         }
         // A solution that is zero, under forces that balance, has no other scale than these forces.
-        let made = problem.products(&self.u, &rest).map_err(NewtonFailure::Assembly)?.sizes;
-        let terms =
-            problem.sizes_of_terms(&self.u, Terms::OfCellsByComponent).map_err(NewtonFailure::Assembly)?;
+        let made = problem.products(&self.u, &rest)?.sizes;
+        let terms = problem.sizes_of_terms(&self.u, Terms::OfCellsByComponent)?;
         let Some(terms) = terms else { return Ok(part) };
         let negligible = made.iter().zip(&terms).all(|(made, term)| *made <= ROW_ROUNDING * term);
         Ok(part.filter(|_| !negligible))

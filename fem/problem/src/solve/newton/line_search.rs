@@ -77,12 +77,12 @@ impl Iteration<'_> {
 }
 
 /// The part of the step δ, given on all unknowns, to be taken from u so that the residual's norm falls.
-pub(super) fn along_residual<P: NonlinearProblem>(
+pub(super) fn along_residual(
     iteration: &mut Iteration<'_>,
-    problem: &mut P,
+    problem: &mut dyn NonlinearProblem,
     elimination: &Elimination,
     step: &[f64],
-) -> Result<Taken, NewtonFailure<P::Error>> {
+) -> Result<Taken, NewtonFailure> {
     let before = iteration.norms.last().map_or(f64::INFINITY, |last| iteration.merit(&last.residual));
     let choice = match iteration.forced {
         Some(last) if before >= last.before * (1.0 - SAME) => (last.choice + 1) % FORCED.len(),
@@ -117,26 +117,26 @@ const SYMMETRIC: f64 = 1e-9;
 const EVALUATIONS: usize = 30;
 
 /// An error if the reduced tangent is not symmetric.
-pub(super) fn check_potential<E>(
+pub(super) fn check_potential(
     elimination: &mut Elimination,
     tangent: &BlockMatrix,
-) -> Result<(), NewtonFailure<E>> {
-    let reduced = elimination.reduce_matrix(tangent).map_err(NewtonFailure::Mismatch)?;
-    let asymmetry = reduced.asymmetry().map_err(NewtonFailure::Mismatch)?;
+) -> Result<(), NewtonFailure> {
+    let reduced = elimination.reduce_matrix(tangent)?;
+    let asymmetry = reduced.asymmetry()?;
     // NaN is named by the solver.
     if asymmetry > SYMMETRIC { Err(NewtonFailure::NoPotential { asymmetry }) } else { Ok(()) }
 }
 
 /// The part of the step δ, given on all unknowns, to be taken from u so that the potential falls.
-pub(super) fn along_potential<P: NonlinearProblem>(
-    problem: &mut P,
+pub(super) fn along_potential(
+    problem: &mut dyn NonlinearProblem,
     u: &[f64],
     step: &[f64],
-) -> Result<Taken, NewtonFailure<P::Error>> {
-    let mut slope = |part: f64| -> Result<f64, NewtonFailure<P::Error>> {
+) -> Result<Taken, NewtonFailure> {
+    let mut slope = |part: f64| -> Result<f64, NewtonFailure> {
         let at: Vec<f64> = u.iter().zip(step).map(|(u, step)| u + part * step).collect();
         // δ is zero where unknowns are prescribed: reactions do no work.
-        Ok(dot(&problem.residual(&at).map_err(NewtonFailure::Assembly)?, step))
+        Ok(dot(&problem.residual(&at)?, step))
     };
     let first = slope(0.0)?;
     // A direction of ascent is left to Newton's method, which may cross a saddle.

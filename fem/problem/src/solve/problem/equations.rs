@@ -53,8 +53,6 @@ impl<const D: usize, const N: usize> UntypedProblem<'_, D, N> {
 }
 
 impl<const D: usize, const N: usize> NonlinearProblem for UntypedProblem<'_, D, N> {
-    type Error = AssemblyError;
-
     fn residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
         let own = self.own_residual(u);
         summed(self.communicator, self.system.form.name(), own)

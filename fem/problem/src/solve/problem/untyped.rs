@@ -6,7 +6,6 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::SolveError;
-use super::form_equations::{FormEquations, newton_for_form};
 use crate::assemble::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
 use crate::constraints::Constraints;
@@ -19,6 +18,7 @@ use crate::solve::linear_and_nonlinear::SplitSystem;
 use crate::solve::linear_part::{Assembled, System};
 use crate::solve::{
     Elimination, LinearSolver, NewtonFailure, NewtonOptions, NewtonStep, Solved, Start, TangentSolver,
+    newton_eliminating,
 };
 use crate::space::Space;
 
@@ -178,7 +178,7 @@ impl<'a, const D: usize, const N: usize> UntypedProblem<'a, D, N> {
             None => &mut ignored,
         };
         let start = Start { u, guess };
-        let found = newton_for_form(&mut FormEquations(self), elimination, start, solver, &options, told);
+        let found = newton_eliminating(self, elimination, start, solver, &options, told);
         self.progress = progress;
         let found = found.map_err(|mut error| {
             if let NewtonFailure::LinearSolver(source) = error.why {
