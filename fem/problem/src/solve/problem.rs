@@ -27,12 +27,11 @@ use super::communicator::Communicator;
 use super::linear_part::Assembled;
 use super::{
     ActivePoints, FieldUnknowns, Increment, LinearSolver, NewtonError, NewtonOptions, NewtonStep,
-    NonlinearProblem, NonlinearTangent, PerUnknown, Products, RigidLoads, Solved, Tangent,
+    NonlinearProblem, PartlyLinear, PerUnknown, Products, RigidLoads, Solved, Tangent,
 };
 use crate::assemble::{Assembler, AssemblyError, BlockPattern, Terms};
 use crate::constraints::Constraints;
 use crate::field::Field;
-use crate::linear_algebra::BlockMatrix;
 use crate::space::Space;
 
 /// A form with N unknowns, each on its own space; test function k belongs to the space of unknown k. In
@@ -263,22 +262,6 @@ impl<F: Form<D>, const D: usize, const N: usize> NonlinearProblem for Problem<'_
         self.untyped.tangent(u)
     }
 
-    fn linear_part(&mut self) -> Result<Option<&BlockMatrix>, AssemblyError> {
-        self.untyped.linear_part()
-    }
-
-    fn has_symmetric_linear_part(&self) -> bool {
-        self.untyped.has_symmetric_linear_part()
-    }
-
-    fn nonlinear_residual(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
-        self.untyped.nonlinear_residual(u)
-    }
-
-    fn nonlinear_tangent(&mut self, u: &[f64]) -> Result<Option<NonlinearTangent<'_>>, AssemblyError> {
-        self.untyped.nonlinear_tangent(u)
-    }
-
     fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {
         self.untyped.active_points(u)
     }
@@ -291,11 +274,11 @@ impl<F: Form<D>, const D: usize, const N: usize> NonlinearProblem for Problem<'_
         self.untyped.products(u, x)
     }
 
-    fn summed_up(&mut self, own: Vec<f64>) -> Result<Vec<f64>, AssemblyError> {
-        self.untyped.summed_up(own)
-    }
-
     fn sizes_of_terms(&mut self, u: &[f64], terms: Terms) -> Result<Option<Vec<f64>>, AssemblyError> {
         self.untyped.sizes_of_terms(u, terms)
+    }
+
+    fn partly_linear(&mut self) -> Option<&mut dyn PartlyLinear> {
+        self.untyped.partly_linear()
     }
 }

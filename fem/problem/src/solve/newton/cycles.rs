@@ -1,6 +1,6 @@
 //! Iterations that repeat themselves, and those that are lost in rounding.
 
-use super::Iteration;
+use super::Iterates;
 use super::convergence::SMALL_STEP;
 use super::report::NewtonFailure;
 use crate::linear_algebra::vector::norm;
@@ -32,7 +32,7 @@ pub(super) struct Cycle {
     pub period: usize,
 }
 
-impl Iteration<'_> {
+impl Iterates<'_> {
     /// An error if there is no sense in going on from the last iterate.
     pub fn check_progress(&self) -> Result<(), NewtonFailure> {
         if let Some(Cycle { first, period }) = self.cycle_of_active_sets() {

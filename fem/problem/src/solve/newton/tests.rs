@@ -1,9 +1,13 @@
 //! Newton on membranes above an elastic bed.
 
 mod failures;
+mod few_unknowns;
 
+use super::convergence::Fields;
 use super::*;
-use crate::linear_algebra::LinearAlgebraError;
+use crate::assemble::AssemblyError;
+use crate::linear_algebra::vector::norm;
+use crate::linear_algebra::{CsrMatrix, LinearAlgebraError};
 use crate::solve::{SolverError, TangentSolver, TangentSolverOptions};
 
 /// −u'' = f on (0, 1) with an elastic bed below ψ. With p_i = [u_i − ψ]₋,
