@@ -87,7 +87,7 @@ fn solvers(constraints: &Constraints<3>) -> Vec<(&'static str, bool, Box<dyn Lin
     ]
 }
 
-type Outcome = Result<Field<3>, NewtonError<AssemblyError>>;
+type Outcome = Result<Field<3>, NewtonError>;
 
 struct Case {
     name: &'static str,

@@ -105,7 +105,7 @@ enum Active {
     Hidden,
 }
 
-type Outcome = Result<Vec<NewtonStep>, NewtonError<AssemblyError>>;
+type Outcome = Result<Vec<NewtonStep>, NewtonError>;
 
 /// Solves from zero: the block's top is moved down and aside.
 fn solve(case: Case, line_search: LineSearch) -> Outcome {

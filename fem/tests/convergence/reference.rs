@@ -1,6 +1,5 @@
 //! References that an answer is compared with.
 
-use forms_fem::assemble::AssemblyError;
 use forms_fem::prelude::*;
 use forms_fem::solve::{Elimination, LuSolver, NonlinearProblem};
 
@@ -26,7 +25,7 @@ pub enum Outcome {
 
 /// K⁻¹ R at u, on all unknowns.
 fn newton_step(
-    equations: &mut dyn NonlinearProblem<Error = AssemblyError>,
+    equations: &mut dyn NonlinearProblem,
     elimination: &mut Elimination,
     u: &[f64],
 ) -> Option<Vec<f64>> {
@@ -72,7 +71,7 @@ pub struct Group {
 /// Compares what a problem gave with a solution, or with further Newton steps.
 pub fn judge(
     found: Result<Vec<f64>, String>,
-    equations: &mut dyn NonlinearProblem<Error = AssemblyError>,
+    equations: &mut dyn NonlinearProblem,
     mut elimination: Elimination,
     (start, exact): (Vec<f64>, Option<Vec<f64>>),
     groups: &[Group],

@@ -1,5 +1,7 @@
 //! Errors of assembly: a form, its data and its mesh do not fit.
 
+use std::sync::Arc;
+
 use thiserror::Error;
 
 use crate::constraints::ConstraintsError;
@@ -358,6 +360,34 @@ pub enum AssemblyError {
         /// The mismatch.
         source: LinearAlgebraError,
     },
+    /// Any error of a nonlinear problem that is not assembled from a form.
+    #[error(transparent)]
+    Other(OtherError),
+}
+
+impl AssemblyError {
+    /// An error of another type, which [`OtherError::get`] returns. Its message stays as it is.
+    pub fn other(error: impl std::error::Error + Send + Sync + 'static) -> Self {
+        AssemblyError::Other(OtherError(Arc::new(error)))
+    }
+}
+
+/// An error of any type. A clone is equal to it, and no other error is.
+#[derive(Clone, Debug, Error)]
+#[error(transparent)]
+pub struct OtherError(Arc<dyn std::error::Error + Send + Sync>);
+
+impl OtherError {
+    /// The error itself, for `downcast_ref`.
+    pub fn get(&self) -> &(dyn std::error::Error + Send + Sync + 'static) {
+        &*self.0
+    }
+}
+
+impl PartialEq for OtherError {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
 }
 
 fn at(position: &Option<Vec<f64>>) -> String {

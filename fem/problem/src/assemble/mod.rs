@@ -49,7 +49,7 @@ pub(crate) use block_pattern::touched::TouchedEntries;
 pub use derived::{FacetSample, PointValues};
 pub use element_kernel::sizes::{Counted, Fixed, Sizes};
 pub use element_kernel::{ElementCells, ElementKernel, ElementLayout, FieldLayout};
-pub use error::AssemblyError;
+pub use error::{AssemblyError, OtherError};
 pub use forms_core::contract::Dependence;
 pub use kernels::{Lanes, MatrixKernel, PointKernel, VectorKernel};
 pub use residual::Terms;

@@ -15,9 +15,9 @@ mod condensing;
 use std::sync::Arc;
 use std::time::Instant;
 
-pub use condensed_system::CondensedSystem;
+pub(super) use condensed_system::CondensedSystem;
 
-use super::linear_solver::{CondensingSolver, LinearSolution, LinearSolver, SolverError};
+use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use super::solver_report::{SolverPath, SolverReport};
 use super::tangent_solver::{TangentSolver, TangentSolverOptions};
 use crate::linear_algebra::Transpose;
@@ -319,7 +319,7 @@ impl LinearSolver for CondensedSolver {
         Some(CondensedSolver::report(self))
     }
 
-    fn as_condensing(&mut self) -> Option<&mut dyn CondensingSolver> {
+    fn as_condensed(&mut self) -> Option<&mut CondensedSolver> {
         Some(self)
     }
 

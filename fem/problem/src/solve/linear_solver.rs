@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use super::condensed_solver::CondensedSystem;
+use super::condensed_solver::CondensedSolver;
 use super::floating::Floating;
 use super::solver_report::SolverReport;
 use crate::linear_algebra::{
-    CsrMatrix, Entry, GmresReport, KrylovReport, LinearAlgebraError, ResidualHistory, SparsityPattern,
-    Transpose,
+    CsrMatrix, GmresReport, KrylovReport, LinearAlgebraError, ResidualHistory, SparsityPattern, Transpose,
 };
 
 /// Solves systems with one square matrix after another. An implementation may keep whatever serves the next
@@ -79,92 +78,11 @@ pub trait LinearSolver {
         None
     }
 
-    /// The solver as one that gains from what tangents have in common; none unless it does.
-    fn as_condensing(&mut self) -> Option<&mut dyn CondensingSolver> {
+    /// The [`CondensedSolver`] that this solver is, or to which it delegates: Newton's method then iterates on the unknowns that
+    /// the nonlinearity touches.
+    fn as_condensed(&mut self) -> Option<&mut CondensedSolver> {
         None
     }
-}
-
-/// A linear solver for tangents T = K + B with one symmetric part K and additions B on few unknowns, to which it condenses
-/// systems and whole Newton iterations.
-pub trait CondensingSolver: LinearSolver {
-    /// Tells the symmetric part K that the coming matrices share: each is K plus entries on few unknowns.
-    ///
-    /// # Errors
-    /// If the matrix is unfit.
-    fn set_linear_part(&mut self, linear_part: &Arc<CsrMatrix>) -> Result<(), SolverError>;
-
-    /// The same of a part that is symmetric, except for rounding, as is known from elsewhere.
-    ///
-    /// # Errors
-    /// As [`CondensingSolver::set_linear_part`].
-    fn set_symmetric_linear_part(&mut self, linear_part: &Arc<CsrMatrix>) -> Result<(), SolverError> {
-        self.set_linear_part(linear_part)
-    }
-
-    /// Takes as the matrix of the next solves the linear part with some of its entries replaced.
-    ///
-    /// # Errors
-    /// As [`LinearSolver::set_matrix`], and if the linear part does not store an entry.
-    fn set_changed(&mut self, linear_part: &Arc<CsrMatrix>, entries: &[Entry]) -> Result<(), SolverError>;
-
-    /// Takes as the matrix of the next solves the linear part plus additions, each to another entry, which the linear part need
-    /// not store. Coming matrices are likely to add to rows and columns of the unknowns `near` by.
-    ///
-    /// # Errors
-    /// As [`LinearSolver::set_matrix`].
-    fn set_added(
-        &mut self,
-        linear_part: &Arc<CsrMatrix>,
-        additions: Vec<Entry>,
-        near: &[u32],
-    ) -> Result<(), SolverError>;
-
-    /// Tells which entries of the linear part the coming matrices are likely to change, by those of one of them. It
-    /// may be wrong; it may save a factorisation.
-    ///
-    /// # Errors
-    /// As [`CondensingSolver::set_changed`].
-    fn expect_changed(&mut self, linear_part: &Arc<CsrMatrix>, entries: &[Entry]) -> Result<(), SolverError>;
-
-    /// Unknowns of the dense system to which solves with the current matrix are condensed; none if they are not.
-    fn condensed_unknowns(&self) -> Option<usize>;
-
-    /// Whether K has a factor, as far as is known.
-    fn condenses(&self) -> bool;
-
-    /// Whether the rows and columns of B's entries, and some further unknowns, are among those of a condensed system that
-    /// the present factor made.
-    fn covers(&self, system: &CondensedSystem, additions: &[Entry], further: &[u32]) -> bool;
-
-    /// Makes a factor of K that allows systems on these unknowns. False: it is not worth it, or K has none.
-    ///
-    /// # Errors
-    /// As [`CondensingSolver::set_changed`].
-    fn cover(&mut self, additions: &[Entry], further: &[u32]) -> Result<bool, SolverError>;
-
-    /// K x + N(x) = b on the condensed unknowns, where N reads the `watched` unknowns only.
-    ///
-    /// # Errors
-    /// If there is no factor, or b does not fit.
-    fn condensed_system(&mut self, b: &[f64], watched: &[u32]) -> Result<CondensedSystem, SolverError>;
-
-    /// δ_c with (S + B) δ_c = −r. T = K + B is the matrix of the next solves.
-    ///
-    /// # Errors
-    /// If there is no factor, or the system is singular.
-    fn condensed_step(
-        &mut self,
-        linear_part: &Arc<CsrMatrix>,
-        additions: Vec<Entry>,
-        r: &[f64],
-    ) -> Result<Vec<f64>, SolverError>;
-
-    /// x of all unknowns, from those on the condensed ones.
-    ///
-    /// # Errors
-    /// If the numbers of unknowns differ.
-    fn complete(&mut self, system: CondensedSystem, x_c: &[f64]) -> Result<Vec<f64>, SolverError>;
 }
 
 /// The solution of one linear system, and how good it is.

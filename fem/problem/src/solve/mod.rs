@@ -7,6 +7,7 @@
 //! The solver keeps its factor, so that adjoint problems with the tangent or its transpose reuse it.
 
 pub mod communicator;
+mod condensation;
 pub mod condensed_solver;
 #[cfg(test)]
 mod contrasts;
@@ -38,7 +39,7 @@ pub use elimination::Elimination;
 pub use floating::Floating;
 #[doc(hidden)]
 pub use lent_solver::LentSolver;
-pub use linear_solver::{CondensingSolver, LinearSolution, LinearSolver, SolverError};
+pub use linear_solver::{LinearSolution, LinearSolver, SolverError};
 pub use linear_system::{solve_linear, solve_linear_transposed};
 pub use load_steps::{
     CommittingSteps, Extrapolate, Increment, LoadPath, LoadStep, LoadStepError, LoadSteps, StepStart,
@@ -46,9 +47,9 @@ pub use load_steps::{
 pub use lu_solver::LuSolver;
 pub use multigrid_solver::{MultigridSolver, MultigridSolverOptions, MultigridSolverReport};
 pub use newton::{
-    ActivePoints, FieldUnknowns, LineSearch, NewtonError, NewtonFailure, NewtonOptions, NewtonSolution,
-    NewtonStep, NonlinearProblem, NonlinearTangent, Products, Start, Tangent, WorstEquation, newton,
-    newton_eliminating,
+    ActivePoints, FieldUnknowns, LineSearch, LinearPart, NewtonError, NewtonFailure, NewtonOptions,
+    NewtonSolution, NewtonStep, NonlinearProblem, NonlinearTangent, PartlyLinear, Products, Start, Tangent,
+    WorstEquation, newton, newton_eliminating,
 };
 pub use per_unknown::PerUnknown;
 #[doc(hidden)]

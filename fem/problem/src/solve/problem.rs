@@ -4,7 +4,6 @@ mod affine;
 mod agreement;
 mod diagnosis;
 mod equations;
-mod form_equations;
 mod free_bodies;
 mod setting;
 mod solution;
@@ -83,7 +82,7 @@ pub struct Problem<'a, const D: usize, const N: usize = 1> {
 }
 
 /// The reason for which a problem was not solved, with the iterates up to it.
-pub type SolveError = NewtonError<AssemblyError>;
+pub type SolveError = NewtonError;
 
 impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     /// The form on the space of its unknown, or on `[&first, &second]`, the spaces of its unknowns in the order of its

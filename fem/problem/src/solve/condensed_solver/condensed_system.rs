@@ -12,7 +12,7 @@ use crate::solve::linear_solver::SolverError;
 
 /// The state of such an iteration, with the factor that it belongs to.
 #[derive(Debug)]
-pub struct CondensedSystem {
+pub(in crate::solve) struct CondensedSystem {
     condensation: Arc<Condensation>,
     y: Vec<f64>,
     /// L_c y_c.
@@ -53,9 +53,6 @@ impl CondensedSystem {
     }
 
     /// Brings the entries of x that N reads up to date with x_c.
-    ///
-    /// # Errors
-    /// If the numbers of unknowns differ.
     pub fn update(&mut self, x_c: &[f64], x: &mut [f64]) -> Result<(), SolverError> {
         let first = self.y.len() - x_c.len();
         self.y[first..].copy_from_slice(&self.condensation.shifted(x_c));

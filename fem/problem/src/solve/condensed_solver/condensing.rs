@@ -1,11 +1,11 @@
-//! Condensed solver as a [`CondensingSolver`]: the shared part of the tangents, and Newton's steps on few unknowns.
+//! Condensed solver for Newton's method: the shared part of the tangents, and steps on few unknowns.
 
 use std::sync::Arc;
 use std::time::Instant;
 
 use super::{CondensedSolver, CondensedSystem, Current, LinearPart, SYMMETRIC, additions, unknowns_of};
 use crate::linear_algebra::{CsrMatrix, Entry, LinearAlgebraError};
-use crate::solve::linear_solver::{CondensingSolver, LinearSolver, SolverError};
+use crate::solve::linear_solver::{LinearSolver, SolverError};
 use crate::solve::solver_report::SolverPath;
 
 impl CondensedSolver {
@@ -33,23 +33,38 @@ impl CondensedSolver {
     }
 }
 
-impl CondensingSolver for CondensedSolver {
-    fn set_linear_part(&mut self, linear_part: &Arc<CsrMatrix>) -> Result<(), SolverError> {
+impl CondensedSolver {
+    /// Tells the symmetric part K that the coming matrices share: each is K plus entries on few unknowns.
+    pub(in crate::solve) fn set_linear_part(
+        &mut self,
+        linear_part: &Arc<CsrMatrix>,
+    ) -> Result<(), SolverError> {
         self.take_linear_part(linear_part, || linear_part.asymmetry())
     }
 
-    fn set_symmetric_linear_part(&mut self, linear_part: &Arc<CsrMatrix>) -> Result<(), SolverError> {
+    /// The same of a part that is symmetric, except for rounding, as is known from elsewhere.
+    pub(in crate::solve) fn set_symmetric_linear_part(
+        &mut self,
+        linear_part: &Arc<CsrMatrix>,
+    ) -> Result<(), SolverError> {
         self.take_linear_part(linear_part, || Ok(0.0))
     }
 
-    fn set_changed(&mut self, linear_part: &Arc<CsrMatrix>, entries: &[Entry]) -> Result<(), SolverError> {
+    /// Takes as the matrix of the next solves the linear part with some of its entries replaced.
+    pub(in crate::solve) fn set_changed(
+        &mut self,
+        linear_part: &Arc<CsrMatrix>,
+        entries: &[Entry],
+    ) -> Result<(), SolverError> {
         if !self.knows(linear_part) {
             return self.set_matrix(linear_part.with_entries(entries)?);
         }
         self.set_added(linear_part, additions(linear_part, entries)?, &[])
     }
 
-    fn set_added(
+    /// Takes as the matrix of the next solves the linear part plus additions, each to another entry, which the linear part need
+    /// not store. Coming matrices are likely to add to rows and columns of the unknowns `near` by.
+    pub(in crate::solve) fn set_added(
         &mut self,
         linear_part: &Arc<CsrMatrix>,
         additions: Vec<Entry>,
@@ -67,23 +82,38 @@ impl CondensingSolver for CondensedSolver {
         condensed
     }
 
-    fn expect_changed(&mut self, linear_part: &Arc<CsrMatrix>, entries: &[Entry]) -> Result<(), SolverError> {
+    /// Tells which entries of the linear part the coming matrices are likely to change, by those of one of them. It
+    /// may be wrong; it may save a factorisation.
+    pub(in crate::solve) fn expect_changed(
+        &mut self,
+        linear_part: &Arc<CsrMatrix>,
+        entries: &[Entry],
+    ) -> Result<(), SolverError> {
         self.expected = unknowns_of(&self.changes(&additions(linear_part, entries)?));
         Ok(())
     }
 
-    fn condensed_unknowns(&self) -> Option<usize> {
+    /// Unknowns of the dense system to which solves with the current matrix are condensed; none if they are not.
+    pub(in crate::solve) fn condensed_unknowns(&self) -> Option<usize> {
         match &self.current {
             Some(Current::Condensed { .. }) => self.report.condensed_unknowns,
             _ => None,
         }
     }
 
-    fn condenses(&self) -> bool {
+    /// Whether K has a factor, as far as is known.
+    pub(in crate::solve) fn condenses(&self) -> bool {
         self.linear_part.is_some() && !self.refused
     }
 
-    fn covers(&self, system: &CondensedSystem, additions: &[Entry], further: &[u32]) -> bool {
+    /// Whether the rows and columns of B's entries, and some further unknowns, are among those of a condensed system that
+    /// the present factor made.
+    pub(in crate::solve) fn covers(
+        &self,
+        system: &CondensedSystem,
+        additions: &[Entry],
+        further: &[u32],
+    ) -> bool {
         self.condensation.as_ref().is_some_and(|condensation| {
             system.belongs_to(condensation)
                 && condensation.holds(&unknowns_of(&self.changes(additions)))
@@ -91,13 +121,23 @@ impl CondensingSolver for CondensedSolver {
         })
     }
 
-    fn cover(&mut self, additions: &[Entry], further: &[u32]) -> Result<bool, SolverError> {
+    /// Makes a factor of K that allows systems on these unknowns. False: it is not worth it, or K has none.
+    pub(in crate::solve) fn cover(
+        &mut self,
+        additions: &[Entry],
+        further: &[u32],
+    ) -> Result<bool, SolverError> {
         let mut touched = unknowns_of(&self.changes(additions));
         touched.extend_from_slice(further);
         self.condense_to(&touched)
     }
 
-    fn condensed_system(&mut self, b: &[f64], watched: &[u32]) -> Result<CondensedSystem, SolverError> {
+    /// K x + N(x) = b on the condensed unknowns, where N reads the `watched` unknowns only.
+    pub(in crate::solve) fn condensed_system(
+        &mut self,
+        b: &[f64],
+        watched: &[u32],
+    ) -> Result<CondensedSystem, SolverError> {
         crate::linear_algebra::error::check_finite("the right-hand side", b)?;
         let start = Instant::now();
         let condensation = self.condensation.as_ref().ok_or(SolverError::NoMatrix)?;
@@ -106,7 +146,8 @@ impl CondensingSolver for CondensedSolver {
         Ok(system)
     }
 
-    fn condensed_step(
+    /// δ_c with (S + B) δ_c = −r. T = K + B is the matrix of the next solves.
+    pub(in crate::solve) fn condensed_step(
         &mut self,
         linear_part: &Arc<CsrMatrix>,
         additions: Vec<Entry>,
@@ -138,7 +179,12 @@ impl CondensingSolver for CondensedSolver {
         Ok(step)
     }
 
-    fn complete(&mut self, system: CondensedSystem, x_c: &[f64]) -> Result<Vec<f64>, SolverError> {
+    /// x of all unknowns, from those on the condensed ones.
+    pub(in crate::solve) fn complete(
+        &mut self,
+        system: CondensedSystem,
+        x_c: &[f64],
+    ) -> Result<Vec<f64>, SolverError> {
         let start = Instant::now();
         let x = system.complete(x_c)?;
         self.report.solve_seconds += start.elapsed().as_secs_f64();

@@ -95,7 +95,7 @@ fn changed_entries_make_the_same_matrix() {
         })
         .collect();
     let b = load();
-    // Condensed, by the default of a trait's method, and where condensing is refused.
+    // Condensed, and where condensing is refused.
     let mut condensed = CondensedSolver::default();
     condensed.set_linear_part(&linear_part).unwrap();
     let mut refused = CondensedSolver::default();
@@ -106,7 +106,7 @@ fn changed_entries_make_the_same_matrix() {
         .iter()
         .map(|entry| Entry { value: shifted.get(entry.row as usize, entry.column as usize), ..*entry })
         .collect();
-    let solvers: [(&mut dyn CondensingSolver, _, _, _); 2] = [
+    let solvers: [(&mut CondensedSolver, _, _, _); 2] = [
         (&mut condensed, &linear_part, &entries, &whole),
         (&mut refused, &indefinite, &shifted_entries, &shifted),
     ];

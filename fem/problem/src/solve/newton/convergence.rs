@@ -4,7 +4,7 @@
 
 use std::ops::Range;
 
-use super::Iteration;
+use super::Iterates;
 use crate::linear_algebra::vector::{largest, norm};
 use crate::solve::elimination::Elimination;
 
@@ -25,7 +25,7 @@ pub struct FieldUnknowns {
 
 /// One component of a field among all unknowns.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Component {
+pub(in crate::solve) struct Component {
     first: usize,
     /// The unknowns of its field.
     field: Range<usize>,
@@ -65,7 +65,7 @@ impl Component {
 
 /// The fields of a problem as ranges of its free unknowns.
 #[derive(Clone, Debug)]
-pub(super) struct Fields {
+pub(in crate::solve) struct Fields {
     /// The components of all fields.
     pub components: Vec<Component>,
     /// Among the free unknowns.
@@ -111,7 +111,7 @@ impl Fields {
 
 /// Norms per field at an iterate, over free unknowns.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Norms {
+pub(in crate::solve) struct Norms {
     pub residual: Vec<f64>,
     pub u: Vec<f64>,
     /// Of the whole Newton step that led here, before it was shortened; none at the start.
@@ -121,12 +121,12 @@ pub(super) struct Norms {
 }
 
 /// Σ w_i u_i with w_i between ½ and 1½ that follow no pattern of a mesh.
-pub(super) fn mark(u: &[f64]) -> f64 {
+pub(in crate::solve) fn mark(u: &[f64]) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     u.iter().enumerate().map(|(i, u)| (0.5 + (GOLDEN * i as f64).fract()) * u).sum()
 }
 
-impl Iteration<'_> {
+impl Iterates<'_> {
     /// The residual of each field to which linear systems need to be solved.
     pub fn targets(&self) -> impl Iterator<Item = f64> {
         let count = self.norms.first().map_or(0, |start| start.residual.len());
@@ -163,5 +163,21 @@ impl Iteration<'_> {
         let [.., before, last] = &self.norms[..] else { return false };
         let small = last.step.as_ref().is_some_and(|step| step[field] <= SMALL_STEP * last.u[field]);
         (small || last.u.len() > 1) && last.residual[field] > 0.5 * before.residual[field]
+    }
+
+    /// Whether the last step changed neither the fields nor their residuals by much.
+    pub fn stays(&self) -> bool {
+        let [.., before, last] = &self.norms[..] else { return false };
+        let Some(step) = &last.step else { return false };
+        (0..step.len()).all(|field| {
+            step[field] <= SMALL_STEP * last.u[field]
+                && (last.residual[field] > 0.5 * before.residual[field] || last.residual[field] == 0.0)
+        })
+    }
+
+    /// Whether the residual of a field stays as it is.
+    pub fn some_field_stays(&self) -> bool {
+        let count = self.norms.last().map_or(0, |last| last.residual.len());
+        (0..count).any(|field| self.has_stalled(field))
     }
 }

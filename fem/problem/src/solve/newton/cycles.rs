@@ -1,6 +1,6 @@
 //! Iterations that repeat themselves, and those that are lost in rounding.
 
-use super::Iteration;
+use super::Iterates;
 use super::convergence::SMALL_STEP;
 use super::report::NewtonFailure;
 use crate::linear_algebra::vector::norm;
@@ -32,12 +32,12 @@ pub(super) struct Cycle {
     pub period: usize,
 }
 
-impl Iteration<'_> {
+impl Iterates<'_> {
     /// An error if there is no sense in going on from the last iterate.
     ///
     /// # Errors
     /// [`NewtonFailure::Cycling`], [`NewtonFailure::Stagnated`] or [`NewtonFailure::NotConverged`].
-    pub fn check_progress<E>(&self) -> Result<(), NewtonFailure<E>> {
+    pub fn check_progress(&self) -> Result<(), NewtonFailure> {
         if let Some(Cycle { first, period }) = self.cycle_of_active_sets() {
             return Err(NewtonFailure::Cycling { first, period });
         }
@@ -57,7 +57,7 @@ impl Iteration<'_> {
     ///
     /// # Errors
     /// [`NewtonFailure::NotConverged`].
-    pub fn check_iterations<E>(&self) -> Result<(), NewtonFailure<E>> {
+    pub fn check_iterations(&self) -> Result<(), NewtonFailure> {
         let iterations = self.history.len() - 1;
         if iterations >= self.options.max_iterations {
             return Err(NewtonFailure::NotConverged { iterations });

@@ -4,7 +4,7 @@
 //! potential itself need not be known. Other residuals are judged by their norm, each field's relative to the largest that it
 //! had. It may have to rise on the way to a solution, where a law switches: if no step lowers it, a short one is taken.
 
-use super::{Iteration, NewtonFailure, NonlinearProblem, Residuals};
+use super::{FreeEquations, Iterates, NewtonFailure, Residuals};
 use crate::linear_algebra::BlockMatrix;
 use crate::linear_algebra::vector::dot;
 use crate::solve::elimination::Elimination;
@@ -55,58 +55,6 @@ const FORCED: [i32; 5] = [3, 2, 4, 1, 5];
 /// A residual's norm that is not smaller than another by this part is not smaller.
 const SAME: f64 = 1e-6;
 
-/// The last step that was taken although the residual rose.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Forced {
-    /// The residual's norm before it.
-    before: f64,
-    /// Which of [`FORCED`] it was.
-    choice: usize,
-}
-
-impl Iteration<'_> {
-    /// The norm of the residual whose norms per field are given, each relative to the largest that the field had. A field that
-    /// had none yet does not count.
-    pub fn merit(&self, residuals: &[f64]) -> f64 {
-        let parts = residuals.iter().enumerate().map(|(field, residual)| {
-            let largest = self.largest_residual(field);
-            if largest == 0.0 { 0.0 } else { residual / largest }
-        });
-        parts.fold(0.0, f64::hypot)
-    }
-}
-
-/// The part of the step δ, given on all unknowns, to be taken from u so that the residual's norm falls.
-pub(super) fn along_residual<P: NonlinearProblem>(
-    iteration: &mut Iteration<'_>,
-    problem: &mut P,
-    elimination: &Elimination,
-    step: &[f64],
-) -> Result<Taken, NewtonFailure<P::Error>> {
-    let before = iteration.norms.last().map_or(f64::INFINITY, |last| iteration.merit(&last.residual));
-    let choice = match iteration.forced {
-        Some(last) if before >= last.before * (1.0 - SAME) => (last.choice + 1) % FORCED.len(),
-        _ => 0,
-    };
-    let mut otherwise = None;
-    for halvings in 0..=HALVINGS {
-        let part = 0.5_f64.powi(halvings);
-        let at: Vec<f64> = iteration.u.iter().zip(step).map(|(u, step)| u + part * step).collect();
-        let residuals = Residuals::at(problem, elimination, &at)?;
-        let merit = iteration.merit(&iteration.fields.norms(&residuals.reduced));
-        let taken = Taken { part, residuals: Some(residuals) };
-        if merit <= (1.0 - FALL * part) * before {
-            return Ok(taken);
-        }
-        // What is not finite is too far.
-        if merit.is_finite() && halvings >= FORCED[choice] && otherwise.is_none() {
-            otherwise = Some(taken);
-        }
-    }
-    iteration.forced = Some(Forced { before, choice });
-    otherwise.ok_or(NewtonFailure::NoDescent)
-}
-
 /// The slope at an accepted place is at most this part of the first, in amount.
 const FLAT: f64 = 0.5;
 
@@ -116,52 +64,108 @@ const SYMMETRIC: f64 = 1e-9;
 /// Most evaluations along a step: bisection alone comes down to 10⁻⁹ of it.
 const EVALUATIONS: usize = 30;
 
+/// The last step that was taken although the residual rose.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Forced {
+    /// The residual's norm before it.
+    before: f64,
+    /// Which of [`FORCED`] it was.
+    choice: usize,
+}
+
+impl Iterates<'_> {
+    /// The norm of the residual whose norms per field are given, each relative to the largest that the field had. A field that
+    /// had none yet does not count.
+    fn merit(&self, residuals: &[f64]) -> f64 {
+        let parts = residuals.iter().enumerate().map(|(field, residual)| {
+            let largest = self.largest_residual(field);
+            if largest == 0.0 { 0.0 } else { residual / largest }
+        });
+        parts.fold(0.0, f64::hypot)
+    }
+}
+
 /// An error if the reduced tangent is not symmetric.
-pub(super) fn check_potential<E>(
+pub(super) fn check_potential(
     elimination: &mut Elimination,
     tangent: &BlockMatrix,
-) -> Result<(), NewtonFailure<E>> {
-    let reduced = elimination.reduce_matrix(tangent).map_err(NewtonFailure::Mismatch)?;
-    let asymmetry = reduced.asymmetry().map_err(NewtonFailure::Mismatch)?;
+) -> Result<(), NewtonFailure> {
+    let reduced = elimination.reduce_matrix(tangent)?;
+    let asymmetry = reduced.asymmetry()?;
     // NaN is named by the solver.
     if asymmetry > SYMMETRIC { Err(NewtonFailure::NoPotential { asymmetry }) } else { Ok(()) }
 }
 
-/// The part of the step δ, given on all unknowns, to be taken from u so that the potential falls.
-pub(super) fn along_potential<P: NonlinearProblem>(
-    problem: &mut P,
-    u: &[f64],
-    step: &[f64],
-) -> Result<Taken, NewtonFailure<P::Error>> {
-    let mut slope = |part: f64| -> Result<f64, NewtonFailure<P::Error>> {
-        let at: Vec<f64> = u.iter().zip(step).map(|(u, step)| u + part * step).collect();
-        // δ is zero where unknowns are prescribed: reactions do no work.
-        Ok(dot(&problem.residual(&at).map_err(NewtonFailure::Assembly)?, step))
-    };
-    let first = slope(0.0)?;
-    // A direction of ascent is left to Newton's method, which may cross a saddle.
-    if first >= 0.0 || !first.is_finite() {
-        return Ok(Taken::whole());
-    }
-    let (mut low, mut low_slope) = (0.0, first);
-    let (mut high, mut high_slope) = (1.0, slope(1.0)?);
-    if high_slope <= FLAT * first.abs() {
-        return Ok(Taken::whole());
-    }
-    for evaluation in 0..EVALUATIONS {
-        // Regula falsi and bisection alternately; what is not finite is too far.
-        let secant = low + (high - low) * low_slope / (low_slope - high_slope);
-        let inside = secant > low && secant < high;
-        let part = if evaluation % 2 == 0 && inside { secant } else { 0.5 * (low + high) };
-        let found = slope(part)?;
-        if found.abs() <= FLAT * first.abs() {
-            return Ok(Taken::some(part));
-        }
-        if found < 0.0 {
-            (low, low_slope) = (part, found);
-        } else {
-            (high, high_slope) = (part, found);
+impl FreeEquations<'_> {
+    /// The part of the Newton step δ, given on all unknowns, that is taken.
+    pub(super) fn part_of_step(&mut self, step: &[f64]) -> Result<Taken, NewtonFailure> {
+        match self.iterates.options.line_search {
+            LineSearch::Off => Ok(Taken::whole()),
+            LineSearch::OnPotential => self.along_potential(step),
+            LineSearch::OnResidual => self.along_residual(step),
         }
     }
-    if low > 0.0 { Ok(Taken::some(low)) } else { Err(NewtonFailure::NoDescent) }
+
+    /// The part of a step with which the residual's norm falls.
+    fn along_residual(&mut self, step: &[f64]) -> Result<Taken, NewtonFailure> {
+        let iterates = &self.iterates;
+        let before = iterates.norms.last().map_or(f64::INFINITY, |last| iterates.merit(&last.residual));
+        let choice = match self.forced {
+            Some(last) if before >= last.before * (1.0 - SAME) => (last.choice + 1) % FORCED.len(),
+            _ => 0,
+        };
+        let mut otherwise = None;
+        for halvings in 0..=HALVINGS {
+            let part = 0.5_f64.powi(halvings);
+            let at: Vec<f64> = iterates.u.iter().zip(step).map(|(u, step)| u + part * step).collect();
+            let residuals = Residuals::at(self.problem, &self.elimination, &at)?;
+            let merit = iterates.merit(&iterates.fields.norms(&residuals.reduced));
+            let taken = Taken { part, residuals: Some(residuals) };
+            if merit <= (1.0 - FALL * part) * before {
+                return Ok(taken);
+            }
+            // What is not finite is too far.
+            if merit.is_finite() && halvings >= FORCED[choice] && otherwise.is_none() {
+                otherwise = Some(taken);
+            }
+        }
+        self.forced = Some(Forced { before, choice });
+        otherwise.ok_or(NewtonFailure::NoDescent)
+    }
+
+    /// The part of a step with which the potential falls.
+    fn along_potential(&mut self, step: &[f64]) -> Result<Taken, NewtonFailure> {
+        let u = &self.iterates.u;
+        let mut slope = |part: f64| -> Result<f64, NewtonFailure> {
+            let at: Vec<f64> = u.iter().zip(step).map(|(u, step)| u + part * step).collect();
+            // δ is zero where unknowns are prescribed: reactions do no work.
+            Ok(dot(&self.problem.residual(&at)?, step))
+        };
+        let first = slope(0.0)?;
+        // A direction of ascent is left to Newton's method, which may cross a saddle.
+        if first >= 0.0 || !first.is_finite() {
+            return Ok(Taken::whole());
+        }
+        let (mut low, mut low_slope) = (0.0, first);
+        let (mut high, mut high_slope) = (1.0, slope(1.0)?);
+        if high_slope <= FLAT * first.abs() {
+            return Ok(Taken::whole());
+        }
+        for evaluation in 0..EVALUATIONS {
+            // Regula falsi and bisection alternately; what is not finite is too far.
+            let secant = low + (high - low) * low_slope / (low_slope - high_slope);
+            let inside = secant > low && secant < high;
+            let part = if evaluation % 2 == 0 && inside { secant } else { 0.5 * (low + high) };
+            let found = slope(part)?;
+            if found.abs() <= FLAT * first.abs() {
+                return Ok(Taken::some(part));
+            }
+            if found < 0.0 {
+                (low, low_slope) = (part, found);
+            } else {
+                (high, high_slope) = (part, found);
+            }
+        }
+        if low > 0.0 { Ok(Taken::some(low)) } else { Err(NewtonFailure::NoDescent) }
+    }
 }

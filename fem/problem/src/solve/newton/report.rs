@@ -109,7 +109,7 @@ impl NewtonSolution {
 
 /// A reason why Newton's method failed.
 #[derive(Debug, thiserror::Error)]
-pub enum NewtonFailure<E> {
+pub enum NewtonFailure {
     /// The iterations are used up.
     #[error("no convergence within {iterations} iterations")]
     NotConverged {
@@ -162,16 +162,16 @@ pub enum NewtonFailure<E> {
     NoDescent,
     /// The linear solver failed.
     #[error("the linear solver failed: {0}")]
-    LinearSolver(#[source] SolverError),
+    LinearSolver(#[from] SolverError),
     /// Sizes disagree, or prescribed values are unfit.
     #[error("the problem does not fit together: {0}")]
-    Mismatch(#[source] LinearAlgebraError),
+    Mismatch(#[from] LinearAlgebraError),
     /// The solution of a load step is one that it cannot have led to, as that surfaces went through each other.
     #[error("the solution of the step is refused: {0}")]
-    Refused(#[source] E),
+    Refused(#[source] AssemblyError),
     /// Assembly of the residual, the tangent or the active set failed.
     #[error("assembly failed: {0}")]
-    Assembly(#[source] E),
+    Assembly(#[from] AssemblyError),
 }
 
 /// The equation that is off by the most of its terms.
@@ -212,9 +212,9 @@ pub struct WorstEquation {
 /// ```
 #[derive(thiserror::Error)]
 #[error("{}: {why}{}", stage(history), and(notes))]
-pub struct NewtonError<E: std::error::Error> {
+pub struct NewtonError {
     /// The reason.
-    pub why: NewtonFailure<E>,
+    pub why: NewtonFailure,
     /// The iterates before the failure.
     pub history: Vec<NewtonStep>,
     /// The last iterate: all unknowns, space after space, with the prescribed values ([`Field::from_values`](crate::field::Field::from_values)).
@@ -237,19 +237,19 @@ fn stage(history: &[NewtonStep]) -> String {
     }
 }
 
-impl<E: std::error::Error> From<NewtonFailure<E>> for NewtonError<E> {
-    fn from(why: NewtonFailure<E>) -> Self {
+impl From<NewtonFailure> for NewtonError {
+    fn from(why: NewtonFailure) -> Self {
         NewtonError { why, history: vec![], u: vec![], worst: None, notes: vec![] }
     }
 }
 
-impl From<AssemblyError> for NewtonError<AssemblyError> {
+impl From<AssemblyError> for NewtonError {
     fn from(error: AssemblyError) -> Self {
         NewtonFailure::Assembly(error).into()
     }
 }
 
-impl From<SolverError> for NewtonError<AssemblyError> {
+impl From<SolverError> for NewtonError {
     fn from(error: SolverError) -> Self {
         NewtonFailure::LinearSolver(error).into()
     }
@@ -262,7 +262,7 @@ const PRINTED: usize = 6;
 const SHOWN_FIELDS: usize = 6;
 
 // It is what `main` prints of an error that it returns: lines for a reader, not every unknown and every field.
-impl<E: std::error::Error> fmt::Debug for NewtonError<E> {
+impl fmt::Debug for NewtonError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{self}")?;
         let earlier = self.history.len().saturating_sub(PRINTED);

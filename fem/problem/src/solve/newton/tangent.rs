@@ -1,10 +1,8 @@
-//! Tangents as a problem lends them: the whole, or the nonlinear part alone.
+//! Tangent as a problem lends it, and products with it.
 
 use std::borrow::Cow;
 use std::ops::Range;
 
-#[cfg(doc)]
-use super::NonlinearProblem;
 use crate::linear_algebra::equations::Equations;
 use crate::linear_algebra::{BlockMatrix, CsrMatrix};
 
@@ -16,17 +14,6 @@ pub struct Tangent<'a> {
     /// Places among the matrix's values, as ascending ranges of whole blocks, outside those it is equal to the
     /// problem's linear part; none where the problem does not know them.
     pub changed: Option<&'a [Range<usize>]>,
-}
-
-/// The tangent of the nonlinear part alone, lent by the problem that keeps it.
-#[derive(Clone, Copy, Debug)]
-pub struct NonlinearTangent<'a> {
-    /// All rows and columns.
-    pub matrix: &'a BlockMatrix,
-    /// The rows with entries, ascending.
-    pub rows: &'a [usize],
-    /// The unknowns that the nonlinear part reads at any iterate, ascending.
-    pub reads: &'a [usize],
 }
 
 impl Tangent<'_> {

@@ -8,10 +8,12 @@ use std::time::Instant;
 use super::Problem;
 use crate::assemble::{AssemblyError, Outline, Parts, Terms};
 use crate::history::commits;
-use crate::linear_algebra::BlockMatrix;
 use crate::solve::communicator::{agreed, all_active, summed};
 use crate::solve::linear_and_nonlinear::Nonlinear;
-use crate::solve::{ActivePoints, FieldUnknowns, NonlinearProblem, NonlinearTangent, Products, Tangent};
+use crate::solve::{
+    ActivePoints, FieldUnknowns, LinearPart, NonlinearProblem, NonlinearTangent, PartlyLinear, Products,
+    Tangent,
+};
 use crate::space::Space;
 
 impl<const D: usize, const N: usize> Problem<'_, D, N> {
@@ -53,8 +55,6 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
 }
 
 impl<const D: usize, const N: usize> NonlinearProblem for Problem<'_, D, N> {
-    type Error = AssemblyError;
-
     fn residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
         let own = self.own_residual(u);
         summed(self.communicator, self.system.form.name(), own)
@@ -68,51 +68,6 @@ impl<const D: usize, const N: usize> NonlinearProblem for Problem<'_, D, N> {
         let (_, assembled) = self.ready()?;
         let changed = assembled.changed().filter(|_| alone);
         Ok(Tangent { matrix: Cow::Borrowed(assembled.matrix()), changed })
-    }
-
-    fn linear_part(&mut self) -> Result<Option<&BlockMatrix>, AssemblyError> {
-        if self.communicator.is_some() {
-            return Ok(None);
-        }
-        if self.system.slides() {
-            let start = Instant::now();
-            let commits = commits(self.system.form.inputs());
-            if self.split.as_ref().is_none_or(|known| known.commits != commits) {
-                self.split = self.system.assemble_parts(commits)?;
-            }
-            self.seconds += start.elapsed().as_secs_f64();
-            return Ok(self.split.as_ref().map(|split| &split.linear));
-        }
-        Ok(self.ready()?.1.linear_part())
-    }
-
-    fn has_symmetric_linear_part(&self) -> bool {
-        Outline::of(&self.system.form, Parts::LINEAR_AND_CONSTANT).is_symmetric()
-    }
-
-    fn nonlinear_tangent(&mut self, u: &[f64]) -> Result<Option<NonlinearTangent<'_>>, AssemblyError> {
-        let Some(split) = &mut self.split else { return Ok(None) };
-        let start = Instant::now();
-        let Nonlinear { matrix, rows, reads, .. } = self.system.nonlinear_tangent(split, u)?;
-        self.seconds += start.elapsed().as_secs_f64();
-        Ok(Some(NonlinearTangent { matrix, rows, reads }))
-    }
-
-    fn nonlinear_residual(&mut self, u: &[f64]) -> Result<Option<Vec<f64>>, AssemblyError> {
-        if self.communicator.is_some() || (self.system.slides() && self.split.is_none()) {
-            return Ok(None);
-        }
-        if self.system.slides() {
-            let start = Instant::now();
-            let residual = self.system.nonlinear_residual(u);
-            self.seconds += start.elapsed().as_secs_f64();
-            return residual.map(Some);
-        }
-        let (system, _) = self.ready()?;
-        let start = Instant::now();
-        let residual = system.nonlinear_residual(u);
-        self.seconds += start.elapsed().as_secs_f64();
-        residual.map(Some)
     }
 
     fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {
@@ -156,12 +111,46 @@ impl<const D: usize, const N: usize> NonlinearProblem for Problem<'_, D, N> {
         Ok(Products { sums, sizes: summed(self.communicator, form, Ok(sizes))? })
     }
 
-    fn summed_up(&mut self, own: Vec<f64>) -> Result<Vec<f64>, AssemblyError> {
-        summed(self.communicator, self.system.form.name(), Ok(own))
-    }
-
     fn sizes_of_terms(&mut self, u: &[f64], terms: Terms) -> Result<Option<Vec<f64>>, AssemblyError> {
         let own = self.system.sizes_of_contributions(u, terms);
         summed(self.communicator, self.system.form.name(), own).map(Some)
+    }
+
+    fn partly_linear(&mut self) -> Option<&mut dyn PartlyLinear> {
+        Some(self)
+    }
+}
+
+impl<const D: usize, const N: usize> PartlyLinear for UntypedProblem<'_, D, N> {
+    fn linear_part(&mut self) -> Result<Option<LinearPart<'_>>, AssemblyError> {
+        if self.communicator.is_some() {
+            return Ok(None);
+        }
+        let is_symmetric = self.system.form.outline(Parts::LINEAR_AND_CONSTANT).is_symmetric();
+        if self.system.slides() {
+            let start = Instant::now();
+            let commits = commits(self.system.form.inputs());
+            if self.split.as_ref().is_none_or(|known| known.commits != commits) {
+                self.split = self.system.assemble_parts(commits)?;
+            }
+            self.seconds += start.elapsed().as_secs_f64();
+            return Ok(self.split.as_ref().map(|split| LinearPart { matrix: &split.linear, is_symmetric }));
+        }
+        Ok(self.ready()?.1.linear_part().map(|matrix| LinearPart { matrix, is_symmetric }))
+    }
+
+    fn nonlinear_tangent(&mut self, u: &[f64]) -> Result<Option<NonlinearTangent<'_>>, AssemblyError> {
+        let Some(split) = &mut self.split else { return Ok(None) };
+        let start = Instant::now();
+        let Nonlinear { matrix, rows, reads, .. } = self.system.nonlinear_tangent(split, u)?;
+        self.seconds += start.elapsed().as_secs_f64();
+        Ok(Some(NonlinearTangent { matrix, rows, reads }))
+    }
+
+    fn nonlinear_residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
+        let start = Instant::now();
+        let residual = self.system.nonlinear_residual(u);
+        self.seconds += start.elapsed().as_secs_f64();
+        residual
     }
 }

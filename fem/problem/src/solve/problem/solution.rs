@@ -3,7 +3,6 @@
 use std::time::Instant;
 
 use super::{Problem, SolveError};
-use super::form_equations::{FormEquations, newton_for_form};
 use crate::assemble::AssemblyError;
 use crate::compiled_here::compiled_here;
 use crate::constraints::Constraints;
@@ -13,7 +12,7 @@ use crate::linear_algebra::{BlockMatrix, Restriction};
 use crate::solve::communicator::agreed;
 use crate::solve::linear_part::{Assembled, System};
 use crate::solve::{
-    Elimination, LinearSolver, NewtonFailure, NewtonStep, Solved, Start, TangentSolver,
+    Elimination, LinearSolver, NewtonFailure, NewtonStep, Solved, Start, TangentSolver, newton_eliminating,
 };
 
 /// Memory that one step of a history leaves to the next, and the map from its matrix to the reduced one: nothing that a result depends on.
@@ -125,7 +124,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
             None => &mut ignored,
         };
         let start = Start { u, guess };
-        let found = newton_for_form(&mut FormEquations(self), elimination, start, solver, &options, told);
+        let found = newton_eliminating(self, elimination, start, solver, &options, told);
         self.progress = progress;
         let found = found.map_err(|mut error| {
             if let NewtonFailure::LinearSolver(source) = error.why {

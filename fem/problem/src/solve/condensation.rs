@@ -1,0 +1,127 @@
+//! Newton's method where the nonlinearity touches few unknowns: K is factored once, and most iterates are computed on these
+//! unknowns ([`FewUnknowns`]), which is a small nonlinear problem of its own. Iterates on all free unknowns end it.
+
+mod changes;
+mod few_unknowns;
+
+use std::sync::Arc;
+
+use self::changes::{changed_entries, nonlinear_changes};
+use self::few_unknowns::FewUnknowns;
+use super::newton::equations::{Change, Equations, Verdict, iterate};
+use super::newton::free_equations::{FreeEquations, checked_tangent};
+use super::newton::{LineSearch, NewtonFailure};
+use crate::linear_algebra::CsrMatrix;
+
+/// Iterates from the start to the solution. Without a solver that condenses, all iterates are on all free unknowns.
+///
+/// # Errors
+/// [`NewtonFailure`].
+pub(super) fn solve(free: &mut FreeEquations<'_>, guess: Option<Vec<f64>>) -> Result<(), NewtonFailure> {
+    let given = free.impose()?;
+    // A problem that can be taken apart computes its residuals by parts from here on.
+    let linear_part = share_linear_part(free)?;
+    free.enter_start(&given)?;
+    match linear_part {
+        Some(linear_part) => WithLinearPart { free, linear_part }.solve(guess),
+        None => iterate(free),
+    }
+}
+
+/// Gives a condensing solver the part that all tangents share, reduced; none where there is no such solver or part.
+fn share_linear_part(free: &mut FreeEquations<'_>) -> Result<Option<Arc<CsrMatrix>>, NewtonFailure> {
+    let FreeEquations { problem, elimination, solver, .. } = free;
+    let Some(solver) = solver.as_condensed() else { return Ok(None) };
+    // With related unknowns the reduced matrix is no submatrix, and is made again for each tangent.
+    if !elimination.only_prescribes() {
+        return Ok(None);
+    }
+    let Some(problem) = problem.partly_linear() else { return Ok(None) };
+    let Some(part) = problem.linear_part()? else { return Ok(None) };
+    let reduced = Arc::new(elimination.reduce_matrix(part.matrix)?);
+    // Its rows and columns are the same ones of the whole, which is compared block by block.
+    match part.is_symmetric || part.matrix.equals_transposed() {
+        true => solver.set_symmetric_linear_part(&reduced)?,
+        false => solver.set_linear_part(&reduced)?,
+    }
+    Ok(Some(reduced))
+}
+
+/// Equations on the free unknowns whose tangents share a linear part K. A condensing solver knows it.
+struct WithLinearPart<'f, 'a> {
+    free: &'f mut FreeEquations<'a>,
+    /// K, reduced.
+    linear_part: Arc<CsrMatrix>,
+}
+
+impl WithLinearPart<'_, '_> {
+    /// Iterates from the first iterate to the solution.
+    fn solve(mut self, guess: Option<Vec<f64>>) -> Result<(), NewtonFailure> {
+        if let Verdict::GoOn = self.judge()? {
+            self.iterate_on_few(guess)?;
+        }
+        iterate(&mut self)
+    }
+
+    /// Iterates on the unknowns that the nonlinearity touches, as far as that goes, and completes the last iterate.
+    fn iterate_on_few(&mut self, guess: Option<Vec<f64>>) -> Result<(), NewtonFailure> {
+        let FreeEquations { problem, elimination, solver, iterates, residuals, .. } = &mut *self.free;
+        let (Some(problem), Some(solver)) = (problem.partly_linear(), solver.as_condensed()) else {
+            return Ok(());
+        };
+        // Where positions follow the iterate, a guess tells nothing of them.
+        let follows = problem.nonlinear_tangent(&iterates.u)?.is_some();
+        if let Some(guess) = guess.filter(|_| !follows) {
+            let entries = changed_entries(problem, elimination, &guess)?;
+            solver.expect_changed(&self.linear_part, &entries)?;
+        }
+        if iterates.options.line_search != LineSearch::Off || !solver.condenses() {
+            return Ok(());
+        }
+        let mut few =
+            FewUnknowns::new(problem, elimination, solver, (&self.linear_part, &residuals.full), iterates)?;
+        iterate(&mut few)?;
+        few.complete()?;
+        if self.free.iterates.history.len() > 1 {
+            self.free.residuals = self.free.residuals_at_last()?;
+            let FreeEquations { elimination, iterates, residuals, .. } = &mut *self.free;
+            iterates.replace_last_residual(elimination, &residuals.reduced);
+        }
+        Ok(())
+    }
+
+    /// Gives the tangent at the last iterate to the solver: what differs from the linear part, or the whole.
+    fn set_tangent(&mut self) -> Result<(), NewtonFailure> {
+        let FreeEquations { problem, elimination, solver, iterates, .. } = &mut *self.free;
+        if let (Some(problem), Some(solver)) = (problem.partly_linear(), solver.as_condensed())
+            && solver.condenses()
+            && iterates.options.line_search != LineSearch::OnPotential
+            && let Some(changes) = nonlinear_changes(problem, elimination, &iterates.u)?
+        {
+            return Ok(solver.set_added(&self.linear_part, changes.additions, &changes.near)?);
+        }
+        let tangent = checked_tangent(*problem, elimination, iterates)?;
+        if let (Some(changed), Some(solver)) = (tangent.changed, solver.as_condensed()) {
+            let entries = elimination.reduce_places(&tangent.matrix, changed)?;
+            return Ok(solver.set_changed(&self.linear_part, &entries)?);
+        }
+        let reduced = elimination.reduce_matrix(&tangent.matrix)?;
+        drop(tangent);
+        Ok(solver.set_matrix(reduced)?)
+    }
+}
+
+impl Equations for WithLinearPart<'_, '_> {
+    fn judge(&mut self) -> Result<Verdict, NewtonFailure> {
+        self.free.judge()
+    }
+
+    fn newton_change(&mut self) -> Result<Change, NewtonFailure> {
+        self.set_tangent()?;
+        self.free.change_by_solver()
+    }
+
+    fn take(&mut self, change: Change) -> Result<(), NewtonFailure> {
+        self.free.take(change)
+    }
+}

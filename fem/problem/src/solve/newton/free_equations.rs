@@ -1,0 +1,168 @@
+//! Equations on all free unknowns: residual Cᵀ R, tangent Cᵀ K C, and steps that a line search may shorten.
+
+use super::equations::{Change, Equations, Origin, Verdict};
+use super::judgement::{LastChange, Refinement};
+use super::line_search::{Forced, Taken, check_potential};
+use super::{Iterates, LineSearch, NewtonFailure, NonlinearProblem, Norms, Step, Tangent, WorstEquation};
+use crate::linear_algebra::vector::{add_scaled, norm};
+use crate::solve::elimination::Elimination;
+use crate::solve::linear_solver::LinearSolver;
+
+/// The residual on all unknowns, and on the free ones.
+#[derive(Default)]
+pub(in crate::solve) struct Residuals {
+    pub full: Vec<f64>,
+    pub reduced: Vec<f64>,
+}
+
+impl Residuals {
+    pub fn at(
+        problem: &mut dyn NonlinearProblem,
+        elimination: &Elimination,
+        u: &[f64],
+    ) -> Result<Self, NewtonFailure> {
+        let full = problem.residual(u)?;
+        let reduced = elimination.reduce(&full)?;
+        Ok(Residuals { full, reduced })
+    }
+}
+
+/// The tangent at the last iterate, which a line search on the potential wants to be symmetric.
+pub(in crate::solve) fn checked_tangent<'p>(
+    problem: &'p mut dyn NonlinearProblem,
+    elimination: &mut Elimination,
+    iterates: &Iterates<'_>,
+) -> Result<Tangent<'p>, NewtonFailure> {
+    let tangent = problem.tangent(&iterates.u)?;
+    if iterates.options.line_search == LineSearch::OnPotential {
+        check_potential(elimination, &tangent.matrix)?;
+    }
+    Ok(tangent)
+}
+
+/// A nonlinear problem on its free unknowns, with the solver of its linear systems and the state of the iteration.
+pub(in crate::solve) struct FreeEquations<'a> {
+    pub problem: &'a mut dyn NonlinearProblem,
+    pub elimination: Elimination,
+    pub solver: &'a mut dyn LinearSolver,
+    pub iterates: Iterates<'a>,
+    /// At the last iterate.
+    pub residuals: Residuals,
+    /// The last change of all unknowns, where it is known.
+    pub(super) last_change: Option<LastChange>,
+    pub(super) refinement: Refinement,
+    /// The equation that is off by the most of its terms, where one was.
+    pub(super) worst: Option<WorstEquation>,
+    pub(super) forced: Option<Forced>,
+}
+
+impl<'a> FreeEquations<'a> {
+    /// Equations without an iterate yet, but the start.
+    pub(super) fn new(
+        problem: &'a mut dyn NonlinearProblem,
+        elimination: Elimination,
+        solver: &'a mut dyn LinearSolver,
+        iterates: Iterates<'a>,
+    ) -> Self {
+        FreeEquations {
+            problem,
+            elimination,
+            solver,
+            iterates,
+            residuals: Residuals::default(),
+            last_change: None,
+            refinement: Refinement::default(),
+            worst: None,
+            forced: None,
+        }
+    }
+
+    /// The iterates, R on all unknowns at the last one, and the equation that held worst.
+    pub(super) fn into_parts(self) -> (Iterates<'a>, Vec<f64>, Option<WorstEquation>) {
+        (self.iterates, self.residuals.full, self.worst)
+    }
+
+    /// Imposes the prescribed values on the start, and returns it as it was given.
+    pub fn impose(&mut self) -> Result<Vec<f64>, NewtonFailure> {
+        let given = self.iterates.u.clone();
+        self.elimination.impose(&mut self.iterates.u)?;
+        Ok(given)
+    }
+
+    /// Enters the first iterate, with the prescribed values imposed on it as it was given.
+    pub fn enter_start(&mut self, given: &[f64]) -> Result<(), NewtonFailure> {
+        self.residuals = self.residuals_at_last()?;
+        if !norm(&self.residuals.reduced).is_finite()
+            && let Some(found) = self.impose_by_tangent(given)?
+        {
+            self.residuals = found;
+        }
+        self.enter(Step::default(), None)
+    }
+
+    /// The residual at the last iterate.
+    pub fn residuals_at_last(&mut self) -> Result<Residuals, NewtonFailure> {
+        Residuals::at(self.problem, &self.elimination, &self.iterates.u)
+    }
+
+    /// Enters the current iterate into the history, with its residual and the norms of the whole step that led to it.
+    fn enter(&mut self, step: Step, lengths: Option<Vec<f64>>) -> Result<(), NewtonFailure> {
+        let active = self.problem.active_points(&self.iterates.u)?;
+        let reduced = &self.residuals.reduced;
+        let norms = Norms { step: lengths, ..self.iterates.norms_at(&self.elimination, reduced) };
+        self.iterates.record(norm(reduced), norms, active, step);
+        Ok(())
+    }
+
+    /// −K⁻¹R with the tangent that the solver has.
+    pub fn change_by_solver(&mut self) -> Result<Change, NewtonFailure> {
+        let load: Vec<f64> = self.residuals.reduced.iter().map(|value| -value).collect();
+        let found = self.solver.solve(&load, self.iterates.linear_target())?;
+        let values = self.elimination.extend_by_zero(&found.solution)?;
+        let condensed_unknowns = self.solver.as_condensed().and_then(|solver| solver.condensed_unknowns());
+        Ok(Change {
+            values,
+            origin: Origin::Tangent { linear_iterations: found.iterations, condensed_unknowns },
+        })
+    }
+}
+
+impl Equations for FreeEquations<'_> {
+    fn judge(&mut self) -> Result<Verdict, NewtonFailure> {
+        self.judge_last()
+    }
+
+    fn newton_change(&mut self) -> Result<Change, NewtonFailure> {
+        let tangent = checked_tangent(self.problem, &mut self.elimination, &self.iterates)?;
+        let reduced = self.elimination.reduce_matrix(&tangent.matrix)?;
+        drop(tangent);
+        self.solver.set_matrix(reduced)?;
+        self.change_by_solver()
+    }
+
+    fn take(&mut self, change: Change) -> Result<(), NewtonFailure> {
+        let Change { mut values, origin } = change;
+        let (Taken { part, residuals }, linear_iterations, condensed_unknowns) = match origin {
+            Origin::Tangent { linear_iterations, condensed_unknowns } => {
+                (self.part_of_step(&values)?, linear_iterations, condensed_unknowns)
+            }
+            Origin::Judgement => (Taken::whole(), 0, None),
+        };
+        add_scaled(&mut self.iterates.u, part, &values);
+        self.residuals = match residuals {
+            Some(found) => found,
+            None => self.residuals_at_last()?,
+        };
+        let reduced: Vec<f64> = self.elimination.free().iter().map(|unknown| values[*unknown]).collect();
+        let step = Step {
+            length: Some(part * norm(&reduced)),
+            damping: Some(part),
+            linear_iterations: Some(linear_iterations),
+            condensed_unknowns,
+        };
+        let lengths = self.iterates.fields.norms(&reduced);
+        values.iter_mut().for_each(|value| *value *= part);
+        self.last_change = Some(LastChange { values, origin });
+        self.enter(step, Some(lengths))
+    }
+}

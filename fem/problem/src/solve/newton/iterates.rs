@@ -1,0 +1,91 @@
+//! Iterates of Newton's method so far: what is reported of them, and what tells progress from a standstill.
+
+use super::convergence::{Fields, Norms, mark};
+use super::{ActivePoints, NewtonOptions, NewtonStep};
+use crate::linear_algebra::vector::norm;
+use crate::solve::elimination::Elimination;
+
+/// Linear systems are solved to this part of Newton's own target for the field with the smallest one, and of the residual
+/// itself, so that the converged residual is at rounding level and not just below the target.
+const LINEAR_ACCURACY: f64 = 1e-4;
+
+/// The last iterate, and the history up to it.
+pub(in crate::solve) struct Iterates<'a> {
+    /// The last iterate, all unknowns.
+    pub u: Vec<f64>,
+    pub fields: Fields,
+    pub history: Vec<NewtonStep>,
+    /// Of each iterate, field by field.
+    pub(super) norms: Vec<Norms>,
+    pub(super) active: Vec<Option<ActivePoints>>,
+    pub options: &'a NewtonOptions,
+    progress: &'a mut dyn FnMut(&NewtonStep),
+}
+
+/// Length and kind of the step to an iterate.
+#[derive(Clone, Copy, Default)]
+pub(in crate::solve) struct Step {
+    pub length: Option<f64>,
+    pub damping: Option<f64>,
+    pub linear_iterations: Option<usize>,
+    pub condensed_unknowns: Option<usize>,
+}
+
+impl<'a> Iterates<'a> {
+    /// No iterate yet, but the start.
+    pub fn new(
+        u: Vec<f64>,
+        fields: Fields,
+        options: &'a NewtonOptions,
+        progress: &'a mut dyn FnMut(&NewtonStep),
+    ) -> Self {
+        Iterates { u, fields, history: vec![], norms: vec![], active: vec![], options, progress }
+    }
+
+    /// Norms at the last iterate, without those of a step.
+    pub fn norms_at(&self, elimination: &Elimination, reduced_residual: &[f64]) -> Norms {
+        let free: Vec<f64> = elimination.free().iter().map(|unknown| self.u[*unknown]).collect();
+        let (residual, u) = (self.fields.norms(reduced_residual), self.fields.norms(&free));
+        Norms { residual, u, step: None, mark: mark(&free) }
+    }
+
+    /// The residual to which a linear system is to be solved.
+    pub fn linear_target(&self) -> f64 {
+        let smallest = self.targets().fold(f64::INFINITY, f64::min).max(self.options.absolute_tolerance);
+        LINEAR_ACCURACY * self.history.last().map_or(smallest, |last| smallest.min(last.residual))
+    }
+
+    /// Enters an iterate into the history.
+    pub fn record(&mut self, residual: f64, norms: Norms, active: Option<ActivePoints>, step: Step) {
+        let first = self.history.first().map_or(residual, |start| start.residual);
+        let before = self.active.last().copied().flatten();
+        self.active.push(active);
+        let step = NewtonStep {
+            iteration: self.history.len(),
+            residual,
+            relative_residual: if residual == 0.0 { 0.0 } else { residual / first },
+            field_residuals: norms.residual.clone(),
+            active_points: active.map(|set| set.count),
+            active_set_changed: active.zip(before).map(|(now, before)| now != before),
+            step: step.length,
+            damping: step.damping,
+            linear_iterations: step.linear_iterations,
+            condensed_unknowns: step.condensed_unknowns,
+        };
+        self.norms.push(norms);
+        (self.progress)(&step);
+        self.history.push(step);
+    }
+
+    /// Replaces the residual of the last iterate, of which only a part was known.
+    pub fn replace_last_residual(&mut self, elimination: &Elimination, reduced: &[f64]) {
+        let first = self.history.first().map_or(0.0, |start| start.residual);
+        let (residual, found) = (norm(reduced), self.norms_at(elimination, reduced));
+        if let (Some(last), Some(norms)) = (self.history.last_mut(), self.norms.last_mut()) {
+            last.residual = residual;
+            last.relative_residual = if residual == 0.0 { 0.0 } else { residual / first };
+            last.field_residuals.clone_from(&found.residual);
+            *norms = Norms { step: norms.step.take(), ..found };
+        }
+    }
+}

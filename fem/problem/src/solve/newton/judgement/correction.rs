@@ -1,0 +1,99 @@
+//! Correction that is still to be expected, −K⁻¹R with the last tangent, next to the variation of the solution.
+
+use super::{LastChange, UNIFORM, UNKNOWN_ROUNDING, ZERO_COMPONENT};
+use crate::assemble::{AssemblyError, Terms};
+use crate::linear_algebra::vector::norm;
+use crate::solve::newton::convergence::Component;
+use crate::solve::newton::{FreeEquations, NewtonFailure, NonlinearProblem};
+
+/// A correction may be this much larger, as a part of u, than a residual as a part of its terms: a fine mesh has directions that
+/// are thousands of times softer than others.
+const SOFTNESS: f64 = 100.0;
+
+/// A step of this part of a component leaves the tangent about as it is.
+const SHORT_STEP: f64 = 1e-3;
+
+/// A component below this part of its field counts as zero.
+const ZERO_PART: f64 = 1e-10;
+
+impl FreeEquations<'_> {
+    /// Whether the last tangent is far from the one at the last iterate: a switch changed, or the step was long.
+    pub(super) fn tangent_is_old(&self) -> bool {
+        let changed = self.iterates.history.last().is_some_and(|last| last.active_set_changed == Some(true));
+        let Some(LastChange { values: step, .. }) = &self.last_change else { return true };
+        let long = |component: &Component| {
+            component.largest(step) > SHORT_STEP * component.largest(&self.iterates.u)
+        };
+        changed || self.iterates.fields.components.iter().any(long)
+    }
+
+    /// −K⁻¹R with the last tangent, on all unknowns; none where it cannot be computed.
+    pub(super) fn correction(&mut self) -> Result<Option<Vec<f64>>, NewtonFailure> {
+        let residual = &self.residuals.reduced;
+        let load: Vec<f64> = residual.iter().map(|value| -value).collect();
+        let Ok(found) = self.solver.solve(&load, 1e-2 * norm(residual)) else { return Ok(None) };
+        if !norm(&found.solution).is_finite() {
+            return Ok(None);
+        }
+        Ok(Some(self.elimination.extend_by_zero(&found.solution)?))
+    }
+
+    /// The components in which the correction is not small, with its size as a part of what is allowed.
+    pub(super) fn unsettled(
+        &mut self,
+        correction: &[f64],
+        forces: &[f64],
+    ) -> Result<Vec<(Component, f64)>, NewtonFailure> {
+        let tolerance = SOFTNESS * self.iterates.options.relative_tolerance;
+        let mut unsettled = Vec::new();
+        for component in &self.iterates.fields.components {
+            let (change, most) = (component.largest(correction), component.largest(&self.iterates.u));
+            let range = component.range(&self.iterates.u);
+            // A component may be zero, and its corrections the rounding of others.
+            let in_field = component.largest_in_field(&self.iterates.u);
+            let part = if most <= ZERO_PART * in_field { ZERO_COMPONENT } else { UNKNOWN_ROUNDING };
+            let rounding = part * in_field;
+            let mut allowed = (tolerance * range).max(rounding);
+            if change > allowed && range <= UNIFORM * most {
+                let resisted = resistance(self.problem, &self.iterates.u, component)?;
+                allowed = allowed.max(tolerance * resisted * most);
+            }
+            if change > allowed {
+                let size = change / allowed.max(f64::MIN_POSITIVE);
+                unsettled.push((component.clone(), size));
+            }
+        }
+        if unsettled.is_empty() {
+            return Ok(unsettled);
+        }
+        // Forces of these corrections may be rounding in all rows.
+        let mut rest = vec![0.0; correction.len()];
+        for unknown in unsettled.iter().flat_map(|(component, _)| component.unknowns()) {
+            rest[unknown] = correction[unknown].abs();
+        }
+        let made = self.problem.products(&self.iterates.u, &rest)?.sizes;
+        let negligible = |terms: &[f64]| {
+            let rows = made.iter().zip(forces).zip(terms);
+            rows.into_iter().all(|((made, force), term)| *made <= UNKNOWN_ROUNDING * (force + term))
+        };
+        let terms = self.problem.sizes_of_terms(&self.iterates.u, Terms::OfRows)?;
+        Ok(if negligible(terms.as_deref().unwrap_or(forces)) { vec![] } else { unsettled })
+    }
+}
+
+/// The part, from 0 to 1, of a uniform value of a component that every row resists: 0 for a stress, 1 for a mass. Where all
+/// rows do, the value itself is a scale, and not its variation only.
+fn resistance(
+    problem: &mut dyn NonlinearProblem,
+    u: &[f64],
+    component: &Component,
+) -> Result<f64, AssemblyError> {
+    let mut uniform = vec![0.0; u.len()];
+    component.unknowns().for_each(|unknown| uniform[unknown] = 1.0);
+    let found = problem.products(u, &uniform)?;
+    let part = |unknown: usize| match found.sizes[unknown] {
+        0.0 => 1.0,
+        size => found.sums[unknown].abs() / size,
+    };
+    Ok(component.unknowns().map(part).fold(1.0, f64::min))
+}

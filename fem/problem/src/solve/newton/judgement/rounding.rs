@@ -1,0 +1,68 @@
+//! Corrections that do not become shorter: rounding of the solution, or more than that.
+
+use super::{LARGEST_ROUNDING, ROW_ROUNDING, UNIFORM, UNKNOWN_ROUNDING, ZERO_COMPONENT};
+use crate::assemble::Terms;
+use crate::solve::newton::convergence::Component;
+use crate::solve::newton::{FreeEquations, NewtonFailure};
+
+/// Corrections of an unknown that is zero, where residuals stay, as a part of its field.
+const LOCAL_ROUNDING: f64 = 1e-13;
+
+impl FreeEquations<'_> {
+    /// Whether a correction is small next to the unknowns around each one, wherever they are: then residuals are rounding that
+    /// the sizes of their terms do not show, as that of a stress computed from 1 + ∇u.
+    pub(super) fn is_small_everywhere(&mut self, correction: &[f64]) -> Result<bool, NewtonFailure> {
+        for component in &self.iterates.fields.components {
+            let (change, range) = (component.largest(correction), component.range(&self.iterates.u));
+            let in_field = component.largest_in_field(&self.iterates.u);
+            // A pressure may be the same everywhere.
+            let uniform = range <= UNIFORM * in_field && change <= ZERO_COMPONENT * in_field;
+            if !uniform && change > UNKNOWN_ROUNDING * in_field && change > LARGEST_ROUNDING * range {
+                return Ok(false);
+            }
+            let rounding = LOCAL_ROUNDING * in_field;
+            let (mut own, mut uniform) = (vec![0.0; self.iterates.u.len()], vec![0.0; self.iterates.u.len()]);
+            for unknown in component.unknowns() {
+                (own[unknown], uniform[unknown]) = (self.iterates.u[unknown].abs(), 1.0);
+            }
+            // Mean values of |u| around an unknown, with the amounts of its row for weights.
+            let sums = self.problem.products(&self.iterates.u, &own)?.sizes;
+            let weights = self.problem.products(&self.iterates.u, &uniform)?.sizes;
+            let small = |unknown: usize| {
+                let change = correction[unknown].abs();
+                change * weights[unknown] <= LARGEST_ROUNDING * sums[unknown] || change <= rounding
+            };
+            if !component.unknowns().all(small) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// None if corrections that do not become shorter are rounding of the solution; otherwise their part of it.
+    pub(super) fn judge_rounding(
+        &mut self,
+        unsettled: &[(Component, f64)],
+        correction: &[f64],
+    ) -> Result<Option<f64>, NewtonFailure> {
+        let mut rest = vec![0.0; correction.len()];
+        let mut part = None;
+        for (component, _) in unsettled {
+            let (change, most) = (component.largest(correction), component.largest(&self.iterates.u));
+            let in_field = component.largest_in_field(&self.iterates.u);
+            if change > LARGEST_ROUNDING * most && change > ZERO_COMPONENT * in_field {
+                part = Some(change / most.max(f64::MIN_POSITIVE));
+                component.unknowns().for_each(|unknown| rest[unknown] = correction[unknown].abs());
+            }
+        }
+        if part.is_none() {
+            return Ok(None);
+        }
+        // A solution that is zero, under forces that balance, has no other scale than these forces.
+        let made = self.problem.products(&self.iterates.u, &rest)?.sizes;
+        let terms = self.problem.sizes_of_terms(&self.iterates.u, Terms::OfCellsByComponent)?;
+        let Some(terms) = terms else { return Ok(part) };
+        let negligible = made.iter().zip(&terms).all(|(made, term)| *made <= ROW_ROUNDING * term);
+        Ok(part.filter(|_| !negligible))
+    }
+}

@@ -1,0 +1,70 @@
+//! Rows of an iterate: each equation next to the terms that it is made of.
+
+use super::ROW_ROUNDING;
+use crate::assemble::Terms;
+use crate::solve::newton::{FreeEquations, NewtonFailure, WorstEquation};
+
+/// Rounding of what is summed at the quadrature points of a cell, as a part of the largest entry of its vector.
+const CELL_ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Rounding of the unknowns that the last step leaves, as a part of its length: u + δ is rounded, and δ was.
+const STEP_ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// Rows of an iterate.
+pub(super) struct Rows {
+    pub hold: bool,
+    /// They hold only because the last step was long, whose rounding the unknowns have.
+    pub after_long_step: bool,
+    /// (|K| |u|)_i of all rows.
+    pub forces: Vec<f64>,
+}
+
+impl FreeEquations<'_> {
+    /// Judges the free rows. Sizes of terms are computed where rounding of (|K| |u|)_i does not suffice.
+    pub(super) fn judge_rows(&mut self) -> Result<Rows, NewtonFailure> {
+        let residual = &self.residuals.reduced;
+        let reduce = |full: &[f64]| self.elimination.reduce_amounts(full);
+        let amounts = self.iterates.u.iter().map(|u| u.abs()).collect::<Vec<_>>();
+        let forces = self.problem.products(&self.iterates.u, &amounts)?.sizes;
+        let mut allowed: Vec<f64> = reduce(&forces)?.iter().map(|force| ROW_ROUNDING * force).collect();
+        let holds = |allowed: &[f64]| residual.iter().zip(allowed).all(|(r, allowed)| r.abs() <= *allowed);
+        self.worst = None;
+        if holds(&allowed) {
+            return Ok(Rows { hold: true, after_long_step: false, forces });
+        }
+        let add = |allowed: &mut [f64], part: f64, sizes: &[f64]| {
+            allowed.iter_mut().zip(sizes).for_each(|(allowed, size)| *allowed += part * size);
+        };
+        let terms = self.problem.sizes_of_terms(&self.iterates.u, Terms::OfRows)?;
+        // A problem that does not know its terms has its forces.
+        let terms = reduce(terms.as_ref().unwrap_or(&forces))?;
+        add(&mut allowed, self.iterates.options.relative_tolerance, &terms);
+        if !holds(&allowed)
+            && let Some(cells) = self.problem.sizes_of_terms(&self.iterates.u, Terms::OfCells)?
+        {
+            add(&mut allowed, CELL_ROUNDING, &reduce(&cells)?);
+        }
+        let mut after_long_step = false;
+        if !holds(&allowed)
+            && let Some(step) = &self.last_change
+        {
+            after_long_step = true;
+            let moved: Vec<f64> = step.values.iter().map(|step| step.abs()).collect();
+            let moved = self.problem.products(&self.iterates.u, &moved)?.sizes;
+            add(&mut allowed, STEP_ROUNDING, &reduce(&moved)?);
+        }
+        let hold = holds(&allowed);
+        if !hold {
+            // The row that is off by the most of its terms.
+            let off = |place: usize| {
+                let scale = terms[place].max(allowed[place] / self.iterates.options.relative_tolerance);
+                if residual[place] == 0.0 { 0.0 } else { residual[place].abs() / scale }
+            };
+            let failing = (0..residual.len()).filter(|place| residual[*place].abs() > allowed[*place]);
+            let worst = failing.max_by(|a, b| off(*a).total_cmp(&off(*b)));
+            self.worst =
+                worst.map(|place| WorstEquation { unknown: self.elimination.free()[place], off: off(place) });
+        }
+        Ok(Rows { hold, after_long_step, forces })
+    }
+}
