@@ -121,12 +121,12 @@ impl<const D: usize, const N: usize> NonlinearProblem for Problem<'_, D, N> {
     }
 }
 
-impl<const D: usize, const N: usize> PartlyLinear for UntypedProblem<'_, D, N> {
+impl<const D: usize, const N: usize> PartlyLinear for Problem<'_, D, N> {
     fn linear_part(&mut self) -> Result<Option<LinearPart<'_>>, AssemblyError> {
         if self.communicator.is_some() {
             return Ok(None);
         }
-        let is_symmetric = self.system.form.outline(Parts::LINEAR_AND_CONSTANT).is_symmetric();
+        let is_symmetric = Outline::of(&self.system.form, Parts::LINEAR_AND_CONSTANT).is_symmetric();
         if self.system.slides() {
             let start = Instant::now();
             let commits = commits(self.system.form.inputs());
