@@ -3,8 +3,8 @@
 #[macro_use]
 mod operators;
 
-use toy_backend::contract::{Dim, Dimension};
 use operators::*;
+use toy_backend::contract::{Dim, Dimension};
 
 fn sum(terms: impl Iterator<Item = f64>) -> f64 {
     terms.sum()

@@ -1,9 +1,9 @@
 //! Branches that are not taken, of laws that read stresses and precede other factors: a plan of the tangent takes such
 //! factors apart, and what is no number in a branch must stay inside of it. On contact pairs, facets and cells.
 
-use toy_backend::contract::{Dim, Dimension, Entity, Form, Pairing};
 use forms_core::forms;
 use forms_core::real::Real;
+use toy_backend::contract::{Dim, Dimension, Entity, Form, Pairing};
 use toy_backend::lanes::Four;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
@@ -172,21 +172,18 @@ pub mod laws {
 }
 
 /// At u = 0 all points are open (p < 0): residual and tangent are zero, in one lane and in four.
-fn is_nothing<F: Form<D>, const D: usize>(name: &str, mesh: &Mesh<D>, form: &F)
+fn is_nothing<const D: usize>(name: &str, mesh: &Mesh<D>, form: &Form<D>)
 where
     Dim: Dimension<D>,
 {
     let mut random = Random(4);
     let nodes = mesh.nodes.len();
     let unknowns = [Nodal { components: D, values: vec![0.0; D * nodes] }, random.field(nodes, 1, 1.0, 0.5)];
-    for vector in
-        [residual::<f64, D>(mesh, form, &unknowns), residual::<Four, D>(mesh, form, &unknowns)]
-    {
+    for vector in [residual::<f64, D>(mesh, form, &unknowns), residual::<Four, D>(mesh, form, &unknowns)] {
         let wrong = vector.iter().filter(|entry| **entry != 0.0).count();
         assert_eq!(wrong, 0, "{name} in {D}D: {wrong} of {} entries of the residual", vector.len());
     }
-    for matrix in [tangent::<f64, D>(mesh, form, &unknowns), tangent::<Four, D>(mesh, form, &unknowns)]
-    {
+    for matrix in [tangent::<f64, D>(mesh, form, &unknowns), tangent::<Four, D>(mesh, form, &unknowns)] {
         let wrong = matrix.iter().filter(|row| row.iter().any(|entry| *entry != 0.0)).count();
         assert_eq!(wrong, 0, "{name} in {D}D: {wrong} of {} rows of the tangent", matrix.len());
     }

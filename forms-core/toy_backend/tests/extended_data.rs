@@ -1,9 +1,8 @@
 //! Data that extend another module's, and defaults: what forms read through a base is what they read from members of their
 //! own.
 
-use toy_backend::contract::*;
-use toy_backend::contract::{Dim, Dimension};
 use forms_core::{form, forms};
+use toy_backend::contract::*;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{Nodal, expression, functional, residual, tangent};
@@ -244,7 +243,7 @@ where
         1e-14,
     );
     let (mine, theirs) = (model.criterion(u.source()), other.criterion(u.source()));
-    close(&[functional(&mesh, &mine, &[])], &[functional(&mesh, &theirs, &[])], 1e-14);
+    close(&[functional(&mesh, &mine)], &[functional(&mesh, &theirs)], 1e-14);
 }
 
 #[test]
@@ -285,7 +284,7 @@ where
     let regions = typed_out::Regions::default().gamma_c("boundary");
     let sum = |mu: f64, gap: Given<f64, D>| {
         let model = typed_out::Model { data: whole(mu, gap), regions: regions.clone() };
-        functional(&mesh, &model.sum(u.source(), p.source()), &[])
+        functional(&mesh, &model.sum(u.source(), p.source()))
     };
     let model = loaded::Model {
         regions: loaded::Regions::default().gamma_c("boundary"),
@@ -293,11 +292,11 @@ where
     };
     let step = 1e-5;
     let by_mu = (sum(mu + step, Given::constant(gap)) - sum(mu - step, Given::constant(gap))) / (2.0 * step);
-    let found = functional(&mesh, &model.by_stiffness(u.source(), p.source()), &[]);
+    let found = functional(&mesh, &model.by_stiffness(u.source(), p.source()));
     close(&[found], &[by_mu], 1e-7);
     let by_gap = (sum(mu, Given::constant(gap + step)) - sum(mu, Given::constant(gap - step))) / (2.0 * step);
     let one = Nodal { values: change.values.iter().map(|_| 1.0).collect(), ..change };
-    let found = functional(&mesh, &model.by_gap(u.source(), p.source(), one.source()), &[]);
+    let found = functional(&mesh, &model.by_gap(u.source(), p.source(), one.source()));
     close(&[found], &[by_gap], 1e-7);
 }
 
@@ -367,8 +366,9 @@ fn a_form_without_a_module_imports_what_reads_a_base() {
             let sigma = 1.4 * eps(u) + 1.5 * div(u) * I;
             integral(facets("boundary"), pos_part(3 / h * (dot(u, n) - 0.05) - dot(sigma * n, n)))
         },
-        crate = toy_backend, matrix_free,
+        crate = toy_backend,
+        matrix_free,
     );
     let (mine, theirs) = (imported(u.source()), typed(u.source()));
-    close(&[functional(&mesh, &mine, &[])], &[functional(&mesh, &theirs, &[])], 1e-14);
+    close(&[functional(&mesh, &mine)], &[functional(&mesh, &theirs)], 1e-14);
 }

@@ -1,7 +1,7 @@
 //! Functions are inlined at each call: what is shared stays shared, whatever the depth of the calls.
 
-use toy_backend::contract::*;
 use forms_core::forms;
+use toy_backend::contract::*;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{expression, residual, tangent};

@@ -1,7 +1,7 @@
 //! `form!`: one expression, compiled like a module, against the module that says the same.
 
-use toy_backend::contract::*;
 use forms_core::{form, forms};
+use toy_backend::contract::*;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{expression, functional, residual, tangent};
@@ -70,11 +70,8 @@ fn a_form_with_data_regions_and_an_import_is_the_modules() {
         crate = toy_backend, matrix_free,
     );
     close(&residual::<f64, 2>(&mesh, &one, &u), &residual::<f64, 2>(&mesh, &theirs, &u));
-    close(
-        &tangent::<f64, 2>(&mesh, &one, &u).concat(),
-        &tangent::<f64, 2>(&mesh, &theirs, &u).concat(),
-    );
-    assert_eq!(Form::<2>::inputs(&one).regions.len(), 2);
+    close(&tangent::<f64, 2>(&mesh, &one, &u).concat(), &tangent::<f64, 2>(&mesh, &theirs, &u).concat());
+    assert_eq!(one.inputs().regions.len(), 2);
 }
 
 #[test]
@@ -99,14 +96,13 @@ fn energies_functionals_and_values() {
         f: Given<Scalar> = Given::function(|x: &[f64; 2]| x[0] - x[1]),
         crate = toy_backend, matrix_free,
     );
-    let theirs = functional(&mesh, &module::mean(&data(), &omega, u.source()), &[]);
-    assert!((functional(&mesh, &mean(u.source()), &[]) - theirs).abs() < 1e-14);
+    let theirs = functional(&mesh, &module::mean(&data(), &omega, u.source()));
+    assert!((functional(&mesh, &mean(u.source())) - theirs).abs() < 1e-14);
     // A closure may be called again, with another field.
     let twice: Vec<f64> = u.values.iter().map(|value| 2.0 * value).collect();
     let twice = toy_backend::Nodal { components: 1, values: twice };
-    assert!((functional(&mesh, &mean(twice.source()), &[]) - 2.0 * theirs).abs() < 1e-13);
-    let square =
-        form!(|s: Scalar| -> Scalar { s * s - offset }, offset: Given<Scalar> = -1, crate = toy_backend, matrix_free);
+    assert!((functional(&mesh, &mean(twice.source())) - 2.0 * theirs).abs() < 1e-13);
+    let square = form!(|s: Scalar| -> Scalar { s * s - offset }, offset: Given<Scalar> = -1, crate = toy_backend, matrix_free);
     let square = square(Source::<2>::Constant(vec![3.0]));
     assert_eq!(expression(&mesh, &square, (Entity::Cells, "all"))[0], [10.0]);
 }
@@ -120,9 +116,10 @@ fn the_same_region_twice_is_one_and_different_ones_are_two() {
             + integral(cells(name), dot(grad(u), grad(v)))
             - integral(cells(other), v)
             - integral(facets("boundary"), v),
-        crate = toy_backend, matrix_free,
+        crate = toy_backend,
+        matrix_free,
         dimension = 2,
     );
-    let regions: Vec<&str> = Form::<2>::inputs(&one).regions.iter().map(|region| region.symbol).collect();
+    let regions: Vec<&str> = one.inputs().regions.iter().map(|region| region.symbol).collect();
     assert_eq!(regions, ["CellsName", "CellsOther", "FacetsBoundary"]);
 }

@@ -1,9 +1,8 @@
 //! Imports: functions of one forms module in another give what the same text written there gives, whatever the order of
 //! the modules, the way of the import and the names in between.
 
-use toy_backend::contract::*;
-use toy_backend::contract::{Dim, Dimension};
 use forms_core::forms;
+use toy_backend::contract::*;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{expression, functional, residual, tangent};
@@ -307,10 +306,10 @@ fn names_that_are_keywords_travel() {
     let two = || Source::<2>::Constant(vec![2.0]);
     let value = |form: &dyn Fn() -> f64, expected: f64| assert!((form() / volume - expected).abs() < 1e-12);
     let data = keywords::Data::<2> { r#type: 3.0, r#as: 10.0 };
-    value(&|| functional(&mesh, &keywords::r#struct(&data, &r#loop::r#match::on("all"), two()), &[]), 7.0);
-    value(&|| functional(&mesh, &keywords::r#dyn(&data, &r#loop::r#match::on("all"), two()), &[]), 77.0);
+    value(&|| functional(&mesh, &keywords::r#struct(&data, &r#loop::r#match::on("all"), two())), 7.0);
+    value(&|| functional(&mesh, &keywords::r#dyn(&data, &r#loop::r#match::on("all"), two())), 77.0);
     let data = again::Data { base: data };
-    value(&|| functional(&mesh, &again::r#enum(&data, &r#loop::r#match::on("all"), two()), &[]), 77.0);
+    value(&|| functional(&mesh, &again::r#enum(&data, &r#loop::r#match::on("all"), two())), 77.0);
     let model = keywords::Model { data: data.base, regions: keywords::Regions::default().r#match("all") };
-    value(&|| functional(&mesh, &model.r#dyn(two()), &[]), 77.0);
+    value(&|| functional(&mesh, &model.r#dyn(two())), 77.0);
 }
