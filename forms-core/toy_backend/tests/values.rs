@@ -164,8 +164,7 @@ fn functionals_and_expressions_are_in_lists() {
 #[test]
 fn kernels_of_products_are_an_option() {
     let State { mesh, u, .. } = state();
-    let (without, with) =
-        (membrane::stored(&data(), &omega()), without_matrix::stored(&data(), &omega()));
+    let (without, with) = (membrane::stored(&data(), &omega()), without_matrix::stored(&data(), &omega()));
     assert!(without.action().is_empty());
     assert!(!without.has_integrals::<without_matrix::stored::Kernels>());
     let product = tangent::<f64, 2>(&mesh, &without, &u)
