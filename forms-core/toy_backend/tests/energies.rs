@@ -6,7 +6,7 @@ use toy_backend::mesh::{Mesh, determinant, inverse};
 use toy_backend::random::Random;
 use toy_backend::{Nodal, expression, residual, tangent};
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod hyperelastic {
     pub struct Data {
         lambda: Param,

@@ -8,7 +8,7 @@ use toy_backend::random::Random;
 use toy_backend::{Nodal, expression, functional, residual, tangent};
 
 /// Extends what extends another, before both.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod loaded {
     pub use super::library::contact::{GammaC, Omega, direct, pressure};
 
@@ -47,7 +47,7 @@ pub mod loaded {
 mod library {
     use forms_core::forms;
 
-    #[forms(crate = toy_backend, matrix_free)]
+    #[forms(crate = toy_backend)]
     pub mod contact {
         use crate::elasticity::stress;
 
@@ -76,7 +76,7 @@ mod library {
     }
 }
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod elasticity {
     pub struct Data {
         #[doc(alias = "λ")]
@@ -90,7 +90,7 @@ pub mod elasticity {
 }
 
 /// Data that extend others, imported as the type that they are; and data whose members all have defaults.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod imported {
     pub use super::library::contact::{Data, Omega};
 
@@ -99,7 +99,7 @@ pub mod imported {
     }
 }
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod all_by_default {
     pub use super::library::contact::Omega;
 
@@ -113,7 +113,7 @@ pub mod all_by_default {
 }
 
 /// The meaning of `loaded`, with all members in one struct.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod typed_out {
     pub struct Data {
         weight: Param,
@@ -359,7 +359,7 @@ fn a_form_without_a_module_imports_what_reads_a_base() {
         gap: Given<Scalar> = 0.05,
         lambda: Param = 1.5,
         mu: Param = 0.7,
-        crate = toy_backend, matrix_free,
+        crate = toy_backend,
     );
     let typed = form!(
         |u: State<Vector>| -> Functional {
@@ -367,7 +367,6 @@ fn a_form_without_a_module_imports_what_reads_a_base() {
             integral(facets("boundary"), pos_part(3 / h * (dot(u, n) - 0.05) - dot(sigma * n, n)))
         },
         crate = toy_backend,
-        matrix_free,
     );
     let (mine, theirs) = (imported(u.source()), typed(u.source()));
     close(&[functional(&mesh, &mine)], &[functional(&mesh, &theirs)], 1e-14);

@@ -6,7 +6,7 @@ use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{expression, functional};
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod elasticity {
     pub struct Data {
         #[doc(alias = "λ")]
@@ -18,7 +18,7 @@ pub mod elasticity {
     }
 }
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod friction {
     #[extends(crate::elasticity::Data)]
     pub struct Data {
@@ -34,7 +34,7 @@ pub mod friction {
 }
 
 /// Members of two structs, with an own declaration of `gap`, which wins; `lambda` and `mu` come twice and are one.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod flat {
     use crate::elasticity::stress;
     use crate::friction::bound;
@@ -55,7 +55,7 @@ pub mod flat {
 }
 
 /// The same, typed out.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod typed_out {
     use crate::elasticity::stress;
 
@@ -75,7 +75,7 @@ pub mod typed_out {
 }
 
 /// Extends what includes.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod loaded {
     pub use crate::flat::{Omega, work};
 

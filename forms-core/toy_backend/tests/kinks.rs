@@ -8,7 +8,7 @@ use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{Lanes, Nodal, expression, residual, tangent};
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod kinks {
     #[cells]
     pub struct Omega;
@@ -116,7 +116,7 @@ fn slopes_at_kinks() {
     assert_eq!(at!(power_slope, 0.0), 0.0);
 }
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod branches {
     pub struct Data {
         p: Param,
@@ -224,7 +224,7 @@ fn a_comparison_is_one_switch() {
     assert_eq!(form.switches().len(), switches.len());
 }
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod singular {
     #[cells]
     pub struct Omega;

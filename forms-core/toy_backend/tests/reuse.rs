@@ -8,7 +8,7 @@ use toy_backend::random::Random;
 use toy_backend::{expression, functional, residual, tangent};
 
 /// Before the modules that it imports from.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod contact {
     use super::elasticity::{elasticity, stress as sigma};
     use super::library::obstacle::{approach, pressure};
@@ -39,7 +39,7 @@ pub mod contact {
     }
 }
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod elasticity {
     pub struct Data {
         lambda: Param,
@@ -66,7 +66,7 @@ mod library {
     use forms_core::forms;
 
     /// It imports, and is imported from.
-    #[forms(crate = toy_backend, matrix_free)]
+    #[forms(crate = toy_backend)]
     pub mod obstacle {
         pub use crate::elasticity::stress;
 
@@ -90,7 +90,7 @@ mod library {
 }
 
 /// `contact`, typed out.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod typed_out {
     pub struct Data {
         mu: Param,
@@ -117,7 +117,7 @@ pub mod typed_out {
 
 /// The same function on two ways, one of them through the other module's `pub use`; and a whole form, made a form of
 /// this module.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod both_ways {
     use super::elasticity::stress as direct_way;
     pub use super::elasticity::{elasticity, stress};
@@ -137,7 +137,7 @@ pub mod both_ways {
 }
 
 /// Data and region of another module; one is renamed.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod dynamics {
     use super::elasticity::{Data, Omega as Body, stress};
 
@@ -150,7 +150,7 @@ pub mod dynamics {
 macro_rules! twin {
     ($outer:ident) => {
         mod $outer {
-            #[forms_core::forms(crate = toy_backend, matrix_free)]
+            #[forms_core::forms(crate = toy_backend)]
             pub mod twin {
                 pub fn twice(s: Scalar) -> Scalar {
                     2 * s
@@ -254,7 +254,7 @@ fn modules_of_one_name_do_not_collide() {
 }
 
 /// Names that are keywords, in all places that travel: functions that call each other, members, regions, modules.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod r#loop {
     pub struct Data {
         r#type: Param,
@@ -274,7 +274,7 @@ pub mod r#loop {
     }
 }
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod keywords {
     pub use super::r#loop::{r#match, r#struct};
     use super::r#loop::{r#use as plain, r#use as r#where};
@@ -290,7 +290,7 @@ pub mod keywords {
 }
 
 /// Names that they import came under another name, and has one here.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod again {
     pub use super::keywords::{r#dyn as r#enum, r#struct};
     use super::r#loop::r#match;

@@ -6,7 +6,7 @@ use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{expression, residual, tangent};
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod shapes {
     pub struct Data {
         r: Param<Vector<3>>,

@@ -9,7 +9,7 @@ use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{Nodal, functional, residual, switches, tangent};
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod signorini {
     pub struct Data {
         lambda: Param,

@@ -116,7 +116,7 @@ pub mod outside {
 }
 
 /// The same without anything outside; `straight` is 2 − 3 s.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod inside {
     pub struct Data {
         mu: Param,

@@ -6,7 +6,7 @@ use toy_backend::contract::{Dim, Dimension, Entity};
 use crate::{LAMBDA, MU, State, close};
 use toy_backend::{Nodal, expression};
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod hencky {
     pub struct Data {
         mu: Param,
