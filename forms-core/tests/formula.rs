@@ -1,6 +1,6 @@
-//! A form hands its formula to the program, and to a backend that knows it by its traits only.
+//! A form hands its formula to the program, and to a backend that knows only its value.
 
-use forms_core::contract::{self, Formula, Given};
+use forms_core::contract::{Energy, Expression, Form, Formula, Given};
 use forms_core::forms;
 
 #[forms(crate = forms_core)]
@@ -40,14 +40,14 @@ where
   D²Φ(s)[δs, Δs] = k ∇δs·∇Δs";
     assert_eq!(form.formula().unicode, text);
     assert!(form.formula().latex.contains("\\int_{\\Omega } (\\Phi (s) - f\\, s) \\,\\mathrm{d}x"));
-    let through_traits: [&Formula; 2] =
-        [contract::Form::<2>::formula(&form), contract::Functional::<2>::formula(&form)];
-    assert!(through_traits.iter().all(|formula| *formula == form.formula()));
+    let (energy, form_of_it): (&Energy<2>, &Form<2>) = (&form, &form);
+    let others: [&Formula; 3] = [energy.formula(), form_of_it.formula(), &membrane::potential::FORMULA];
+    assert!(others.iter().all(|formula| *formula == form.formula()));
 }
 
 #[test]
 fn a_derived_field_is_shown_in_each_dimension() {
     let data = membrane::Data::<3> { k: 1.0, load: Given::constant(1.0) };
-    let field = membrane::ratio(&data);
-    assert_eq!(contract::Expression::<3>::formula(&field).unicode, "ratio = f/k");
+    let field: Expression<3> = membrane::ratio(&data);
+    assert_eq!(field.formula().unicode, "ratio = f/k");
 }

@@ -1,6 +1,6 @@
 //! A forms module bound once: regions by name, data, and a method per function.
 
-use forms_core::contract::{Dim, Dimension, Form, Functional, Given};
+use forms_core::contract::{Dim, Dimension, Form, Given};
 use forms_core::forms;
 
 #[forms(crate = forms_core)]
@@ -53,7 +53,7 @@ fn model<const D: usize>() -> contact::Model<D> {
     contact::Model::new(contact::Data { mu: 2.0, gap: Given::constant(0.5) })
 }
 
-fn names<const D: usize>(form: &impl Form<D>) -> Vec<(&'static str, String)> {
+fn names<const D: usize>(form: &Form<D>) -> Vec<(&'static str, String)> {
     form.inputs().regions.iter().map(|region| (region.symbol, region.name.clone())).collect()
 }
 

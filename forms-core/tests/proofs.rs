@@ -2,7 +2,7 @@
 //! cell, what is zero, degrees. Each flag is seen to flip when the form is perturbed.
 
 use Dependence::{Constant, Linear, Nonlinear};
-use forms_core::contract::{self, *};
+use forms_core::contract::*;
 use forms_core::forms;
 
 #[forms(crate = forms_core)]
@@ -149,66 +149,73 @@ pub mod forms_to_judge {
     }
 }
 
-/// Everything a backend learns of a form, integral by integral.
-#[derive(Default)]
-struct Told {
+/// Everything a backend learns of the integrals of a form, by themselves and of their kernels.
+struct Told<K> {
     integrals: Vec<Integral>,
-    /// Numbers kept per cell, point, and node pair (tangents only: zeros for residuals).
-    sizes: Vec<[usize; 3]>,
-    /// Products per pair, which coefficients are constant on the cell, which entries can be other than zero (tangents only).
-    products: Vec<usize>,
-    constant: Vec<bool>,
-    nonzero: Vec<&'static [bool]>,
+    kernels: Vec<K>,
 }
 
-impl<const D: usize> LinearVisitor<D> for Told {
-    type Error = ();
-    fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), ()> {
-        self.integrals.push(*integral);
-        Ok(())
+impl<K: Copy> Told<K> {
+    fn of(terms: &[Term<K>]) -> Self {
+        Told {
+            integrals: terms.iter().map(|term| *term.integral).collect(),
+            kernels: terms.iter().map(|term| term.kernel).collect(),
+        }
     }
 }
 
-impl<const D: usize> BilinearVisitor<D> for Told {
-    type Error = ();
-    fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), ()> {
-        assert_eq!(integral.symmetric, K::SYMMETRIC);
-        self.integrals.push(*integral);
+fn residual<const D: usize>(form: &Form<D>) -> Told<LinearConstants> {
+    Told::of(form.residual())
+}
+
+fn tangent<const D: usize>(form: &Form<D>) -> Told<BilinearConstants> {
+    let told = Told::of(form.tangent());
+    for (integral, kernel) in told.integrals.iter().zip(&told.kernels) {
+        assert_eq!(integral.symmetric, kernel.symmetric);
+    }
+    told
+}
+
+impl Told<BilinearConstants> {
+    /// Products per pair.
+    fn products(&self) -> Vec<usize> {
+        self.kernels.iter().map(|kernel| kernel.operations.pair).collect()
+    }
+    /// Which coefficients are constant on the cell.
+    fn constant(&self) -> Vec<bool> {
+        self.kernels.iter().map(|kernel| kernel.cell_constant).collect()
+    }
+}
+
+/// A backend that keeps how many numbers a kernel of a tangent keeps per cell, point, and node pair.
+struct Sizes;
+
+impl<const D: usize> Backend<D> for Sizes {
+    type Linear = ();
+    type Bilinear = [usize; 3];
+    type Expression = ();
+
+    fn linear<K: LinearKernel<D>>(_: K) {}
+    fn bilinear<K: BilinearKernel<D>>(_: K) -> [usize; 3] {
         let sizes = [size_of::<K::Cell<f64>>(), size_of::<K::Point<f64>>(), size_of::<K::Accumulator<f64>>()];
-        self.sizes.push(sizes.map(|size| size / 8));
-        self.products.push(K::OPERATIONS.pair);
-        self.constant.push(K::CELL_CONSTANT);
-        self.nonzero.push(K::NONZERO);
-        Ok(())
+        sizes.map(|size| size / size_of::<f64>())
     }
+    fn expression<K: ExpressionKernel<D>>(_: K) {}
 }
 
-impl<const D: usize> ExpressionVisitor<D> for Told {
-    type Error = ();
-    fn visit<K: ExpressionKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), ()> {
-        self.integrals.push(*integral);
-        Ok(())
+fn sizes<I: Integrals<D>, const D: usize>(form: &Form<D>) -> Vec<[usize; 3]> {
+    assert!(form.has_integrals::<I>());
+    I::tangent::<Sizes>(form.inputs().constants()).iter().map(|term| term.kernel).collect()
+}
+
+fn dependence<const D: usize>(form: &Form<D>) -> (Vec<Dependence>, Vec<Dependence>) {
+    fn of<K>(told: &Told<K>) -> Vec<Dependence> {
+        told.integrals.iter().map(|integral| integral.dependence).collect()
     }
+    (of(&residual(form)), of(&tangent(form)))
 }
 
-fn residual<const D: usize>(form: &impl contract::Form<D>) -> Told {
-    let mut told = Told::default();
-    form.residual(&mut told).expect("nothing fails here");
-    told
-}
-
-fn tangent<const D: usize>(form: &impl contract::Form<D>) -> Told {
-    let mut told = Told::default();
-    form.tangent(&mut told).expect("nothing fails here");
-    told
-}
-
-fn dependence<const D: usize>(form: &impl contract::Form<D>) -> (Vec<Dependence>, Vec<Dependence>) {
-    let of = |told: Told| told.integrals.iter().map(|integral| integral.dependence).collect();
-    (of(residual(form)), of(tangent(form)))
-}
-
-fn symmetric<const D: usize>(form: &impl contract::Form<D>) -> Vec<bool> {
+fn symmetric<const D: usize>(form: &Form<D>) -> Vec<bool> {
     tangent(form).integrals.iter().map(|integral| integral.symmetric).collect()
 }
 
@@ -256,7 +263,9 @@ fn a_state_is_known_and_an_unknown_is_not() {
 
 #[test]
 fn linear_integrals_vanish_with_the_unknown_unless_a_load_is_in_them() {
-    let of = |told: Told| told.integrals.iter().map(|one| (one.dependence, one.vanishes)).collect::<Vec<_>>();
+    fn of<K>(told: Told<K>) -> Vec<(Dependence, bool)> {
+        told.integrals.iter().map(|one| (one.dependence, one.vanishes)).collect()
+    }
     assert_eq!(of(residual(&form!(elasticity, 3, Omega))), [(Constant, false), (Linear, true)]);
     assert_eq!(of(residual(&form!(affine, 2, Omega))), [(Constant, false), (Linear, true)]);
     assert_eq!(of(residual(&form!(cancels, 2, Omega))), [(Linear, true)]);
@@ -318,14 +327,17 @@ fn zeros_leave_no_tangent() {
 fn what_is_constant_on_a_cell_is_computed_there() {
     // The factor is one number per cell. It meets the weight at the points, and the block is one sum; or only the weight is
     // kept there and S_kk accumulates, which is a little less where points are many (the factor's degree is a guess).
-    assert_eq!(tangent(&form!(on_the_cell, 3, Omega)).sizes, [[1, 1, 3]]);
-    assert_eq!(tangent(&form!(on_the_cell, 2, Omega)).sizes, [[1, 1, 1]]);
+    assert_eq!(sizes::<forms_to_judge::on_the_cell::Kernels, 3>(&form!(on_the_cell, 3, Omega)), [[1, 1, 3]]);
+    assert_eq!(sizes::<forms_to_judge::on_the_cell::Kernels, 2>(&form!(on_the_cell, 2, Omega)), [[1, 1, 1]]);
     // Two moduli: nothing but the weight at points, and the D² sums of products of derivatives. The block's end reads
     // the moduli, and sums of them, from constants of the cell, in all lanes.
-    assert_eq!(tangent(&form!(elasticity, 3, Omega)).sizes, [[3, 1, 9]]);
-    assert_eq!(tangent(&form!(elasticity, 2, Omega)).sizes, [[4, 1, 4]]);
+    assert_eq!(sizes::<forms_to_judge::elasticity::Kernels, 3>(&form!(elasticity, 3, Omega)), [[3, 1, 9]]);
+    assert_eq!(sizes::<forms_to_judge::elasticity::Kernels, 2>(&form!(elasticity, 2, Omega)), [[4, 1, 4]]);
     // With a field in it, the factor times the weight is one number per point, its cell part one per cell.
-    assert_eq!(tangent(&form!(at_the_point, 3, Omega)).sizes, [[1, 1, 1]]);
+    assert_eq!(
+        sizes::<forms_to_judge::at_the_point::Kernels, 3>(&form!(at_the_point, 3, Omega)),
+        [[1, 1, 1]]
+    );
 }
 
 #[test]
@@ -333,31 +345,33 @@ fn blocks_cost_what_their_algebra_needs() {
     // By hand, in D dimensions. A vector Laplacian is one sum of D products, a mass matrix one product; the entries off the
     // diagonal are zero.
     for told in [tangent(&form!(vector_laplacian, 2, Omega)), tangent(&form!(vector_laplacian, 3, Omega))] {
-        let d = told.products[0];
-        assert_eq!(told.sizes[0][2], 1);
-        assert_eq!(told.constant, [false]);
+        let d = told.products()[0];
+        assert_eq!(told.constant(), [false]);
         let diagonal: Vec<bool> = (0..d * d).map(|entry| entry / d == entry % d).collect();
-        assert_eq!(told.nonzero[0], diagonal);
+        assert_eq!(told.kernels[0].nonzero, diagonal);
     }
-    assert_eq!(tangent(&form!(vector_laplacian, 3, Omega)).products, [3]);
-    assert_eq!(tangent(&form!(mass, 3, Omega)).products, [1]);
+    let plane = sizes::<forms_to_judge::vector_laplacian::Kernels, 2>(&form!(vector_laplacian, 2, Omega));
+    let space = sizes::<forms_to_judge::vector_laplacian::Kernels, 3>(&form!(vector_laplacian, 3, Omega));
+    assert_eq!([plane[0][2], space[0][2]], [1, 1]);
+    assert_eq!(tangent(&form!(vector_laplacian, 3, Omega)).products(), [3]);
+    assert_eq!(tangent(&form!(mass, 3, Omega)).products(), [1]);
     // S_kl: D².
-    assert_eq!(tangent(&form!(elasticity, 3, Omega)).products, [9]);
-    assert_eq!(tangent(&form!(elasticity, 3, Omega)).constant, [true]);
+    assert_eq!(tangent(&form!(elasticity, 3, Omega)).products(), [9]);
+    assert_eq!(tangent(&form!(elasticity, 3, Omega)).constant(), [true]);
     // neo-Hooke: μ ∇φ·∇φ; then (cof F ∇φ) ⊗ (cof F ∇φ), D², and ∂² det: none on the diagonal, three sums of three in
     // three dimensions, one of two in two.
-    assert_eq!(tangent(&form!(neo_hooke, 3, Omega)).products, [3 + 9 + 9]);
-    assert_eq!(tangent(&form!(neo_hooke, 2, Omega)).products, [2 + 4 + 2]);
-    assert_eq!(tangent(&form!(neo_hooke, 3, Omega)).constant, [false]);
+    assert_eq!(tangent(&form!(neo_hooke, 3, Omega)).products(), [3 + 9 + 9]);
+    assert_eq!(tangent(&form!(neo_hooke, 2, Omega)).products(), [2 + 4 + 2]);
+    assert_eq!(tangent(&form!(neo_hooke, 3, Omega)).constant(), [false]);
     // Its stress with F⁻ᵀ, all in one integral: the identity's sum and two products per entry.
-    assert_eq!(tangent(&form!(neo_hooke_by_hand, 3, Omega)).products, [3 + 2 * 9]);
+    assert_eq!(tangent(&form!(neo_hooke_by_hand, 3, Omega)).products(), [3 + 2 * 9]);
     // Contact: σ_n and the pressure once per basis function, then one product per entry.
-    assert_eq!(tangent(&form!(contact, 3, GammaC)).products, [9]);
-    assert_eq!(tangent(&form!(nitsche, 3, Omega, GammaC)).products, [9, 9]);
+    assert_eq!(tangent(&form!(contact, 3, GammaC)).products(), [9]);
+    assert_eq!(tangent(&form!(nitsche, 3, Omega, GammaC)).products(), [9, 9]);
 }
 
 /// The degree of the integral at `index`, for fields of degree 2, a geometry of degree 2.
-fn degree(told: &Told, index: usize, simplex: bool) -> usize {
+fn degree<K>(told: &Told<K>, index: usize, simplex: bool) -> usize {
     told.integrals[index].degree.of(&[2; 8], 2, simplex)
 }
 
@@ -371,17 +385,12 @@ fn degrees_follow_the_integrand() {
     assert_eq!(degree(&residual(&form!(degrees, 2, GammaC)), 0, true), 12);
     // exp(u) v: (2 + 2) + 2, as UFL guesses.
     assert_eq!(degree(&residual(&form!(degrees_of_functions, 2, Omega)), 0, true), 6);
-    let density = |visit: &dyn Fn(&mut Told)| {
-        let mut told = Told::default();
-        visit(&mut told);
-        degree(&told, 0, true)
-    };
     let omega = forms_to_judge::Omega::on("there");
     let form = forms_to_judge::degree_of_determinant::<3>(&data(), &omega);
-    assert_eq!(density(&|told| form.density(told).expect("nothing fails here")), 3);
+    assert_eq!(degree(&Told::of(form.densities()), 0, true), 3);
     let form = forms_to_judge::degree_of_determinant::<2>(&data(), &omega);
-    assert_eq!(density(&|told| form.density(told).expect("nothing fails here")), 2);
+    assert_eq!(degree(&Told::of(form.densities()), 0, true), 2);
     // Kinks count as what they cut: 2 + 0 + 2.
     let form = forms_to_judge::degree_of_kink::<2>(&data(), &omega);
-    assert_eq!(density(&|told| form.density(told).expect("nothing fails here")), 4);
+    assert_eq!(degree(&Told::of(form.densities()), 0, true), 4);
 }

@@ -43,6 +43,6 @@ pub mod outside {
 
 fn main() {
     let (data, omega) = (outside::Data::<2> { k: 1.0 }, outside::Omega::on("all"));
-    let right: outside::right::Compiled<2> = outside::right(&data, &omega);
+    let right: forms_core::contract::Form<2> = outside::right(&data, &omega);
     drop(right);
 }

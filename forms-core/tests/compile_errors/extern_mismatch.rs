@@ -37,6 +37,6 @@ pub mod outside {
 }
 
 fn main() {
-    let right: outside::right::Compiled<2> = outside::right(&outside::Omega::on("all"));
+    let right: forms_core::contract::Form<2> = outside::right(&outside::Omega::on("all"));
     drop(right);
 }

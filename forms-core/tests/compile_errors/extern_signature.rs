@@ -35,6 +35,6 @@ fn main() {
     let omega = outside::Omega::on("all");
     let right = outside::right(&omega);
     let uses = outside::uses(&omega);
-    let both: (outside::right::Compiled<2>, outside::uses::Compiled<2>) = (right, uses);
+    let both: (forms_core::contract::Form<2>, forms_core::contract::Form<2>) = (right, uses);
     drop(both);
 }

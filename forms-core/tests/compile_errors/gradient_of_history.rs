@@ -20,7 +20,7 @@ pub mod plastic {
 }
 
 /// A use of the module: it gives no further errors.
-pub fn form(strain: History<[[f64; 2]; 2], 2>, heat: History<f64, 2>) -> plastic::right::Compiled<2> {
+pub fn form(strain: History<[[f64; 2]; 2], 2>, heat: History<f64, 2>) -> forms_core::contract::Form<2> {
     let data = plastic::Data::<2> { rate: heat.clone(), strain, heat };
     plastic::right(&data, &plastic::Omega::on("all"))
 }

@@ -27,6 +27,6 @@ pub mod contact {
 }
 
 fn main() {
-    let form: contact::balance::Compiled<2> = contact::balance(&contact::Omega::on("all"));
+    let form: forms_core::contract::Form<2> = contact::balance(&contact::Omega::on("all"));
     drop(form);
 }

@@ -43,6 +43,6 @@ pub mod contact {
 }
 
 fn main() {
-    let form: contact::direct::Compiled<2> = contact::direct(&contact::Omega::on("all"));
+    let form: forms_core::contract::Form<2> = contact::direct(&contact::Omega::on("all"));
     drop(form);
 }

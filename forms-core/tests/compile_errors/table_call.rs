@@ -30,7 +30,7 @@ pub mod tabulated {
 fn main() -> Result<(), forms_core::contract::TableError> {
     let law = Table::linear(&[[0.0, 1.0], [1.0, 2.0]])?;
     let data = tabulated::Data::<2> { law: law.clone(), k: law };
-    let right: tabulated::right::Compiled<2> = tabulated::right(&data, &tabulated::Omega::on("all"));
+    let right: forms_core::contract::Form<2> = tabulated::right(&data, &tabulated::Omega::on("all"));
     drop(right);
     Ok(())
 }

@@ -72,16 +72,12 @@ pub fn check_tangent<const D: usize>(
 }
 
 /// The residual of an energy, entry by entry, against central differences of its value.
-pub fn check_variation<F: Form<D> + Functional<D>, const D: usize>(
-    mesh: &Mesh<D>,
-    energy: &F,
-    unknowns: &[Nodal],
-) {
-    let found = residual::<f64, D>(mesh, energy, unknowns);
+pub fn check_variation<const D: usize>(mesh: &Mesh<D>, form: &Energy<D>, unknowns: &[Nodal]) {
+    let found = residual::<f64, D>(mesh, form, unknowns);
     let scale = found.iter().fold(1.0_f64, |largest, entry| largest.max(entry.abs()));
     for (index, found) in found.iter().enumerate() {
         let unit = unit(index + 1, index);
-        let at = |step: f64| functional(mesh, energy, &moved(unknowns, &unit, step));
+        let at = |step: f64| energy(mesh, form, &moved(unknowns, &unit, step));
         let difference = (at(1e-5) - at(-1e-5)) / 2e-5;
         assert!((found - difference).abs() <= 1e-8 * scale, "{index}: {found}, by differences {difference}");
     }

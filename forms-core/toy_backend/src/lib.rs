@@ -19,7 +19,7 @@ use std::sync::Arc;
 
 use contract::*;
 pub use kernels::Lanes;
-use kernels::{Matrices, Values, Vectors};
+use kernels::{Values, Vectors};
 use mesh::{Element, Mesh};
 use walk::Walk;
 
@@ -127,8 +127,7 @@ fn all_values<const D: usize>(
     terms: &[Term<Box<dyn Values<D>>>],
     unknowns: &[Nodal],
 ) -> Vec<(f64, Vec<f64>)> {
-    let walk =
-        Walk { mesh, fields: function.fields(), inputs: function.inputs(), unknowns, directions: &[] };
+    let walk = Walk { mesh, fields: function.fields(), inputs: function.inputs(), unknowns, directions: &[] };
     let found = terms.iter().map(|term| values(&walk, &*term.kernel, walk.elements(term.integral)));
     found.flatten().collect()
 }

@@ -12,7 +12,7 @@ macro_rules! operator_module {
     ) => {
         mod $name {
             use super::*;
-            #[forms(crate = forms_core)]
+            #[forms(crate = toy_backend, matrix_free)]
             pub mod operator {
                 pub struct Data { $($member)* }
                 #[$entity]

@@ -3,8 +3,8 @@
 #[macro_use]
 mod operators;
 
-use toy_backend::contract::{Dim, Dimension};
 use operators::*;
+use toy_backend::contract::{Dim, Dimension};
 
 fn sum(terms: impl Iterator<Item = f64>) -> f64 {
     terms.sum()
@@ -62,7 +62,7 @@ operator! { perpendicular: Scalar { dot(perp([u[0], s]), [s, u[1]]) } |p: &At| -
 operator! { axial_part: Scalar { if D == 2 { s * (grad(u)[1][0] - grad(u)[0][1]) } else { s * grad(u)[0][1] } }
 |p: &At| p.s * if p.d == 2 { p.grad_u[1][0] - p.grad_u[0][1] } else { p.grad_u[0][1] } }
 
-#[forms(crate = toy_backend, matrix_free, dimension = 2)]
+#[forms(crate = toy_backend, dimension = 2)]
 pub mod plane {
     pub fn of_vector(u: Vector, s: Scalar) -> Scalar {
         curl(s * u)

@@ -1,15 +1,14 @@
 //! Data that extend another module's, and defaults: what forms read through a base is what they read from members of their
 //! own.
 
-use toy_backend::contract::*;
-use toy_backend::contract::{Dim, Dimension};
 use forms_core::{form, forms};
+use toy_backend::contract::*;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{Nodal, expression, functional, residual, tangent};
 
 /// Extends what extends another, before both.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod loaded {
     pub use super::library::contact::{GammaC, Omega, direct, pressure};
 
@@ -48,7 +47,7 @@ pub mod loaded {
 mod library {
     use forms_core::forms;
 
-    #[forms(crate = toy_backend, matrix_free)]
+    #[forms(crate = toy_backend)]
     pub mod contact {
         use crate::elasticity::stress;
 
@@ -77,7 +76,7 @@ mod library {
     }
 }
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod elasticity {
     pub struct Data {
         #[doc(alias = "λ")]
@@ -91,7 +90,7 @@ pub mod elasticity {
 }
 
 /// Data that extend others, imported as the type that they are; and data whose members all have defaults.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod imported {
     pub use super::library::contact::{Data, Omega};
 
@@ -100,7 +99,7 @@ pub mod imported {
     }
 }
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod all_by_default {
     pub use super::library::contact::Omega;
 
@@ -114,7 +113,7 @@ pub mod all_by_default {
 }
 
 /// The meaning of `loaded`, with all members in one struct.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod typed_out {
     pub struct Data {
         weight: Param,
@@ -244,7 +243,7 @@ where
         1e-14,
     );
     let (mine, theirs) = (model.criterion(u.source()), other.criterion(u.source()));
-    close(&[functional(&mesh, &mine, &[])], &[functional(&mesh, &theirs, &[])], 1e-14);
+    close(&[functional(&mesh, &mine)], &[functional(&mesh, &theirs)], 1e-14);
 }
 
 #[test]
@@ -285,7 +284,7 @@ where
     let regions = typed_out::Regions::default().gamma_c("boundary");
     let sum = |mu: f64, gap: Given<f64, D>| {
         let model = typed_out::Model { data: whole(mu, gap), regions: regions.clone() };
-        functional(&mesh, &model.sum(u.source(), p.source()), &[])
+        functional(&mesh, &model.sum(u.source(), p.source()))
     };
     let model = loaded::Model {
         regions: loaded::Regions::default().gamma_c("boundary"),
@@ -293,11 +292,11 @@ where
     };
     let step = 1e-5;
     let by_mu = (sum(mu + step, Given::constant(gap)) - sum(mu - step, Given::constant(gap))) / (2.0 * step);
-    let found = functional(&mesh, &model.by_stiffness(u.source(), p.source()), &[]);
+    let found = functional(&mesh, &model.by_stiffness(u.source(), p.source()));
     close(&[found], &[by_mu], 1e-7);
     let by_gap = (sum(mu, Given::constant(gap + step)) - sum(mu, Given::constant(gap - step))) / (2.0 * step);
     let one = Nodal { values: change.values.iter().map(|_| 1.0).collect(), ..change };
-    let found = functional(&mesh, &model.by_gap(u.source(), p.source(), one.source()), &[]);
+    let found = functional(&mesh, &model.by_gap(u.source(), p.source(), one.source()));
     close(&[found], &[by_gap], 1e-7);
 }
 
@@ -360,15 +359,15 @@ fn a_form_without_a_module_imports_what_reads_a_base() {
         gap: Given<Scalar> = 0.05,
         lambda: Param = 1.5,
         mu: Param = 0.7,
-        crate = toy_backend, matrix_free,
+        crate = toy_backend,
     );
     let typed = form!(
         |u: State<Vector>| -> Functional {
             let sigma = 1.4 * eps(u) + 1.5 * div(u) * I;
             integral(facets("boundary"), pos_part(3 / h * (dot(u, n) - 0.05) - dot(sigma * n, n)))
         },
-        crate = toy_backend, matrix_free,
+        crate = toy_backend,
     );
     let (mine, theirs) = (imported(u.source()), typed(u.source()));
-    close(&[functional(&mesh, &mine, &[])], &[functional(&mesh, &theirs, &[])], 1e-14);
+    close(&[functional(&mesh, &mine)], &[functional(&mesh, &theirs)], 1e-14);
 }

@@ -1,7 +1,7 @@
 //! Functions are inlined at each call: what is shared stays shared, whatever the depth of the calls.
 
-use toy_backend::contract::*;
 use forms_core::forms;
+use toy_backend::contract::*;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{expression, residual, tangent};
@@ -9,7 +9,7 @@ use toy_backend::{expression, residual, tangent};
 /// Forty levels, each calling the next one twice, and a module with the last.
 macro_rules! chain {
     ($($name:ident $next:ident)*) => {
-        #[forms(crate = toy_backend, matrix_free)]
+        #[forms(crate = toy_backend)]
         pub mod deep {
             pub struct Data { a: Param }
             #[cells]
@@ -70,7 +70,7 @@ fn forty_levels() {
 }
 
 /// Ogden's energy, twice as stiff where it is stretched: at a point its tangent has more operations than one function takes.
-#[forms(crate = toy_backend, matrix_free, dimension = 3)]
+#[forms(crate = toy_backend, dimension = 3)]
 pub mod ogden {
     pub struct Data {
         mu: Param,

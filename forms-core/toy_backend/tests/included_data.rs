@@ -1,12 +1,12 @@
 //! Data that include other modules' data: the members are the struct's own, in one flat literal, with their defaults.
 
-use toy_backend::contract::*;
 use forms_core::forms;
+use toy_backend::contract::*;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{expression, functional};
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod elasticity {
     pub struct Data {
         #[doc(alias = "λ")]
@@ -18,7 +18,7 @@ pub mod elasticity {
     }
 }
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod friction {
     #[extends(crate::elasticity::Data)]
     pub struct Data {
@@ -34,7 +34,7 @@ pub mod friction {
 }
 
 /// Members of two structs, with an own declaration of `gap`, which wins; `lambda` and `mu` come twice and are one.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod flat {
     use crate::elasticity::stress;
     use crate::friction::bound;
@@ -55,7 +55,7 @@ pub mod flat {
 }
 
 /// The same, typed out.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod typed_out {
     use crate::elasticity::stress;
 
@@ -75,7 +75,7 @@ pub mod typed_out {
 }
 
 /// Extends what includes.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod loaded {
     pub use crate::flat::{Omega, work};
 
@@ -102,11 +102,11 @@ fn members_are_the_structs_own() {
     let coefficient = Given::constant(0.25);
     let whole = typed_out::Data { lambda: lambda(), mu: 0.7, gap: 1.5, coefficient, drift: data.drift };
     let model = flat::Model::new(data.clone());
-    let mine = functional(&mesh, &model.work(u.source()), &[]);
-    let theirs = functional(&mesh, &typed_out::Model::new(whole).work(u.source()), &[]);
+    let mine = functional(&mesh, &model.work(u.source()));
+    let theirs = functional(&mesh, &typed_out::Model::new(whole).work(u.source()));
     assert!(theirs.abs() > 1e-3 && (mine - theirs).abs() < 1e-14 * theirs.abs(), "{mine} {theirs}");
     let onward = loaded::Model::new(loaded::Data { base: data.clone(), load: 1.0 });
-    assert_eq!(functional(&mesh, &onward.work(u.source()), &[]), mine);
+    assert_eq!(functional(&mesh, &onward.work(u.source())), mine);
     // By an included parameter: gap coefficient u·u.
     let slopes = expression(&mesh, &model.slope(u.source()), (Entity::Cells, "all"));
     assert!(slopes.iter().all(|slope| slope[0] > 0.0));

@@ -1,8 +1,8 @@
 //! Limits, jumps and averages on interior facets, in 2D and 3D: values against plain floating-point code,
 //! tangents against differences.
 
-use toy_backend::contract::*;
 use forms_core::forms;
+use toy_backend::contract::*;
 use toy_backend::interpolate::{gradient, slope, value};
 use toy_backend::mesh::Mesh;
 use toy_backend::operator_module;
@@ -83,7 +83,7 @@ impl<const D: usize> State<D> {
         all
     }
 
-    fn check_value<R: Components>(&self, value: &impl Expression<D>, expected: impl Fn(&At) -> R) {
+    fn check_value<R: Components>(&self, value: &Expression<D>, expected: impl Fn(&At) -> R) {
         let found = expression(&self.mesh, value, (Entity::InteriorFacets, "skeleton"));
         assert_values(&found, self.points().iter().map(expected));
     }

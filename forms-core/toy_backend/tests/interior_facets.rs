@@ -1,9 +1,9 @@
 //! Forms on interior facets, in 2D and 3D: interior penalties, fluxes with kinks, energies of jumps, against
 //! loops written out; what is proved of each pair of sides.
 
-use toy_backend::contract::{self, *};
-use toy_backend::contract::{Dim, Dimension};
+use forms_core::described::Described;
 use forms_core::forms;
+use toy_backend::contract::*;
 use toy_backend::interpolate::{gradient, value};
 use toy_backend::lanes::Four;
 use toy_backend::mesh::Mesh;
@@ -185,9 +185,6 @@ struct Told {
 }
 
 impl Told {
-    fn of(region: usize) -> Self {
-        Told { region, ..Told::default() }
-    }
     fn tell(&mut self, integral: &Integral, requirements: &Requirements) {
         if integral.region == self.region {
             self.sides.push((integral.test_side, integral.trial_side));
@@ -198,28 +195,25 @@ impl Told {
             self.slots.push(slots.map(|slot| (slot.field, slot.order, slot.side)).collect());
         }
     }
-}
 
-impl<const D: usize> LinearVisitor<D> for Told {
-    type Error = ();
-    fn visit<K: LinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), ()> {
-        self.tell(integral, &K::REQUIREMENTS);
-        Ok(())
+    fn of_residual<I: Integrals<D>, const D: usize>(form: &Form<D>, region: usize) -> Told {
+        assert!(form.has_integrals::<I>());
+        let mut told = Told { region, ..Told::default() };
+        for Term { integral, kernel } in I::residual::<Described>(form.inputs().constants()) {
+            told.tell(integral, kernel.requirements);
+        }
+        told
     }
-}
-impl<const D: usize> BilinearVisitor<D> for Told {
-    type Error = ();
-    fn visit<K: BilinearKernel<D>>(&mut self, integral: &Integral, _: &K) -> Result<(), ()> {
-        assert_eq!(integral.symmetric, K::SYMMETRIC);
-        self.tell(integral, &K::REQUIREMENTS);
-        Ok(())
-    }
-}
 
-fn told_of_tangent<const D: usize>(form: &impl contract::Form<D>, region: usize) -> Told {
-    let mut told = Told::of(region);
-    form.tangent(&mut told).expect("nothing fails here");
-    told
+    fn of_tangent<I: Integrals<D>, const D: usize>(form: &Form<D>, region: usize) -> Told {
+        assert!(form.has_integrals::<I>());
+        let mut told = Told { region, ..Told::default() };
+        for Term { integral, kernel } in I::tangent::<Described>(form.inputs().constants()) {
+            assert_eq!(integral.symmetric, kernel.symmetric);
+            told.tell(integral, kernel.requirements);
+        }
+        told
+    }
 }
 
 #[test]
@@ -227,9 +221,8 @@ fn each_pair_of_sides_is_an_integral_and_equal_sides_may_be_symmetric() {
     use Side::{Other, This};
     let (omega, gamma, skeleton) = regions();
     let form = discontinuous::interior_penalty::<2>(&data(), &omega, &gamma, &skeleton);
-    assert_eq!(contract::Form::inputs(&form).regions[2].entity, Entity::InteriorFacets);
-    let mut told = Told::of(2);
-    form.residual(&mut told).expect("nothing fails here");
+    assert_eq!(form.inputs().regions[2].entity, Entity::InteriorFacets);
+    let told = Told::of_residual::<discontinuous::interior_penalty::Kernels, 2>(&form, 2);
     assert_eq!(told.sides.iter().map(|sides| sides.0).collect::<Vec<_>>(), [This, Other]);
     assert_eq!(told.dependence, [Dependence::Linear; 2]);
     assert_eq!(told.opposite_diameter, [true; 2]);
@@ -242,18 +235,21 @@ fn each_pair_of_sides_is_an_integral_and_equal_sides_may_be_symmetric() {
     assert_eq!(told.slots, [read; 2]);
 
     let pairs = [(This, This), (This, Other), (Other, This), (Other, Other)];
-    let told = told_of_tangent(&form, 2);
+    let told = Told::of_tangent::<discontinuous::interior_penalty::Kernels, 2>(&form, 2);
     assert_eq!(told.sides, pairs);
     assert_eq!(told.symmetric, [true, false, false, true]);
-    let told = told_of_tangent(&discontinuous::incomplete::<3>(&data(), &skeleton), 0);
+    let form = discontinuous::incomplete(&data(), &skeleton);
+    let told = Told::of_tangent::<discontinuous::incomplete::Kernels, 3>(&form, 0);
     assert_eq!(told.sides, pairs);
     assert_eq!(told.symmetric, [false; 4]);
-    let told = told_of_tangent(&discontinuous::burgers::<2>(&data(), &skeleton), 0);
+    let form = discontinuous::burgers(&data(), &skeleton);
+    let told = Told::of_tangent::<discontinuous::burgers::Kernels, 2>(&form, 0);
     assert_eq!(told.sides, pairs);
     // f′(u) u v on one side is symmetric, whatever f; between the sides nothing is promised.
     assert_eq!(told.symmetric, [true, false, false, true]);
     assert_eq!(told.dependence, [Dependence::Nonlinear; 4]);
-    let told = told_of_tangent(&discontinuous::cohesive::<2>(&data(), &omega, &skeleton), 1);
+    let form = discontinuous::cohesive(&data(), &omega, &skeleton);
+    let told = Told::of_tangent::<discontinuous::cohesive::Kernels, 2>(&form, 1);
     assert_eq!(told.symmetric, [true, false, false, true]);
 }
 
@@ -333,7 +329,7 @@ fn functionals_of_known_fields_and_their_slope() {
             }
         }
     }
-    let found = functional(&mesh, &discontinuous::jumps(&data, &skeleton, u.source()), &[]);
+    let found = functional(&mesh, &discontinuous::jumps(&data, &skeleton, u.source()));
     assert!((found - expected).abs() <= 1e-13 * expected, "{found} is not {expected}");
     let form = discontinuous::slope_of_jumps(&data, &skeleton, u.source());
     assert_matrix(&vec![residual::<f64, 3>(&mesh, &form, &[])], &vec![slope]);

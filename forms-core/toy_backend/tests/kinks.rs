@@ -1,14 +1,14 @@
 //! Conventions at kinks, and branches that are not taken: a NaN there reaches nothing.
 
-use toy_backend::contract::{self, *};
-use toy_backend::contract::{Dim, Dimension};
+use forms_core::described::Described;
 use forms_core::forms;
+use toy_backend::contract::*;
 use toy_backend::lanes::Four;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
-use toy_backend::{Nodal, expression, residual, tangent};
+use toy_backend::{Lanes, Nodal, expression, residual, tangent};
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod kinks {
     #[cells]
     pub struct Omega;
@@ -116,7 +116,7 @@ fn slopes_at_kinks() {
     assert_eq!(at!(power_slope, 0.0), 0.0);
 }
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod branches {
     pub struct Data {
         p: Param,
@@ -162,7 +162,7 @@ pub mod branches {
 }
 
 /// s ≤ 0 and u = 0 everywhere: every dangerous branch is left out.
-fn nothing_poisons<L: Lane, const D: usize>(s: f64)
+fn nothing_poisons<L: Lanes, const D: usize>(s: f64)
 where
     Dim: Dimension<D>,
 {
@@ -174,20 +174,20 @@ where
     ];
     let (data, omega) = (branches::Data::<D> { p: 1.3 }, branches::Omega::on("all"));
     let (form, reference) = (branches::form(&data, &omega), branches::reference(&data, &omega));
-    let found = residual::<L, _, D>(&mesh, &form, &unknowns);
+    let found = residual::<L, D>(&mesh, &form, &unknowns);
     let expected = residual::<f64, D>(&mesh, &reference, &unknowns);
     for (found, expected) in found.iter().zip(&expected) {
         assert!((found - expected).abs() <= 1e-14, "{found} is not {expected}");
     }
-    let found = tangent::<L, _, D>(&mesh, &form, &unknowns);
+    let found = tangent::<L, D>(&mesh, &form, &unknowns);
     let expected = tangent::<f64, D>(&mesh, &reference, &unknowns);
     assert!(expected.iter().flatten().any(|entry| *entry != 0.0));
     for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
         assert!((found - expected).abs() <= 1e-14, "{found} is not {expected}");
     }
     let energy = branches::energy(&data, &omega);
-    assert!(residual::<L, _, D>(&mesh, &energy, &unknowns).iter().all(|entry| entry.is_finite()));
-    let hessian = tangent::<L, _, D>(&mesh, &energy, &unknowns);
+    assert!(residual::<L, D>(&mesh, &energy, &unknowns).iter().all(|entry| entry.is_finite()));
+    let hessian = tangent::<L, D>(&mesh, &energy, &unknowns);
     assert!(hessian.iter().flatten().all(|entry| entry.is_finite()));
 }
 
@@ -215,22 +215,16 @@ fn the_dangerous_branch_is_dangerous() {
 
 #[test]
 fn a_comparison_is_one_switch() {
-    struct Count(usize);
-    impl ExpressionVisitor<2> for Count {
-        type Error = ();
-        fn visit<K: ExpressionKernel<2>>(&mut self, _: &Integral, _: &K) -> Result<(), ()> {
-            self.0 += K::SHAPE[0];
-            Ok(())
-        }
-    }
     let data = branches::Data::<2> { p: 1.3 };
     let omega = branches::Omega::on("all");
-    let mut count = Count(0);
-    contract::Form::switches(&branches::reference(&data, &omega), &mut count).expect("nothing fails");
-    assert_eq!(count.0, 1);
+    let form = branches::reference(&data, &omega);
+    let switches =
+        <branches::reference::Kernels as Integrals<2>>::switches::<Described>(form.inputs().constants());
+    assert_eq!(switches.iter().map(|term| term.kernel.shape[0]).sum::<usize>(), 1);
+    assert_eq!(form.switches().len(), switches.len());
 }
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod singular {
     #[cells]
     pub struct Omega;

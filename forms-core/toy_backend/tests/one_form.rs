@@ -1,12 +1,12 @@
 //! `form!`: one expression, compiled like a module, against the module that says the same.
 
-use toy_backend::contract::*;
 use forms_core::{form, forms};
+use toy_backend::contract::*;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
-use toy_backend::{expression, functional, residual, tangent};
+use toy_backend::{action, expression, functional, residual, tangent};
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod module {
     pub struct Data {
         k: Param,
@@ -70,11 +70,15 @@ fn a_form_with_data_regions_and_an_import_is_the_modules() {
         crate = toy_backend, matrix_free,
     );
     close(&residual::<f64, 2>(&mesh, &one, &u), &residual::<f64, 2>(&mesh, &theirs, &u));
-    close(
-        &tangent::<f64, 2>(&mesh, &one, &u).concat(),
-        &tangent::<f64, 2>(&mesh, &theirs, &u).concat(),
-    );
-    assert_eq!(Form::<2>::inputs(&one).regions.len(), 2);
+    close(&tangent::<f64, 2>(&mesh, &one, &u).concat(), &tangent::<f64, 2>(&mesh, &theirs, &u).concat());
+    assert_eq!(one.inputs().regions.len(), 2);
+    // By an option, as of a module, products of the tangent and a vector need no matrix.
+    let product: Vec<f64> = tangent::<f64, 2>(&mesh, &one, &u)
+        .iter()
+        .map(|row| row.iter().zip(&u[0].values).map(|(k, u)| k * u).sum())
+        .collect();
+    close(&action::<f64, 2>(&mesh, &one, &u, &u), &product);
+    assert!(theirs.action().is_empty());
 }
 
 #[test]
@@ -86,7 +90,7 @@ fn energies_functionals_and_values() {
     let energy = form!(
         |u: Unknown<Scalar>| -> Energy { integral(cells("all"), k / 2 * dot(grad(u), grad(u))) },
         k: Param = 2,
-        crate = toy_backend, matrix_free,
+        crate = toy_backend,
         dimension = 2,
     );
     let unknowns = [u.clone()];
@@ -97,16 +101,16 @@ fn energies_functionals_and_values() {
     let mean = form!(
         |u: State<Scalar>| -> Functional { integral(cells("all"), f * u) },
         f: Given<Scalar> = Given::function(|x: &[f64; 2]| x[0] - x[1]),
-        crate = toy_backend, matrix_free,
+        crate = toy_backend,
     );
-    let theirs = functional(&mesh, &module::mean(&data(), &omega, u.source()), &[]);
-    assert!((functional(&mesh, &mean(u.source()), &[]) - theirs).abs() < 1e-14);
+    let theirs = functional(&mesh, &module::mean(&data(), &omega, u.source()));
+    assert!((functional(&mesh, &mean(u.source())) - theirs).abs() < 1e-14);
     // A closure may be called again, with another field.
     let twice: Vec<f64> = u.values.iter().map(|value| 2.0 * value).collect();
     let twice = toy_backend::Nodal { components: 1, values: twice };
-    assert!((functional(&mesh, &mean(twice.source()), &[]) - 2.0 * theirs).abs() < 1e-13);
+    assert!((functional(&mesh, &mean(twice.source())) - 2.0 * theirs).abs() < 1e-13);
     let square =
-        form!(|s: Scalar| -> Scalar { s * s - offset }, offset: Given<Scalar> = -1, crate = toy_backend, matrix_free);
+        form!(|s: Scalar| -> Scalar { s * s - offset }, offset: Given<Scalar> = -1, crate = toy_backend);
     let square = square(Source::<2>::Constant(vec![3.0]));
     assert_eq!(expression(&mesh, &square, (Entity::Cells, "all"))[0], [10.0]);
 }
@@ -120,9 +124,9 @@ fn the_same_region_twice_is_one_and_different_ones_are_two() {
             + integral(cells(name), dot(grad(u), grad(v)))
             - integral(cells(other), v)
             - integral(facets("boundary"), v),
-        crate = toy_backend, matrix_free,
+        crate = toy_backend,
         dimension = 2,
     );
-    let regions: Vec<&str> = Form::<2>::inputs(&one).regions.iter().map(|region| region.symbol).collect();
+    let regions: Vec<&str> = one.inputs().regions.iter().map(|region| region.symbol).collect();
     assert_eq!(regions, ["CellsName", "CellsOther", "FacetsBoundary"]);
 }

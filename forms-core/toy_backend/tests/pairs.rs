@@ -1,9 +1,9 @@
 //! Forms on contact pairs, in 2D and 3D: what is read at the opposite point, Nitsche's method with friction between two
 //! bodies against loops written out and differences, energies of the gap.
 
-use toy_backend::contract::{self, *};
-use toy_backend::contract::{Dim, Dimension};
+use forms_core::described::Described;
 use forms_core::forms;
+use toy_backend::contract::*;
 use toy_backend::interpolate::value;
 use toy_backend::lanes::Four;
 use toy_backend::mesh::{Element, Mesh};
@@ -103,7 +103,7 @@ where
 {
     let mesh = Mesh::<D>::cube(&mut Random(61));
     let data = data(Random(60).field(mesh.nodes.len(), D, 0.0, 0.1));
-    let found = functional(&mesh, &blocks::places(&data, &touch()), &[]);
+    let found = functional(&mesh, &blocks::places(&data, &touch()));
     let expected = sum(&mesh, |pair, point| {
         let PointGeometry { position: x, normal: n, opposite, .. } = pair.points[point].geometry;
         let CellGeometry { opposite_diameter, opposite_volume, .. } = pair.cell;
@@ -114,7 +114,7 @@ where
             + dot(&apart, &n)
     });
     assert!((found - expected).abs() <= 1e-13 * expected.abs().max(1.0), "{found} is not {expected}");
-    let distance = functional(&mesh, &blocks::distance(&data, &touch()), &[]);
+    let distance = functional(&mesh, &blocks::distance(&data, &touch()));
     assert!(distance.abs() <= 1e-13, "{distance} is not zero");
 }
 
@@ -205,20 +205,10 @@ fn pressures_balance_and_a_penalty_has_an_energy() {
     pressure_in::<3>();
 }
 
-struct Asked(Vec<Requirements>);
-
-impl<const D: usize> ExpressionVisitor<D> for Asked {
-    type Error = ();
-    fn visit<K: ExpressionKernel<D>>(&mut self, _: &Integral, _: &K) -> Result<(), ()> {
-        self.0.push(K::REQUIREMENTS);
-        Ok(())
-    }
-}
-
 #[test]
 fn a_region_of_pairs_knows_its_surfaces() {
     let energy = blocks::penalty::<2>(&data(Random(1).field(4, 2, 0.0, 1.0)), &touch());
-    let region = &contract::Form::inputs(&energy).regions[0];
+    let region = &energy.inputs().regions[0];
     assert_eq!((region.entity, &region.name[..]), (Entity::Pairs, "boundary onto boundary"));
     assert_eq!(region.pairing, Some(Pairing::within("boundary")));
     let both = Pairing::between("upper", "lower");
@@ -228,13 +218,14 @@ fn a_region_of_pairs_knows_its_surfaces() {
     assert_eq!(regions.touch.0.pairing, Some(both));
     assert_eq!(blocks::Regions::default().touch.0.pairing, Some("touch".into()));
 
-    let mut asked = Asked(vec![]);
     let data = data::<3>(Random(1).field(4, 3, 0.0, 1.0));
     let opening = blocks::opening(&data, Source::Constant(vec![0.0; 3]));
-    contract::Expression::expression(&opening, &mut asked).expect("nothing fails here");
+    let terms =
+        <blocks::opening::Kernels as Integrals<3>>::density::<Described>(opening.inputs().constants());
+    let asked: Vec<&Requirements> = terms.iter().map(|term| term.kernel.requirements).collect();
     let [Requirements { gap: true, toward: true, opposite_normal: false, opposite_position: false, .. }] =
-        asked.0[..]
+        asked[..]
     else {
-        panic!("{:?}", asked.0)
+        panic!("{asked:?}")
     };
 }

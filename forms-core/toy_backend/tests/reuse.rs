@@ -1,15 +1,14 @@
 //! Imports: functions of one forms module in another give what the same text written there gives, whatever the order of
 //! the modules, the way of the import and the names in between.
 
-use toy_backend::contract::*;
-use toy_backend::contract::{Dim, Dimension};
 use forms_core::forms;
+use toy_backend::contract::*;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{expression, functional, residual, tangent};
 
 /// Before the modules that it imports from.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod contact {
     use super::elasticity::{elasticity, stress as sigma};
     use super::library::obstacle::{approach, pressure};
@@ -40,7 +39,7 @@ pub mod contact {
     }
 }
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod elasticity {
     pub struct Data {
         lambda: Param,
@@ -67,7 +66,7 @@ mod library {
     use forms_core::forms;
 
     /// It imports, and is imported from.
-    #[forms(crate = toy_backend, matrix_free)]
+    #[forms(crate = toy_backend)]
     pub mod obstacle {
         pub use crate::elasticity::stress;
 
@@ -91,7 +90,7 @@ mod library {
 }
 
 /// `contact`, typed out.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod typed_out {
     pub struct Data {
         mu: Param,
@@ -118,7 +117,7 @@ pub mod typed_out {
 
 /// The same function on two ways, one of them through the other module's `pub use`; and a whole form, made a form of
 /// this module.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod both_ways {
     use super::elasticity::stress as direct_way;
     pub use super::elasticity::{elasticity, stress};
@@ -138,7 +137,7 @@ pub mod both_ways {
 }
 
 /// Data and region of another module; one is renamed.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod dynamics {
     use super::elasticity::{Data, Omega as Body, stress};
 
@@ -151,7 +150,7 @@ pub mod dynamics {
 macro_rules! twin {
     ($outer:ident) => {
         mod $outer {
-            #[forms_core::forms(crate = toy_backend, matrix_free)]
+            #[forms_core::forms(crate = toy_backend)]
             pub mod twin {
                 pub fn twice(s: Scalar) -> Scalar {
                     2 * s
@@ -255,7 +254,7 @@ fn modules_of_one_name_do_not_collide() {
 }
 
 /// Names that are keywords, in all places that travel: functions that call each other, members, regions, modules.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod r#loop {
     pub struct Data {
         r#type: Param,
@@ -275,7 +274,7 @@ pub mod r#loop {
     }
 }
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod keywords {
     pub use super::r#loop::{r#match, r#struct};
     use super::r#loop::{r#use as plain, r#use as r#where};
@@ -291,7 +290,7 @@ pub mod keywords {
 }
 
 /// Names that they import came under another name, and has one here.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod again {
     pub use super::keywords::{r#dyn as r#enum, r#struct};
     use super::r#loop::r#match;
@@ -307,10 +306,10 @@ fn names_that_are_keywords_travel() {
     let two = || Source::<2>::Constant(vec![2.0]);
     let value = |form: &dyn Fn() -> f64, expected: f64| assert!((form() / volume - expected).abs() < 1e-12);
     let data = keywords::Data::<2> { r#type: 3.0, r#as: 10.0 };
-    value(&|| functional(&mesh, &keywords::r#struct(&data, &r#loop::r#match::on("all"), two()), &[]), 7.0);
-    value(&|| functional(&mesh, &keywords::r#dyn(&data, &r#loop::r#match::on("all"), two()), &[]), 77.0);
+    value(&|| functional(&mesh, &keywords::r#struct(&data, &r#loop::r#match::on("all"), two())), 7.0);
+    value(&|| functional(&mesh, &keywords::r#dyn(&data, &r#loop::r#match::on("all"), two())), 77.0);
     let data = again::Data { base: data };
-    value(&|| functional(&mesh, &again::r#enum(&data, &r#loop::r#match::on("all"), two()), &[]), 77.0);
+    value(&|| functional(&mesh, &again::r#enum(&data, &r#loop::r#match::on("all"), two())), 77.0);
     let model = keywords::Model { data: data.base, regions: keywords::Regions::default().r#match("all") };
-    value(&|| functional(&mesh, &model.r#dyn(two()), &[]), 77.0);
+    value(&|| functional(&mesh, &model.r#dyn(two())), 77.0);
 }

@@ -1,13 +1,12 @@
 //! Declared shapes: fixed extents besides the dimension, and rank 4, of unknowns, data and results.
 
-use toy_backend::contract::*;
-use toy_backend::contract::{Dim, Dimension};
 use forms_core::forms;
+use toy_backend::contract::*;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{expression, residual, tangent};
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod shapes {
     pub struct Data {
         r: Param<Vector<3>>,

@@ -1,9 +1,8 @@
 //! Pairs of displaced surfaces: the motion of the opposite point in tangents, second derivatives of energies and
 //! derivatives by the shape, against differences of what rays find.
 
-use toy_backend::contract::*;
-use toy_backend::contract::{Dim, Dimension};
 use forms_core::forms;
+use toy_backend::contract::*;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{Nodal, differences, functional, residual, tangent};
@@ -161,7 +160,7 @@ where
         let at = |step: f64| {
             let mut by = vec![[0.0; D]; nodes];
             by[entry / D][entry % D] = step;
-            functional(&mesh.moved(&by), &rubber::measured(&data, &touch(), u.source()), &[])
+            functional(&mesh.moved(&by), &rubber::measured(&data, &touch(), u.source()))
         };
         let difference = (at(1e-5) - at(-1e-5)) / 2e-5;
         assert!((found - difference).abs() <= 1e-7 * scale, "{entry}: {found}, by differences {difference}");

@@ -28,6 +28,8 @@ pub struct OneForm {
     regions: Vec<RegionEntry>,
     /// The number of arguments that are neither unknowns nor test functions.
     known_fields: usize,
+    /// The type of the value, as the closure says it.
+    value: Ident,
 }
 
 /// `k: Param = 2.0`
@@ -101,9 +103,24 @@ impl Parse for OneForm {
             }
         }
         let known_fields = closure.inputs.iter().filter(|input| !is_unknown_or_test(input)).count();
+        let value = value(&closure.output);
         let item = module(&uses, &closure, &members, &mut regions)?;
-        Ok(OneForm { item, options, members, regions, known_fields })
+        Ok(OneForm { item, options, members, regions, known_fields, value })
     }
+}
+
+/// The type of the value of a closure with this output.
+fn value(output: &ReturnType) -> Ident {
+    let name = match output {
+        ReturnType::Type(_, ty) => match word(ty) {
+            Some((word, None)) if ["Form", "Energy", "Functional"].iter().any(|name| word == name) => {
+                return word.clone();
+            }
+            _ => "Expression",
+        },
+        ReturnType::Default => "Form",
+    };
+    Ident::new(name, Span::call_site())
 }
 
 fn is_unknown_or_test(input: &Pat) -> bool {
@@ -231,13 +248,16 @@ impl OneForm {
                     .unzip();
                 quote! { #define #(#bindings)* #closure __form::form(#data #(&#names,)* #(#known),*) }
             }
-            None => quote! {
-                #[allow(unused_variables)]
-                fn absent<const D: usize>(#(#known: impl Into<#backend::contract::Source<D>>),*) -> #backend::contract::Form<D> {
-                    loop {}
+            None => {
+                let value = &self.value;
+                quote! {
+                    #[allow(unused_variables)]
+                    fn absent<const D: usize>(#(#known: impl Into<#backend::contract::Source<D>>),*) -> #backend::contract::#value<D> {
+                        loop {}
+                    }
+                    #closure absent(#(#known),*)
                 }
-                #closure absent(#(#known),*)
-            },
+            }
         };
         let allow = allow();
         quote! {

@@ -3,13 +3,12 @@
 
 mod spectral;
 
-use toy_backend::contract::*;
-use toy_backend::contract::{Dim, Dimension};
 use forms_core::forms;
+use toy_backend::contract::*;
 use toy_backend::lanes::Four;
 use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
-use toy_backend::{Nodal, expression, functional, residual, tangent};
+use toy_backend::{Nodal, energy, expression, functional, residual, tangent};
 
 /// (1 + k |g|²) g where |g|² is above k, else g (1 + |g|⁴): an `if` and a loop.
 pub fn flux<R: Real, const D: usize>(g: [R; D], k: R) -> [R; D] {
@@ -117,7 +116,7 @@ pub mod outside {
 }
 
 /// The same without anything outside; `straight` is 2 − 3 s.
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod inside {
     pub struct Data {
         mu: Param,
@@ -196,7 +195,7 @@ impl<const D: usize> State<D> {
     }
 
     /// Residual and tangent of two forms agree, and those by four lanes with those by one.
-    fn agree(&self, first: &impl Form<D>, second: &impl Form<D>, unknowns: &[Nodal]) {
+    fn agree(&self, first: &Form<D>, second: &Form<D>, unknowns: &[Nodal]) {
         let one = residual::<f64, D>(&self.mesh, first, unknowns);
         close(&one, &residual::<f64, D>(&self.mesh, second, unknowns), 1e-12, first.name());
         let matrix = tangent::<f64, D>(&self.mesh, first, unknowns).concat();
@@ -206,7 +205,7 @@ impl<const D: usize> State<D> {
     }
 
     /// Four lanes give what one gives.
-    fn lanes(&self, form: &impl Form<D>, unknowns: &[Nodal]) {
+    fn lanes(&self, form: &Form<D>, unknowns: &[Nodal]) {
         let one = residual::<f64, D>(&self.mesh, form, unknowns);
         close(&residual::<Four, D>(&self.mesh, form, unknowns), &one, 1e-14, form.name());
         let one = tangent::<f64, D>(&self.mesh, form, unknowns).concat();
@@ -214,7 +213,7 @@ impl<const D: usize> State<D> {
     }
 
     /// The tangent is the difference quotient of the residual.
-    fn differences(&self, form: &impl Form<D>, unknowns: &[Nodal; 1]) {
+    fn differences(&self, form: &Form<D>, unknowns: &[Nodal; 1]) {
         let matrix = tangent::<f64, D>(&self.mesh, form, unknowns);
         let step = 1e-6;
         for column in 0..unknowns[0].values.len() {
@@ -231,17 +230,17 @@ impl<const D: usize> State<D> {
     }
 
     /// The residual is the difference quotient of the energy.
-    fn of_energy<F: Form<D> + Functional<D>>(&self, form: &F, unknowns: &[Nodal; 1]) {
+    fn of_energy(&self, form: &Energy<D>, unknowns: &[Nodal; 1]) {
         let own = residual::<f64, D>(&self.mesh, form, unknowns);
         let step = 1e-6;
         let moved = |column: usize, step: f64| {
             let mut moved = unknowns.clone();
             moved[0].values[column] += step;
-            functional(&self.mesh, form, &moved)
+            energy(&self.mesh, form, &moved)
         };
         let slope = |column| (moved(column, step) - moved(column, -step)) / (2.0 * step);
         let slopes: Vec<f64> = (0..own.len()).map(slope).collect();
-        close(&own, &slopes, 1e-7, Form::name(form));
+        close(&own, &slopes, 1e-7, form.name());
     }
 }
 
@@ -258,9 +257,6 @@ type Outcome = Result<(), TableError>;
 fn functions<const D: usize>(seed: u64) -> Outcome
 where
     Dim: Dimension<D>,
-    outside::energy::Compiled<D>: Form<D> + Functional<D>,
-    inside::energy::Compiled<D>: Form<D> + Functional<D>,
-    Dim: Dimension<D>,
 {
     let state = State::<D>::new(seed);
     let (outer, inner) = data::<D>()?;
@@ -272,14 +268,14 @@ where
     state.lanes(&outside::elastic(&outer, &omega), &state.u);
 
     let energies = [
-        functional(&state.mesh, &outside::energy(&outer, &omega), &state.u),
-        functional(&state.mesh, &inside::energy(&inner, &same), &state.u),
+        energy(&state.mesh, &outside::energy(&outer, &omega), &state.u),
+        energy(&state.mesh, &inside::energy(&inner, &same), &state.u),
     ];
     assert!((energies[0] - energies[1]).abs() < 1e-13);
     let source = || state.u[0].source::<D>();
     let by_parameter = [
-        functional(&state.mesh, &outside::by_parameter(&outer, &omega, source()), &[]),
-        functional(&state.mesh, &inside::by_parameter(&inner, &same, source()), &[]),
+        functional(&state.mesh, &outside::by_parameter(&outer, &omega, source())),
+        functional(&state.mesh, &inside::by_parameter(&inner, &same, source())),
     ];
     assert!((by_parameter[0] - by_parameter[1]).abs() < 1e-13);
     let all = (Entity::Cells, "all");
@@ -306,35 +302,17 @@ fn functions_in_rust_agree_with_the_language() -> Outcome {
 
 #[test]
 fn an_energy_in_rust_has_a_symmetric_tangent() -> Outcome {
-    struct Symmetric(bool);
-    impl BilinearVisitor<3> for Symmetric {
-        type Error = std::convert::Infallible;
-        fn visit<K: BilinearKernel<3>>(&mut self, integral: &Integral, _: &K) -> Result<(), Self::Error> {
-            self.0 &= integral.symmetric && integral.dependence == Dependence::Nonlinear;
-            Ok(())
-        }
-    }
-    let mut visitor = Symmetric(true);
     let form = outside::energy(&data::<3>()?.0, &outside::Omega::on("all"));
-    form.tangent(&mut visitor).unwrap_or_else(|never| match never {});
-    assert!(visitor.0);
+    let is_right = |integral: &Integral| integral.symmetric && integral.dependence == Dependence::Nonlinear;
+    assert!(!form.tangent().is_empty() && form.tangent().iter().all(|term| is_right(term.integral)));
     Ok(())
 }
 
 #[test]
 fn constant_arguments_leave_an_integral_linear() -> Outcome {
-    struct Found(Vec<Dependence>);
-    impl LinearVisitor<2> for Found {
-        type Error = std::convert::Infallible;
-        fn visit<K: LinearKernel<2>>(&mut self, integral: &Integral, _: &K) -> Result<(), Self::Error> {
-            self.0.push(integral.dependence);
-            Ok(())
-        }
-    }
-    let mut visitor = Found(vec![]);
     let form = outside::linear(&data::<2>()?.0, &outside::Omega::on("all"));
-    form.residual(&mut visitor).unwrap_or_else(|never| match never {});
-    assert_eq!(visitor.0, [Dependence::Constant, Dependence::Linear]);
+    let found: Vec<_> = form.residual().iter().map(|term| term.integral.dependence).collect();
+    assert_eq!(found, [Dependence::Constant, Dependence::Linear]);
     Ok(())
 }
 

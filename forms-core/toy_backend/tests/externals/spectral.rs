@@ -1,12 +1,12 @@
 //! Spectral functions of tensors: against energies, differences and identities.
 
-use toy_backend::contract::{Dim, Dimension, Entity, Form, Functional};
 use forms_core::forms;
+use toy_backend::contract::{Dim, Dimension, Entity};
 
 use crate::{LAMBDA, MU, State, close};
 use toy_backend::{Nodal, expression};
 
-#[forms(crate = toy_backend, matrix_free)]
+#[forms(crate = toy_backend)]
 pub mod hencky {
     pub struct Data {
         mu: Param,
@@ -49,7 +49,6 @@ pub mod hencky {
 
 fn spectral<const D: usize>(seed: u64)
 where
-    hencky::energy::Compiled<D>: Form<D> + Functional<D>,
     Dim: Dimension<D>,
 {
     let state = State::<D>::new(seed);

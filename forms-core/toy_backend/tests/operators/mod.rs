@@ -4,8 +4,8 @@
 // Each test program uses a part of it.
 #![allow(dead_code, unused_imports)]
 
-pub use toy_backend::contract::*;
 pub use forms_core::forms;
+pub use toy_backend::contract::*;
 
 pub use toy_backend::mesh::{Mesh, determinant, inverse};
 pub use toy_backend::operator_module;
@@ -96,12 +96,12 @@ impl<const D: usize> State<D> {
         all
     }
 
-    pub fn check_value<R: Components>(&self, value: &impl Expression<D>, expected: impl Fn(&At) -> R) {
+    pub fn check_value<R: Components>(&self, value: &Expression<D>, expected: impl Fn(&At) -> R) {
         let found = expression(&self.mesh, value, (Entity::Cells, "all"));
         assert_values(&found, self.points().iter().map(expected));
     }
 
-    pub fn check_tangent<F: Form<D>>(&mut self, form: &F) {
+    pub fn check_tangent(&mut self, form: &Form<D>) {
         differences::check_tangent(&self.mesh, form, &self.unknowns, &mut self.random);
     }
 }

@@ -40,7 +40,7 @@ pub fn emit_function(
     let own_inputs = own("inputs");
     let page = formula.map(|shown| formula::page(shown, module, function));
     let shown = formula::formula(formula);
-    let (value, text) = (value(function), name.to_string());
+    let (value, text) = (value(&function.output), name.to_string());
     let Compiled { bound, integrals: own_integrals } = compiled(name, dimensions);
     let constructor = match complete {
         true => quote! {
@@ -74,12 +74,12 @@ pub fn emit_function(
     }
 }
 
-/// The type of a function's value.
-pub fn value(function: &Function) -> Ident {
-    let name = match function.output {
+/// The type of the value of a function with this output.
+pub fn value(output: &Output) -> Ident {
+    let name = match output {
         Output::Value(_) => "Expression",
         Output::Functional => "Functional",
-        Output::Energy { .. } => "Energy",
+        Output::Energy => "Energy",
         Output::Form => "Form",
     };
     Ident::new(name, Span::call_site())

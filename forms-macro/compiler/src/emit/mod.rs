@@ -16,7 +16,7 @@ mod parts;
 mod placeholder;
 mod print;
 
-use proc_macro2::{Ident, Span, TokenStream};
+use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
 pub use self::integrals::Products;
@@ -62,9 +62,9 @@ pub fn emit(
         })
         .collect();
     let unread = module.mistaken.iter().filter_map(|mistaken| match mistaken {
-        Mistaken::Function { visibility, name, arguments, integrates } => {
-            let regions = if *integrates { module.regions.len() } else { 0 };
-            let value = Ident::new(if *integrates { "Form" } else { "Expression" }, Span::call_site());
+        Mistaken::Function { visibility, name, arguments, output } => {
+            let regions = if matches!(output, Output::Value(_)) { 0 } else { module.regions.len() };
+            let value = form::value(output);
             let placeholder =
                 placeholder::placeholder(module, visibility, name, &value, [regions, *arguments]);
             Some(quote! {

@@ -52,7 +52,7 @@ pub fn emit_model(module: &Module, functions: &[Bound], dimensions: &[usize]) ->
         });
         let arguments: Vec<Ident> =
             stored_arguments(function).map(|argument| stored_argument(module, &argument.name)).collect();
-        let (value, Compiled { bound, .. }) = (value(function), compiled(name, dimensions));
+        let (value, Compiled { bound, .. }) = (value(&function.output), compiled(name, dimensions));
         quote! {
             #(#documented)*
             #visibility fn #name #own_generics(&self, #(#arguments: impl ::core::convert::Into<contract::Source<D>>),*) -> contract::#value<D>

@@ -148,18 +148,16 @@ fn placeholder(item: &ItemFn) -> Mistaken {
         }
         FnArg::Receiver(_) => false,
     });
-    let value = match &item.sig.output {
+    let output = match &item.sig.output {
         // What is wrong in it has been reported.
-        ReturnType::Type(_, ty) => {
-            matches!(read_output(ty, &mut Diagnostics::default()), Ok(Output::Value(_)))
-        }
-        ReturnType::Default => false,
+        ReturnType::Type(_, ty) => read_output(ty, &mut Diagnostics::default()).unwrap_or(Output::Form),
+        ReturnType::Default => Output::Form,
     };
     Mistaken::Function {
         visibility: item.vis.clone(),
         name: item.sig.ident.clone(),
         arguments: known.count(),
-        integrates: !value,
+        output,
     }
 }
 

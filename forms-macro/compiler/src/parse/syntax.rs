@@ -64,8 +64,8 @@ pub enum Mistaken {
         name: Ident,
         /// The number of arguments that are neither unknowns nor test functions.
         arguments: usize,
-        /// Most likely a form, an energy or a functional.
-        integrates: bool,
+        /// What it most likely gives.
+        output: Output,
     },
 }
 
