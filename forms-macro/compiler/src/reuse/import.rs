@@ -6,7 +6,7 @@ use syn::{Item, ItemFn, ItemMod, Visibility};
 
 use super::payload::{Payload, origin_of, rename_calls};
 use super::uses::{Asked, Import};
-use super::{extension, inclusion, needs};
+use super::{inclusion, needs};
 use crate::check::builtins::nearest;
 use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::syntax::{Foreign, Mistaken, Module};
@@ -48,7 +48,7 @@ pub fn read(imports: Vec<Import>, received: &[String], diagnostics: &mut Diagnos
 }
 
 /// Puts the data struct and the regions that are imported among the module's own, `#[imported(path)]` tells them apart; and
-/// the members of its base, and of data that it includes, among those of the data struct.
+/// the members of included data among those of the data struct.
 pub fn add_declarations(item: &mut ItemMod, arrived: &mut Vec<Arrived>, diagnostics: &mut Diagnostics) {
     let Some((_, items)) = &mut item.content else { return };
     // Those of a module are in the order in which it declares them, whatever that of the imports.
@@ -57,10 +57,6 @@ pub fn add_declarations(item: &mut ItemMod, arrived: &mut Vec<Arrived>, diagnost
     arrived.retain(|Arrived { import, payload }| {
         match import.asked {
             Asked::Item => {}
-            Asked::Base => {
-                extension::add(items, import, payload, diagnostics);
-                return false;
-            }
             Asked::Members => {
                 inclusion::add(items, import, payload, diagnostics);
                 return false;

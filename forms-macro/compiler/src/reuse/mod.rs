@@ -5,14 +5,13 @@
 //! module with imports expands in place to a call of the first import's path; the carrier found there calls
 //! [`resume`] with its text and the rest of the module; that calls the next import, until all texts are there and the module
 //! is compiled. rustc resolves the paths, so imports obey Rust's own rules, in any order of modules and across crates. The data
-//! that a module's extend or include come the same way ([`extension`], [`inclusion`]).
+//! that a module's include come the same way ([`inclusion`]).
 //!
 //! ```text
 //! ItemMod ─uses→ [Import] ─resume, once per import→ [Payload] ─import→ functions of the Module
 //! ```
 
 pub mod carrier;
-pub mod extension;
 #[cfg(test)]
 pub mod flatten;
 pub mod import;

@@ -19,12 +19,11 @@ use proc_macro2::{Delimiter, Group, Span, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
 use syn::{Attribute, Item, ItemFn, ItemMod, Visibility};
 
+use crate::parse::inclusion::{is_extends, is_includes};
 use crate::parse::raw;
 use crate::sorted::{SortedMap, SortedSet};
 
-use super::extension::is_extends;
 use super::import::Imported;
-use super::inclusion::is_includes;
 use super::needs::REGION_MARKERS;
 
 /// A module's text, and the number that tells it from others of its name.
@@ -49,11 +48,13 @@ pub fn write(item: &ItemMod, imported: &[Imported], broken: bool) -> Text {
                         || is_extends(attribute)
                         || is_includes(attribute)
                 });
-                item.vis = Visibility::Inherited;
+                if !matches!(item.vis, Visibility::Public(_)) {
+                    item.vis = Visibility::Inherited;
+                }
                 for field in &mut item.fields {
                     // What a member is called in formulas, what is said of it there, and its value for who includes it.
                     field.attrs.retain(|attribute| {
-                        ["doc", "default", "inherited"].iter().any(|kept| attribute.path().is_ident(kept))
+                        ["doc", "default"].iter().any(|kept| attribute.path().is_ident(kept))
                     });
                     field.vis = Visibility::Inherited;
                 }

@@ -1,10 +1,10 @@
-//! `use` declarations of a forms module, `#[extends(..)]` and `#[includes(..)]` → [`Import`]s.
+//! `use` declarations of a forms module and `#[includes(..)]` → [`Import`]s.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 use syn::{Item, ItemUse, UseTree, Visibility};
 
-use super::{extension, inclusion};
+use super::inclusion;
 use crate::check::builtins::is_built_in;
 use crate::diagnostics::{Diagnostics, SourceSpan};
 
@@ -27,14 +27,12 @@ pub struct Import {
 pub enum Asked {
     /// A function, a region or the data struct, by a `use`.
     Item,
-    /// The data that this module's extend, by `#[extends(path)]`.
-    Base,
     /// The members of data that this module's include, by `#[includes(path)]`.
     Members,
 }
 
-/// The imports of a module in their order, those of its data's base and members among them. Names of the vocabulary need none, and do
-/// no harm.
+/// The imports of a module in their order, those of its data's members among them. Names of the vocabulary need none, and do no
+/// harm.
 pub fn read<'a>(items: impl Iterator<Item = &'a Item>, diagnostics: &mut Diagnostics) -> Vec<Import> {
     let mut imports = Vec::new();
     for item in items {
@@ -46,10 +44,7 @@ pub fn read<'a>(items: impl Iterator<Item = &'a Item>, diagnostics: &mut Diagnos
                 };
                 read_tree(item, &item.tree, start, &mut imports, diagnostics);
             }
-            Item::Struct(item) => {
-                extension::read(item, &mut imports, diagnostics);
-                inclusion::read(item, &mut imports, diagnostics);
-            }
+            Item::Struct(item) => inclusion::read(item, &mut imports, diagnostics),
             _ => {}
         }
     }
