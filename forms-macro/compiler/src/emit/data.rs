@@ -1,4 +1,4 @@
-//! The data struct, and next to it the structs of which it is made: `Required`, the members without a default, and `Rest`, those that
+//! The data struct, and next to it the structs that make it: `Required`, the members without a default, and `Rest`, those that
 //! the first included data do not have.
 
 use proc_macro2::{Ident, Span, TokenStream};

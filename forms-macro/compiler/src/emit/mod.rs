@@ -12,6 +12,7 @@ mod kernel;
 mod layout;
 mod model;
 pub mod named_regions;
+pub mod names;
 mod parts;
 mod placeholder;
 mod print;

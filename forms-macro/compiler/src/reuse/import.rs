@@ -4,27 +4,14 @@ use proc_macro2::{Delimiter, Ident, TokenStream, TokenTree};
 use quote::ToTokens;
 use syn::{Item, ItemFn, ItemMod, Visibility};
 
+use super::names::{Asked, Import, Imported};
 use super::payload::{Payload, origin_of, rename_calls};
-use super::uses::{Asked, Import};
 use super::{inclusion, needs};
 use crate::check::builtins::nearest;
 use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::syntax::{Foreign, Mistaken, Module};
 use crate::parse::{raw, read_function};
 use crate::sorted::SortedMap;
-
-/// An import that has been found.
-pub struct Imported {
-    pub local: Ident,
-    pub visibility: Visibility,
-    /// The name of the function among `functions`: its name and its module's identity. One function that comes on two ways
-    /// has one canonical name.
-    pub canonical: String,
-    /// The function and all that it calls, by their canonical names.
-    pub functions: SortedMap<String, ItemFn>,
-    /// It has mistakes or lacks data, which has been reported.
-    pub silent: bool,
-}
 
 /// An import with what came for it.
 pub struct Arrived {

@@ -8,8 +8,8 @@ use quote::ToTokens;
 use syn::punctuated::Punctuated;
 use syn::{Attribute, Field, Fields, Ident, Item, ItemStruct, Path, Token, Visibility};
 
+use super::names::{Asked, Import};
 use super::payload::Payload;
-use super::uses::{Asked, Import};
 use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::inclusion::{
     FirstIncluded, included_from, is_extends, is_first, is_includes, is_incomplete, of_member,

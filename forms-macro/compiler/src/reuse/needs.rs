@@ -7,16 +7,13 @@ use proc_macro2::{TokenStream, TokenTree};
 use quote::ToTokens;
 use syn::{Fields, ForeignItem, Item, ItemFn, ItemMod, Type};
 
+use super::names::Import;
 use super::payload::Payload;
-use super::uses::Import;
 use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::declared_type::{self, word};
 use crate::parse::inclusion::is_incomplete;
-use crate::parse::syntax::Rank;
+use crate::parse::syntax::{Entity, Rank};
 use crate::sorted::{SortedMap, SortedSet};
-
-/// The markers of regions.
-pub const REGION_MARKERS: &[&str] = &["cells", "facets", "interior_facets", "pairs"];
 
 /// Are the members and regions that the functions name declared here? Those that are not are reported at once.
 pub fn check(
@@ -131,8 +128,9 @@ impl Declarations {
                 }
                 _ => {
                     let words = item.attrs.iter().filter_map(|attribute| attribute.path().get_ident());
-                    let marker =
-                        words.map(ToString::to_string).find(|word| REGION_MARKERS.contains(&word.as_str()));
+                    let marker = words
+                        .map(ToString::to_string)
+                        .find(|word| Entity::MARKERS.iter().any(|(marker, _)| word == marker));
                     found.regions.extend(marker.map(|marker| (item.ident.to_string(), marker)));
                 }
             }

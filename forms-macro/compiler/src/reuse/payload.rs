@@ -19,12 +19,12 @@ use proc_macro2::{Delimiter, Group, Span, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
 use syn::{Attribute, Item, ItemFn, ItemMod, Visibility};
 
+use crate::parse::attributes::is_marker;
 use crate::parse::inclusion::{is_extends, is_includes};
 use crate::parse::raw;
 use crate::sorted::{SortedMap, SortedSet};
 
-use super::import::Imported;
-use super::needs::REGION_MARKERS;
+use super::names::Imported;
 
 /// A module's text, and the number that tells it from others of its name.
 pub struct Text {
@@ -43,7 +43,7 @@ pub fn write(item: &ItemMod, imported: &[Imported], broken: bool) -> Text {
             Item::Struct(item) => {
                 let mut item = item.clone();
                 item.attrs.retain(|attribute| {
-                    REGION_MARKERS.iter().any(|marker| attribute.path().is_ident(marker))
+                    is_marker(attribute)
                         || attribute.path().is_ident("doc")
                         || is_extends(attribute)
                         || is_includes(attribute)

@@ -5,31 +5,9 @@ use quote::quote;
 use syn::{Item, ItemUse, UseTree, Visibility};
 
 use super::inclusion;
+use super::names::{Asked, Import};
 use crate::check::builtins::is_built_in;
 use crate::diagnostics::{Diagnostics, SourceSpan};
-
-/// One name that is imported.
-pub struct Import {
-    /// `super::elasticity::stress`, as written.
-    pub path: TokenStream,
-    /// The name in the other module.
-    pub name: Ident,
-    /// The name here: the same, unless `as` says otherwise.
-    pub local: Ident,
-    /// Private: the function is called here. Otherwise it is a function of this module, too.
-    pub visibility: Visibility,
-    /// Kind of import.
-    pub asked: Asked,
-}
-
-/// Kinds of imports.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Asked {
-    /// A function, a region or the data struct, by a `use`.
-    Item,
-    /// The members of data that this module's include, by `#[includes(path)]`.
-    Members,
-}
 
 /// The imports of a module in their order, those of its data's members among them. Names of the vocabulary need none, and do no
 /// harm.
@@ -99,8 +77,6 @@ fn read_tree(
 fn is_vocabulary(name: &str) -> bool {
     const TYPES: &[&str] = &[
         "Scalar",
-        "Matrix",
-        "Tensor4",
         "Vector",
         "Tensor",
         "Tensor4",
