@@ -374,7 +374,7 @@ fn a_value_of_the_first_included_data_is_handed_over() {
     assert_eq!(constant(data.gap.source()), [GAP]);
     assert_eq!((data.mu, data.gamma0, data.force, data.weight), (0.7, GAMMA0, [0.0; 2], 2.0));
     // `Into` takes the required members as well.
-    let elastic = elasticity::Data { lambda: lambda(), mu: 0.9, law: law() };
+    let elastic = elasticity::Data::<2> { lambda: lambda(), mu: 0.9, law: law() };
     let required = library::contact::Required {
         lambda: lambda(),
         mu: 0.9,

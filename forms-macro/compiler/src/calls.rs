@@ -5,10 +5,9 @@ use quote::quote;
 use syn::ItemMod;
 
 use crate::compile::{Compiled, Unit};
-use crate::diagnostics::{Diagnostics, SourceSpan};
+use crate::diagnostics::Diagnostics;
 use crate::dump::Dump;
 use crate::emit::names::allow;
-use crate::one_form::OneForm;
 use crate::options::Options;
 use crate::parse::attributes::outer;
 use crate::parse::{nesting, parse, raw};

@@ -2,7 +2,7 @@
 
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
-use syn::{Item, ItemUse, UseTree, Visibility};
+use syn::{Item, ItemUse, UseTree};
 
 use super::inclusion;
 use super::names::{Asked, Import};
