@@ -120,12 +120,6 @@ fn value(member: &Member, given: &Ident) -> TokenStream {
     }
 }
 
-/// The member, as it is reached from the data struct.
-pub fn way(member: &Member) -> TokenStream {
-    let name = &member.name;
-    quote! { #name }
-}
-
 fn emit_member(member: &Member) -> TokenStream {
     let Member { attributes, name, kind, rank, default, .. } = member;
     let value = value_type(*rank);

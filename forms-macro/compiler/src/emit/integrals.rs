@@ -5,8 +5,8 @@ use quote::{format_ident, quote};
 
 use super::description::{Argument as Described, NO_ARGUMENT, describe};
 use super::external::ExternalNames;
-use super::form::has_tangent;
 use super::kernel::KernelWriter;
+use super::names::has_tangent;
 use crate::check::fields_of;
 use crate::optimise::degree::Degree;
 use crate::optimise::linear::SidedField;
