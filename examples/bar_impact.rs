@@ -15,7 +15,7 @@ use forms_fem::output::{StandardOutput, VtuFile, VtuSeries, program, write_whole
 use forms_fem::prelude::*;
 use forms_fem::time::{
     BackwardDifferences, CentralDifferences, Events, GeneralisedAlpha, Mass, State, Step, TimeLoop,
-    redistributed_mass,
+    operators, redistributed_mass,
 };
 
 /// E, ρ, L, v, the gap at the start, and the time that is followed.
@@ -76,8 +76,8 @@ struct Course {
 }
 
 fn model(step: Option<&Step<2>>, rho: &Field<2>) -> impact::Model<2> {
-    let required = impact::Required {
-        base: step.map(Into::into).unwrap_or_default(),
+    let evaluated: operators::vector::Data<2> = step.map(Into::into).unwrap_or_default();
+    let data = impact::Rest {
         rho: Given::field(rho),
         lambda: 0.0,
         mu: YOUNGS_MODULUS / 2.0,
@@ -85,8 +85,9 @@ fn model(step: Option<&Step<2>>, rho: &Field<2>) -> impact::Model<2> {
         gamma0: 4.0 * YOUNGS_MODULUS,
         obstacle_normal: Given::constant([-1.0, 0.0]),
         gap: Given::constant(GAP),
-    };
-    impact::Model { data: required.into(), regions: impact::Regions::default().gamma_c("left") }
+    }
+    .with(evaluated);
+    impact::Model { data, regions: impact::Regions::default().gamma_c("left") }
 }
 
 fn follow(

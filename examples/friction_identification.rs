@@ -19,7 +19,7 @@ use forms_fem::prelude::*;
 mod rubbed {
     pub use forms_contact::laws::frictional_nitsche::frictional_nitsche::{GammaC, GammaN, Omega, direct};
 
-    #[extends(forms_contact::laws::frictional_nitsche::frictional_nitsche::Data)]
+    #[includes(forms_contact::laws::frictional_nitsche::frictional_nitsche::Data)]
     pub struct Data {
         /// λ and μ of the true Young's modulus; the control is a multiple of it.
         pub true_lambda: Param,
@@ -85,10 +85,10 @@ impl Block {
         let base = friction::Data {
             friction: coefficient,
             displacement_before: Given::field(before),
-            ..friction::Required { base }.into()
+            ..friction::Rest {}.with(base)
         };
         let regions = rubbed::Regions::default().gamma_n("right").gamma_c("bottom");
-        let data = rubbed::Data { base, true_lambda: LAMBDA, true_mu: MU };
+        let data = rubbed::Rest { true_lambda: LAMBDA, true_mu: MU }.with(base);
         rubbed::Model { data, regions }
     }
 

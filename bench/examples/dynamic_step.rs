@@ -19,7 +19,7 @@ use serde_json::Value;
 mod square {
     use forms_fem::time::operators::vector::{acceleration, displacement};
 
-    #[extends(forms_fem::time::operators::vector::Data)]
+    #[includes(forms_fem::time::operators::vector::Data)]
     pub struct Data {
         pub lambda: Param,
         pub mu: Param,
@@ -47,8 +47,8 @@ const MU: f64 = 0.5;
 const DENSITY: f64 = 1.0;
 const SIZE: f64 = 0.01;
 
-fn model(base: forms_fem::time::operators::vector::Data<2>) -> square::Model<2> {
-    square::Model::new(square::Data { base, lambda: LAMBDA, mu: MU, rho: DENSITY })
+fn model(step: forms_fem::time::operators::vector::Data<2>) -> square::Model<2> {
+    square::Model::new(square::Rest { lambda: LAMBDA, mu: MU, rho: DENSITY }.with(step))
 }
 
 /// scikit-fem's program, which takes the given number of steps.

@@ -1,5 +1,7 @@
 //! The C side of a kernel: pointers to slices, and the kernel that each thread has prepared.
 
+#![allow(unsafe_code)]
+
 use std::cell::RefCell;
 
 use forms_fem::assemble::{AssemblyError, ElementCells};

@@ -1,5 +1,7 @@
 //! The macro that makes a kernel of the basket, with its symbol for the harness, from one line.
 
+#![allow(unsafe_code)]
+
 use crate::element_batch::Setting;
 use crate::plugin::Lengths;
 use crate::random_cells::{BATCH, RandomCells};
@@ -109,6 +111,7 @@ macro_rules! register {
                 Ok((lengths(), prepare::<_, Sizes, D>(&SETTING, &form(constants))?))
             }
             // SAFETY: the symbol is this kernel's alone, for the names in a basket differ.
+            #[allow(unsafe_code)]
             #[unsafe(export_name = concat!("batch_", stringify!($name)))]
             unsafe extern "C" fn batch(
                 n: i32, a: *mut f64, w: *const f64, c: *const f64, x: *const f64, entity: *const i32,

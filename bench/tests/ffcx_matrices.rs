@@ -1,6 +1,8 @@
 //! Our element matrices against FFCx's on the harness's random cells (`data/ffcx_matrices.json`, written by
 //! `peers/write_reference.py`), through the symbols that the harness calls.
 
+#![allow(unsafe_code)]
+
 use std::collections::BTreeMap;
 
 use forms_bench::basket::BASKET;

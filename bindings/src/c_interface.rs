@@ -2,6 +2,8 @@
 //!
 //! None of them panics across the border; those that return a number return 0 if all went well, and [`last_error`] says what did not.
 
+#![allow(unsafe_code)]
+
 use std::cell::RefCell;
 use std::error::Error;
 use std::ffi::{CStr, CString, c_char, c_int};

@@ -12,37 +12,24 @@ pub struct Parameters {
 
 /// Parameters that do not fit.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum ParameterError {
     /// A name that nothing asks for.
     #[error("there is no parameter `{name}`; there are {known}")]
     Unknown {
-        /// The name given.
         name: String,
         /// The names that there are, with their defaults.
         known: String,
     },
     /// A name given twice.
     #[error("the parameter `{name}` is given twice")]
-    Twice {
-        /// The name.
-        name: String,
-    },
+    Twice { name: String },
     /// A value that is not finite.
     #[error("the parameter `{name}` is {value}, which is not finite")]
-    NotFinite {
-        /// The name.
-        name: String,
-        /// The value.
-        value: f64,
-    },
+    NotFinite { name: String, value: f64 },
     /// A value that is no number of things.
     #[error("the parameter `{name}` is {value}, which is no whole number from 1 to {MOST}")]
-    NoCount {
-        /// The name.
-        name: String,
-        /// The value.
-        value: f64,
-    },
+    NoCount { name: String, value: f64 },
 }
 
 /// The largest number of things.

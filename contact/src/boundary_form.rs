@@ -15,7 +15,7 @@ pub mod boundary_form {
     use crate::operators::obstacle::{gamma, normal_displacement, penetration};
 
     /// u_D, in addition to the data of [`crate::forms`].
-    #[extends(crate::nitsche::nitsche::Data)]
+    #[includes(crate::nitsche::nitsche::Data)]
     pub struct Data {
         /// u_D, as a function of position near the clamped boundary.
         #[doc(alias = "u_D")]

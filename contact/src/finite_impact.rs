@@ -48,8 +48,8 @@ pub mod finite_impact {
     use crate::operators::neo_hookean_secant::{mean_stress, stress_secant};
     use crate::operators::obstacle::{augmented_stress, gamma, normal_component, normal_displacement};
 
-    #[extends(forms_fem::time::operators::vector::Data)]
     #[includes(
+        forms_fem::time::operators::vector::Data,
         crate::operators::linear_elastic::Data,
         crate::operators::penalty::Data,
         crate::operators::body_load::Data

@@ -43,8 +43,8 @@ pub mod impact {
     use crate::operators::linear_elastic::{energy_density, stress};
     use crate::operators::obstacle::{augmented_stress, gamma, nitsche_test, normal_component};
 
-    #[extends(forms_fem::time::operators::vector::Data)]
     #[includes(
+        forms_fem::time::operators::vector::Data,
         crate::operators::linear_elastic::Data,
         crate::operators::obstacle::Data,
         crate::operators::body_load::Data

@@ -10,7 +10,7 @@ pub mod load_and_pressure {
     use crate::nitsche::nitsche::{contact_pressure, direct};
 
     /// The weights of J, in addition to the data of the direct problem of [`crate::forms`].
-    #[extends(crate::nitsche::nitsche::Data)]
+    #[includes(crate::nitsche::nitsche::Data)]
     pub struct Data {
         /// Weight of ℓ(u).
         pub load: Param,

@@ -112,7 +112,7 @@ impl<F> ContactShape<F> {
         Dim: Dimension<D>,
     {
         let Regions { omega, gamma_n, gamma_c, .. } = &problem.law.regions;
-        let data = load_and_pressure::Data { base: problem.law.data.clone(), load, square, linear };
+        let data = load_and_pressure::Rest { load, square, linear }.with(problem.law.data.clone());
         problem.assembler_at(u)?.functional(&load_and_pressure::criterion(&data, omega, gamma_n, gamma_c, u))
     }
 
@@ -129,7 +129,7 @@ impl<F> ContactShape<F> {
         let ContactState { problem, u, solver, .. } = state;
         let u: &Field<D> = u;
         let Regions { omega, gamma_n, gamma_c, .. } = &problem.law.regions;
-        let data = load_and_pressure::Data { base: problem.law.data.clone(), load, square, linear };
+        let data = load_and_pressure::Rest { load, square, linear }.with(problem.law.data.clone());
         let assembler = problem.assembler_at(u)?;
         let form = load_and_pressure::adjoint(&data, omega, gamma_n, gamma_c, u);
         let p = problem.state(form, u)?.solver(solver).solve()?.into_field();
@@ -158,7 +158,7 @@ impl<F> ContactShape<F> {
             return Ok(problem.shape_gradient(u, &p, Diameters::Moving, None)?.values);
         }
         // A free boundary asks for no imposed displacement.
-        let data = boundary_form::Data { base: problem.law.data.clone(), imposed: Given::constant([0.0; D]) };
+        let data = boundary_form::Rest { imposed: Given::constant([0.0; D]) }.with(problem.law.data.clone());
         let free = boundary_form::Free::on(self.moving.clone());
         let form = boundary_form::gradient_on_free(&data, &free, u, &p);
         Ok(problem.assembler.linear_form(&form, movements)?)

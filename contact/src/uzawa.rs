@@ -80,19 +80,18 @@ pub struct UzawaSolution<const D: usize> {
 
 /// Reasons for which Uzawa's iteration ends without a solution.
 #[derive(Debug, Error)]
+#[allow(missing_docs)]
 pub enum UzawaError {
     /// The displacements for a multiplier could not be found.
     #[error("Uzawa's iteration {iteration}: {source}")]
     Displacements {
         /// Number of the iteration, from 1.
         iteration: usize,
-        /// The error of the solve.
         source: Box<SolveError>,
     },
     /// Data that do not fit.
     #[error("Uzawa's iteration: {source}")]
     Assembly {
-        /// The error.
         #[from]
         source: AssemblyError,
     },
@@ -103,15 +102,11 @@ pub enum UzawaError {
     NotConverged {
         /// The change asked for.
         tolerance: f64,
-        /// The iterations.
         history: UzawaHistory,
     },
     /// The changes grow.
     #[error("Uzawa's iteration diverges: {history}")]
-    Diverging {
-        /// The iterations.
-        history: UzawaHistory,
-    },
+    Diverging { history: UzawaHistory },
 }
 
 /// Solves a contact problem by Uzawa's iteration, from a displacement and from the multiplier that the law's data hold:

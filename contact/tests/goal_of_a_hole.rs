@@ -20,7 +20,7 @@ mod hole {
     use forms_contact::nitsche::nitsche::direct;
     pub use forms_contact::nitsche::nitsche::{GammaC, GammaN, Omega};
 
-    #[extends(forms_contact::nitsche::nitsche::Data)]
+    #[includes(forms_contact::nitsche::nitsche::Data)]
     pub struct Data {}
     /// The hole's boundary.
     #[facets]
@@ -108,7 +108,7 @@ impl Variant {
             let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
             let u = problem.direct()?.options(options).start(&start).solve()?.into_field();
             let regions = hole::Regions::default().gamma_n("above").gamma_c("touch").hole("bottom");
-            let model = hole::Model { data: hole::Data { base: problem.law.data.clone() }, regions };
+            let model = hole::Model { data: hole::Rest {}.with(problem.law.data.clone()), regions };
             let richer = self.problem(mesh, self.degree + 1, 8)?;
             let p = richer.state(model.adjoint(&u), &u)?.solve()?.into_field();
             let assembler = richer.assembler_at(&u)?;

@@ -14,7 +14,7 @@ use forms_fem::prelude::*;
 mod rubbed {
     pub use forms_contact::laws::frictional_nitsche::frictional_nitsche::{GammaC, GammaN, Omega, direct};
 
-    #[extends(forms_contact::laws::frictional_nitsche::frictional_nitsche::Data)]
+    #[includes(forms_contact::laws::frictional_nitsche::frictional_nitsche::Data)]
     pub struct Data {
         /// The load of amplitude one on Γ_N \[stress\].
         pub pull: Param<Vector>,
@@ -79,10 +79,10 @@ impl Block {
         let base = friction::Data {
             friction: coefficient,
             displacement_before: Given::field(before),
-            ..friction::Required { base }.into()
+            ..friction::Rest {}.with(base)
         };
         let regions = rubbed::Regions::default().gamma_n("right").gamma_c("bottom");
-        rubbed::Model { data: rubbed::Data { base, pull: PULL }, regions }
+        rubbed::Model { data: rubbed::Rest { pull: PULL }.with(base), regions }
     }
 
     fn history(&self) -> LoadHistory<'_, 2> {

@@ -60,8 +60,7 @@ const SIZE: f64 = 0.05;
 const GAP: f64 = 0.02;
 
 fn model(during: &During<2>) -> Result<thrown::Model<2>, ControlError> {
-    let required = impact::Required {
-        base: during.into(),
+    let data = impact::Rest {
         rho: Given::constant(during.number("density")?),
         lambda: 0.0,
         mu: during.number("shear_modulus")?,
@@ -69,8 +68,9 @@ fn model(during: &During<2>) -> Result<thrown::Model<2>, ControlError> {
         gamma0: 4.0,
         obstacle_normal: Given::constant([-1.0, 0.0]),
         gap: Given::constant(GAP),
-    };
-    Ok(thrown::Model { data: required.into(), regions: thrown::Regions::default().gamma_c("left") })
+    }
+    .with(during);
+    Ok(thrown::Model { data, regions: thrown::Regions::default().gamma_c("left") })
 }
 
 struct Bar {

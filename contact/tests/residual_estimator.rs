@@ -41,13 +41,7 @@ fn data() -> forms::Data<2> {
 }
 
 fn with_friction(base: forms::Data<2>, slip_stress: f64, friction: f64) -> frictional_nitsche::Data<2> {
-    frictional_nitsche::Data {
-        base,
-        slip_stress,
-        friction,
-        displacement_before: Given::constant([0.0; 2]),
-        force_direction: Given::constant([0.0; 2]),
-    }
+    frictional_nitsche::Data { slip_stress, friction, ..frictional_nitsche::Rest {}.with(base) }
 }
 
 /// η_T² of all cells without friction.

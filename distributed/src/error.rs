@@ -5,6 +5,7 @@ use forms_fem::solve::SolverError;
 
 /// PETSc refused something.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs)]
 pub enum PetscError {
     /// A function returned an error.
     #[error("PETSc's {function} failed with code {code}: {message}")]
@@ -21,22 +22,17 @@ pub enum PetscError {
     Mpi {
         /// The function's name in C.
         function: &'static str,
-        /// Its code.
         code: i32,
     },
     /// Other processes have ended because of an error, while this one goes on.
     #[error("{}", named(processes, "failed, and says why itself", "failed, and say why themselves"))]
-    Failed {
-        /// Their numbers.
-        processes: Vec<usize>,
-    },
+    Failed { processes: Vec<usize> },
     /// Other processes do something else than this one.
     #[error(
         "{} at {elsewhere}, this process at {here}: all processes have to make the same calls in the same order",
         named(processes, "is", "are")
     )]
     OtherCalls {
-        /// Their numbers.
         processes: Vec<usize>,
         /// Call that the others make.
         elsewhere: String,
@@ -45,10 +41,7 @@ pub enum PetscError {
     },
     /// An error of other processes in what all do together.
     #[error("{count} of the other processes failed")]
-    Elsewhere {
-        /// Their number.
-        count: usize,
-    },
+    Elsewhere { count: usize },
     /// Something that has to be the same on all processes.
     #[error("the processes have different {what}")]
     Different {
@@ -63,17 +56,11 @@ pub enum PetscError {
     Size {
         /// Rows.
         expected: usize,
-        /// Entries.
         found: usize,
     },
     /// More rows or entries than PETSc's indices can count.
     #[error("{count} {what} are more than PETSc's indices can count")]
-    TooMany {
-        /// Of what.
-        what: &'static str,
-        /// Their number.
-        count: usize,
-    },
+    TooMany { what: &'static str, count: usize },
 }
 
 /// Processes by their numbers, with what they do.
@@ -100,16 +87,14 @@ impl From<PetscError> for SolverError {
 
 /// A failure of something that all processes do together.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
 pub enum DistributedError<E: std::error::Error> {
     /// This process failed.
     #[error(transparent)]
     Here(E),
     /// Others failed, and say why themselves.
     #[error("{count} of the other processes failed")]
-    Elsewhere {
-        /// Their number.
-        count: usize,
-    },
+    Elsewhere { count: usize },
     /// The exchange between the processes failed.
     #[error(transparent)]
     Petsc(#[from] PetscError),

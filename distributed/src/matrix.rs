@@ -1,5 +1,7 @@
 //! Matrices whose rows are spread over the processes, as sums of what each of them assembled.
 
+#![allow(unsafe_code)]
+
 use std::ptr::null_mut;
 use std::sync::Arc;
 

@@ -1,6 +1,8 @@
 //! Meetings of all processes: before they exchange anything, each says what it is about to do. Where they do not all say the same, all
 //! of them know it, and none waits for another that will not come.
 
+#![allow(unsafe_code)]
+
 use std::ffi::c_int;
 use std::fmt;
 use std::ptr::null_mut;

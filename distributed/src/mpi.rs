@@ -1,6 +1,8 @@
 //! The functions of MPI that are used, declared by hand as those of PETSc are. `build.rs` has checked that MPI is Open MPI, whose
 //! handles are pointers.
 
+#![allow(unsafe_code)]
+
 use std::ffi::{c_int, c_void};
 
 use crate::error::PetscError;

@@ -1,6 +1,8 @@
 //! The functions of PETSc's C interface that are used, declared by hand: a few dozen do not ask for a generator of bindings.
 //! `build.rs` has checked that the scalars, indices and communicators are of these types.
 
+#![allow(unsafe_code)]
+
 use std::ffi::{CStr, c_char, c_double, c_int, c_void};
 use std::ptr;
 

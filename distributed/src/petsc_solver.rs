@@ -1,5 +1,7 @@
 //! PETSc's solvers behind the trait that Newton's method asks of a linear solver.
 
+#![allow(unsafe_code)]
+
 use std::ffi::{CStr, c_int};
 use std::ptr::{null, null_mut};
 use std::time::Instant;

@@ -1,5 +1,7 @@
 //! Vectors whose rows are spread over the processes.
 
+#![allow(unsafe_code)]
+
 use std::ptr::null_mut;
 
 use crate::error::PetscError;

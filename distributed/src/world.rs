@@ -1,5 +1,7 @@
 //! The processes that MPI started together, and what they agree on.
 
+#![allow(unsafe_code)]
+
 use std::cell::{Cell, RefCell};
 use std::error::Error;
 use std::fmt::Display;

@@ -12,7 +12,7 @@ use forms_fem::time::{BackwardDifferences, CentralDifferences, GeneralisedAlpha,
 mod swinging {
     use forms_fem::time::operators::vector::{acceleration, displacement, velocity};
 
-    #[extends(forms_fem::time::operators::vector::Data)]
+    #[includes(forms_fem::time::operators::vector::Data)]
     pub struct Data {
         pub density: Param,
         /// ln E, of each cell.
@@ -62,12 +62,14 @@ mod swinging {
 const REPETITIONS: usize = 7;
 
 fn model(during: &During<2>) -> Result<swinging::Model<2>, ControlError> {
-    Ok(swinging::Model::new(swinging::Data {
-        base: during.into(),
-        density: during.number("density")?,
-        stiffness: Given::field(&during.field("stiffness")?),
-        pull: during.number("pull")?,
-    }))
+    Ok(swinging::Model::new(
+        swinging::Rest {
+            density: during.number("density")?,
+            stiffness: Given::field(&during.field("stiffness")?),
+            pull: during.number("pull")?,
+        }
+        .with(during),
+    ))
 }
 
 /// Value and gradient by a scheme, on 120 × 36 squares for 120.
@@ -85,12 +87,10 @@ pub fn costs(cells: usize, steps: usize, out: &mut StandardOutput) -> Result<(),
         .field("stiffness", &stiffness)
         .per_step("pull", &pulls)
         .start_rate("rate", &rate);
-    let criterion = swinging::Model::new(swinging::Data {
-        base: Default::default(),
-        density: 0.0,
-        stiffness: Given::constant(0.0),
-        pull: 0.0,
-    });
+    let criterion = swinging::Model::new(
+        swinging::Rest { density: 0.0, stiffness: Given::constant(0.0), pull: 0.0 }
+            .with(forms_fem::time::operators::vector::Data::default()),
+    );
     // Central differences: below 2/ω of the smallest cells.
     let (whole, explicit) = (0.15, 0.2 / cells as f64);
     let schemes: [(&str, Box<dyn Scheme>, Mass, f64); 4] = [

@@ -4,7 +4,7 @@ use std::error::Error;
 
 use forms_contact::finite_impact::finite_impact;
 use forms_fem::prelude::*;
-use forms_fem::time::{State, Step};
+use forms_fem::time::{State, Step, operators};
 
 /// Radii, λ and μ, density, weight per mass, κ.
 pub const INSIDE: f64 = 0.5;
@@ -131,21 +131,22 @@ fn kinetic(assembler: &Assembler<2>, velocity: &Field<2>) -> Result<f64, Box<dyn
 
 /// The forms in a step, or of a state alone.
 pub fn model(step: Option<&Step<2>>, direction: [f64; 2], centre: [f64; 2]) -> finite_impact::Model<2> {
-    let required = finite_impact::Required {
-        base: step.map(Into::into).unwrap_or_default(),
+    let evaluated: operators::vector::Data<2> = step.map(Into::into).unwrap_or_default();
+    let body = finite_impact::Rest {
         lambda: LAMBDA,
         mu: MU,
         rho: DENSITY,
         gamma0: GAMMA,
         obstacle_normal: Given::constant([0.0, -1.0]),
         gap: Given::function(|x: &[f64; 2]| x[1] + OUTSIDE + FALL),
-    };
+    }
+    .with(evaluated);
     let data = finite_impact::Data {
         friction: FRICTION,
         body_force: Given::constant([0.0, -DENSITY * GRAVITY]),
         direction: Given::constant(direction),
         centre: Given::constant(centre),
-        ..required.into()
+        ..body
     };
     finite_impact::Model { data, regions: finite_impact::Regions::default().gamma_c("outer") }
 }

@@ -97,7 +97,7 @@ fn measure(settings: &Settings, with_differences: bool) -> Result<Vec<Derivative
     let consistent = problem.solve_adjoint(Adjoint::Consistent, &u, &mut solver)?.into_field();
     let gradient = problem.shape_gradient(&u, &discrete, Diameters::Moving, None)?;
     let imposed = Given::constant(forms_contact::hollow_cylinder::IMPOSED_DISPLACEMENT);
-    let data = boundary_form::Data { base: problem.law.data.clone(), imposed };
+    let data = boundary_form::Rest { imposed }.with(problem.law.data.clone());
     let assembler = &problem.assembler;
     let mut all = Vec::new();
     for (piece, _) in PIECES {

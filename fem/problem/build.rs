@@ -28,13 +28,28 @@ fn main() {
             Err(reason) => return refuse(reason),
         },
         Err(_) if all || variable("TARGET") != variable("HOST") => return,
-        Err(_) => best(),
+        Err(_) => {
+            let best = best();
+            warn(best, &variable("PROFILE"));
+            best
+        }
     };
     // Where there is nothing but the plain set, or NEON, which is part of its architecture, nothing of x86 is compiled anyway.
     for (name, left_out) in SETS {
         if name != kept {
             println!("cargo::rustc-cfg={left_out}");
         }
+    }
+}
+
+/// Says which machines a release build is for, as programs are copied from those. Kernels without vectors run anywhere, and NEON is
+/// part of its architecture.
+fn warn(best: &str, profile: &str) {
+    if best.starts_with("avx") && profile == "release" {
+        println!(
+            "cargo::warning=kernels are compiled for {best}: programs run on machines that have it. {ALL_SETS}=1 in the environment \
+             builds for others, too; {ONE_SET}={best} silences this"
+        );
     }
 }
 

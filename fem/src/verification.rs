@@ -114,6 +114,7 @@ pub struct TaylorReport {
 
 /// Outcomes of a test that shows nothing, or shows a mistake. Each holds the report.
 #[derive(Clone, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum TaylorFailure {
     /// The remainder falls too slowly: the derivative is wrong, or a kink was crossed that the test was not told of.
     #[error(
@@ -122,9 +123,7 @@ pub enum TaylorFailure {
     Order {
         /// The order of a right derivative.
         expected: u8,
-        /// The lowest order.
         lowest: f64,
-        /// The test.
         report: TaylorReport,
     },
     /// The remainder falls too slowly along a movement for which the diameter of cells has a kink: a function that reads `h` has
@@ -137,35 +136,24 @@ pub enum TaylorFailure {
     Diameter {
         /// The order of a right derivative.
         expected: u8,
-        /// The lowest order.
         lowest: f64,
         /// The cells.
         kinked: KinkedDiameters,
-        /// The test.
         report: TaylorReport,
     },
     /// The remainder is rounding, but so would be that of a wrong derivative; or it comes out of rounding at one step alone.
     #[error(
         "the remainder is rounding before its order can be seen: the steps are too small, and the test says nothing\n{report}"
     )]
-    Rounding {
-        /// The test.
-        report: TaylorReport,
-    },
+    Rounding { report: TaylorReport },
     /// The active set changes at every step.
     #[error(
         "the active set is another one at every step: the state lies on a kink, or the first step is much too large\n{report}"
     )]
-    ActiveSet {
-        /// The test.
-        report: TaylorReport,
-    },
+    ActiveSet { report: TaylorReport },
     /// A remainder is no number.
     #[error("a remainder is not finite\n{report}")]
-    NotFinite {
-        /// The test.
-        report: TaylorReport,
-    },
+    NotFinite { report: TaylorReport },
 }
 
 // It is what `main` and `unwrap` show: the table, not a structure of numbers on one line.
@@ -282,6 +270,7 @@ pub fn taylor<E>(
 
 /// Errors that prevent a test.
 #[derive(Debug, Error)]
+#[allow(missing_docs)]
 pub enum VerificationError {
     /// Data that do not fit.
     #[error(transparent)]
@@ -294,7 +283,6 @@ pub enum VerificationError {
     Directions {
         /// Unknowns given.
         unknowns: usize,
-        /// Directions given.
         directions: usize,
     },
     /// All directions are zero: nothing would be tested.

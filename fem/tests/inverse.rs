@@ -15,7 +15,7 @@ use crate::swinging_body::{Body, STEPS, swung};
 mod heated {
     use forms_fem::time::operators::scalar::{rate, value};
 
-    #[extends(forms_fem::time::operators::scalar::Data)]
+    #[includes(forms_fem::time::operators::scalar::Data)]
     pub struct Data {
         pub conductivity: Param,
         pub bent: Param,
@@ -148,8 +148,8 @@ impl Scheme for Uneven {
 }
 
 fn heat(during: &During<2>, bent: f64) -> Result<heated::Model<2>, ControlError> {
-    let (base, conductivity) = (during.into(), during.number("conductivity")?);
-    Ok(heated::Model::new(heated::Data { base, conductivity, bent }))
+    let conductivity = during.number("conductivity")?;
+    Ok(heated::Model::new(heated::Rest { conductivity, bent }.with(during)))
 }
 
 fn square() -> (Arc<Space<2>>, Constraints<2>) {

@@ -39,7 +39,7 @@ mod creeping {
 mod swinging {
     use forms_fem::time::operators::scalar::{second_rate, value};
 
-    #[extends(forms_fem::time::operators::scalar::Data)]
+    #[includes(forms_fem::time::operators::scalar::Data)]
     pub struct Data {
         pub stiffness: Param,
     }
@@ -96,8 +96,8 @@ impl Plate {
 
     fn swing(&self) -> MotionHistory<'static, 2> {
         let model = |during: &During<2>| -> Result<_, ControlError> {
-            let (base, stiffness) = (during.into(), during.number("stiffness")?);
-            Ok(swinging::Model::new(swinging::Data { base, stiffness }))
+            let stiffness = during.number("stiffness")?;
+            Ok(swinging::Model::new(swinging::Rest { stiffness }.with(during)))
         };
         let start = Field::interpolate(&self.space, |x| 0.1 + 0.3 * x[0]).unwrap();
         let controls = Controls::new().number("stiffness", 0.8).start("start", &start);

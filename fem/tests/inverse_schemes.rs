@@ -14,7 +14,7 @@ use crate::swinging_body::{Body, STEPS, swung};
 mod oscillator {
     use forms_fem::time::operators::scalar::{rate, second_rate, value};
 
-    #[extends(forms_fem::time::operators::scalar::Data)]
+    #[includes(forms_fem::time::operators::scalar::Data)]
     pub struct Data {
         pub mass: Param,
         pub damping: Param,
@@ -74,8 +74,9 @@ fn of_loop(scheme: impl Scheme, mass: Mass) -> f64 {
             Some(*time)
         });
         let number = ends.position(|end| end > step.before.time + 1e-9).unwrap();
-        let (base, load) = (step.into(), load(number));
-        oscillator::Model::new(oscillator::Data { base, mass: m, damping: c, stiffness: k, load }).motion()
+        let load = load(number);
+        oscillator::Model::new(oscillator::Rest { mass: m, damping: c, stiffness: k, load }.with(step))
+            .motion()
     };
     let [value, rate] = starts;
     let mut motion = TimeLoop::new(form, scheme, State::new(0.0, value, rate).unwrap()).mass(mass);
@@ -100,13 +101,15 @@ fn of_library(scheme: impl Scheme, mass: Mass) -> (f64, Vec<f64>) {
         .start("start", &constant(u))
         .start_rate("start_rate", &constant(rate));
     let model = |during: &During<2>| -> Result<_, ControlError> {
-        Ok(oscillator::Model::new(oscillator::Data {
-            base: during.into(),
-            mass: during.number("mass")?,
-            damping: during.number("damping")?,
-            stiffness: during.number("stiffness")?,
-            load: during.number("load")?,
-        }))
+        Ok(oscillator::Model::new(
+            oscillator::Rest {
+                mass: during.number("mass")?,
+                damping: during.number("damping")?,
+                stiffness: during.number("stiffness")?,
+                load: during.number("load")?,
+            }
+            .with(during),
+        ))
     };
     let mut history = MotionHistory::new(&space, &SIZES[..], scheme, controls)
         .mass(mass)

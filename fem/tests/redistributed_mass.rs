@@ -16,7 +16,7 @@ type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 mod inertia {
     use forms_fem::time::operators::scalar::{second_rate, value};
 
-    #[extends(forms_fem::time::operators::scalar::Data)]
+    #[includes(forms_fem::time::operators::scalar::Data)]
     pub struct Data {
         pub rho: Given<Scalar>,
     }
@@ -67,7 +67,7 @@ where
         }
         let space = Space::scalar(&mesh, degree)?;
         let matrix = |rho: &Field<D>| -> Outcome<_> {
-            let data = inertia::Data { base: no_step(), rho: Given::field(rho) };
+            let data = inertia::Rest { rho: Given::field(rho) }.with(no_step());
             let form = inertia::Model::new(data).mass();
             Ok(assembler.tangent(&form, &[&Field::zero(&space)], &[&space])?)
         };
@@ -183,9 +183,8 @@ fn schemes_that_read_accelerations_are_refused() -> Outcome {
     let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [4, 7], CellShape::Quadrilateral, 1)?);
     let space = Space::scalar(&mesh, 1)?;
     let rho = redistributed_mass(&density(&mesh, |_| 1.0)?, "bottom", &Assembler::new(&mesh))?;
-    let form = |step: &Step<2>| {
-        inertia::Model::new(inertia::Data { base: step.into(), rho: Given::field(&rho) }).motion()
-    };
+    let form =
+        |step: &Step<2>| inertia::Model::new(inertia::Rest { rho: Given::field(&rho) }.with(step)).motion();
     let start = || State::at_rest(0.0, Field::interpolate(&space, |_| 1.0).expect("it is one"));
     let schemes: [(Box<dyn Scheme>, bool); 7] = [
         (Box::new(GeneralisedAlpha::trapezoidal()), true),

@@ -13,7 +13,7 @@ use crate::swinging_body::{Body, STEPS, swung};
 mod heated {
     use forms_fem::time::operators::scalar::{rate, value};
 
-    #[extends(forms_fem::time::operators::scalar::Data)]
+    #[includes(forms_fem::time::operators::scalar::Data)]
     pub struct Data {
         pub conductivity: Param,
         pub d_conductivity: Param,
@@ -132,7 +132,7 @@ fn hessians_are_symmetric_with_all_states_and_with_few() {
 fn heat(during: &During<2>, states: Option<&SecondOrderMotion<2>>) -> Result<heated::Model<2>, ControlError> {
     let d_conductivity = states.map_or(Ok(0.0), |states| states.along.number("conductivity"))?;
     let conductivity = during.number("conductivity")?;
-    Ok(heated::Model::new(heated::Data { base: during.into(), conductivity, d_conductivity }))
+    Ok(heated::Model::new(heated::Rest { conductivity, d_conductivity }.with(during)))
 }
 
 /// Problems of first order have no second rates; what is missing is named.

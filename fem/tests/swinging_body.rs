@@ -12,7 +12,7 @@ use forms_fem::time::Scheme;
 pub mod swinging {
     use forms_fem::time::operators::vector::{acceleration, displacement, velocity};
 
-    #[extends(forms_fem::time::operators::vector::Data)]
+    #[includes(forms_fem::time::operators::vector::Data)]
     pub struct Data {
         pub density: Param,
         pub stiffness: Given<Scalar>,
@@ -107,8 +107,7 @@ pub fn swung(
     states: Option<&SecondOrderMotion<2>>,
 ) -> Result<swinging::Model<2>, ControlError> {
     let along = states.map(|states| states.along);
-    let data = swinging::Data {
-        base: during.into(),
+    let data = swinging::Rest {
         density: during.number("density")?,
         stiffness: Given::field(&during.field("stiffness")?),
         pull: during.number("pull")?,
@@ -118,7 +117,8 @@ pub fn swung(
             None => Given::constant(0.0),
         },
         d_pull: along.map_or(Ok(0.0), |along| along.number("pull"))?,
-    };
+    }
+    .with(during);
     Ok(swinging::Model { data, regions: swinging::Regions::default() })
 }
 
@@ -150,15 +150,15 @@ impl Body {
             .start("start", &start)
             .start_rate("rate", &rate);
         let nothing = || Given::constant(0.0);
-        let data = swinging::Data {
-            base: Default::default(),
+        let data = swinging::Rest {
             density: 0.0,
             stiffness: nothing(),
             pull: 0.0,
             d_density: 0.0,
             d_stiffness: nothing(),
             d_pull: 0.0,
-        };
+        }
+        .with(forms_fem::time::operators::vector::Data::default());
         let criterion = swinging::Model { data, regions: swinging::Regions::default() };
         Body { space, held, controls, criterion }
     }

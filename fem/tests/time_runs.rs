@@ -13,7 +13,7 @@ use super::time_schemes::{OSCILLATOR, Oscillator, Outcome, cell, same, spring};
 mod springs {
     use forms_fem::time::operators::scalar::{second_rate, value};
 
-    #[extends(forms_fem::time::operators::scalar::Data)]
+    #[includes(forms_fem::time::operators::scalar::Data)]
     pub struct Data {
         pub mass: Given<Scalar>,
         pub stiffness: Given<Scalar>,
@@ -102,7 +102,7 @@ fn a_soft_spring_that_changes_is_not_hidden_by_a_stiff_one() -> Outcome {
             Given::function(move |x: &[f64; 2]| if x[0] < 1.0 { left } else { right })
         };
         let (mass, stiffness) = (of_cells(1e13, 1.0), of_cells(7e13, soft));
-        springs::Model::new(springs::Data { base: step.into(), mass, stiffness }).motion()
+        springs::Model::new(springs::Rest { mass, stiffness }.with(step)).motion()
     };
     let start = || State::at_rest(0.0, same(&space, 1.0));
     let mut checked = TimeLoop::new(form, GeneralisedAlpha::trapezoidal(), start());
@@ -218,8 +218,7 @@ fn adaptive_steps_keep_their_tolerance() -> Outcome {
     // At rest until a load comes at t = 1.
     let form = |step: &Step<2>| {
         let force = if step.time > 1.0 { 40.0 } else { 0.0 };
-        let base = step.into();
-        let data = spring::Data { base, mass: 1.0, damping: 0.0, stiffness: 100.0, cubic: 0.0, force };
+        let data = spring::Rest { mass: 1.0, damping: 0.0, stiffness: 100.0, cubic: 0.0, force }.with(step);
         spring::Model::new(data).motion()
     };
     let exact = |t: f64| 0.4 * (1.0 - (10.0 * (t - 1.0)).cos());

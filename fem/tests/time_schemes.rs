@@ -12,7 +12,7 @@ pub(super) type Outcome = Result<(), Box<dyn std::error::Error>>;
 pub(super) mod spring {
     use forms_fem::time::operators::scalar::{rate, second_rate, value};
 
-    #[extends(forms_fem::time::operators::scalar::Data)]
+    #[includes(forms_fem::time::operators::scalar::Data)]
     pub struct Data {
         pub mass: Param,
         pub damping: Param,
@@ -49,7 +49,7 @@ impl Oscillator {
         move |step| {
             let Oscillator { mass, damping, stiffness, force } = self;
             let force = force * (DRIVEN * step.time).cos();
-            spring::Model::new(spring::Data { base: step.into(), mass, damping, stiffness, cubic, force })
+            spring::Model::new(spring::Rest { mass, damping, stiffness, cubic, force }.with(step))
         }
     }
 

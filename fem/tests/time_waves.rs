@@ -12,7 +12,7 @@ type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 mod bar {
     use forms_fem::time::operators::vector::{acceleration, displacement};
 
-    #[extends(forms_fem::time::operators::vector::Data)]
+    #[includes(forms_fem::time::operators::vector::Data)]
     pub struct Data {
         pub rho: Param,
         pub youngs_modulus: Param,
@@ -42,8 +42,8 @@ fn form(step: &Step<2>) -> Form<2> {
     model(step.into()).motion()
 }
 
-fn model(base: forms_fem::time::operators::vector::Data<2>) -> bar::Model<2> {
-    bar::Model::new(bar::Data { base, rho: DENSITY, youngs_modulus: YOUNGS_MODULUS })
+fn model(step: forms_fem::time::operators::vector::Data<2>) -> bar::Model<2> {
+    bar::Model::new(bar::Rest { rho: DENSITY, youngs_modulus: YOUNGS_MODULUS }.with(step))
 }
 
 /// A bar on 0..1 with elements of degree three, whose error is far below that of the steps.

@@ -15,11 +15,11 @@ fn h1_order(shape: CellShape, degree: usize, theta: f64, divisions: &[usize]) ->
     let mut h1 = vec![];
     for &divisions in divisions {
         let (problem, u) = solved_direct(shape, divisions, degree, theta);
-        let data = adjoint::Data {
-            base: problem.law.data.clone(),
+        let data = adjoint::Rest {
             // N′ = −σ(p) n on the sides, and only there.
             slope: Given::function(move |x| on_sides(x, exact).map(|component| -component)),
-        };
+        }
+        .with(problem.law.data.clone());
         let form = adjoint::consistent(
             &data,
             &adjoint::Omega::on("all"),

@@ -90,7 +90,7 @@ impl Ring {
         let u = u.into_field();
         let p = problem.solve_adjoint(Adjoint::Consistent, &u, &mut solver).unwrap().into_field();
         let outwards = Field::interpolate(&space, |x| radially([1.0, 0.0], x)).unwrap();
-        let data = boundary_form::Data { base: problem.law.data.clone(), imposed: given(self.imposed) };
+        let data = boundary_form::Rest { imposed: given(self.imposed) }.with(problem.law.data.clone());
         let clamped = boundary_form::Clamped::on("inner");
         let inner = boundary_form::on_clamped(&data, &clamped, &u, &p, &outwards);
         let loaded = boundary_form::Loaded::on("outer");

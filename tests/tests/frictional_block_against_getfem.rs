@@ -36,7 +36,7 @@ fn block(file: &Value, run: &Value) -> ContactProblem<2, law::Model<2>> {
         slip_stress: run["tresca"].as_f64().unwrap_or(0.0),
         friction: run["coulomb"].as_f64().unwrap_or(0.0),
         force_direction: Given::constant([1.0, 0.0]),
-        ..law::Required { base }.into()
+        ..law::Rest {}.with(base)
     };
     let regions = law::Regions::default().gamma_n("right").gamma_c("bottom");
     let assembler = Assembler::new(space.mesh()).with_quadrature(Quadrature::Degree(8));

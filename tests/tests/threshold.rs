@@ -98,7 +98,7 @@ fn with_friction() {
     {
         for theta in [-0.5, 0.0, 1.0] {
             let ContactProblem { assembler, space, law, constraints, .. } = problem(mesh, 1, theta);
-            let data = frictional_nitsche::Data::from(frictional_nitsche::Required { base: law.data });
+            let data = frictional_nitsche::Rest {}.with(law.data);
             let regions = frictional_nitsche::Regions::default().gamma_n("contact").gamma_c("contact");
             let law = frictional_nitsche::Model { data, regions };
             let problem = ContactProblem::new(assembler, &space, law, constraints).unwrap();

@@ -24,8 +24,11 @@ pub mod frictional_nitsche {
     use crate::operators::obstacle::gamma;
 
     /// Data of all laws of friction with a flat. The slip is counted from u = 0 unless `displacement_before` is given.
-    #[extends(crate::nitsche::nitsche::Data)]
-    #[includes(crate::operators::friction::Data, crate::operators::resultant::Data)]
+    #[includes(
+        crate::nitsche::nitsche::Data,
+        crate::operators::friction::Data,
+        crate::operators::resultant::Data
+    )]
     pub struct Data {}
 
     /// P of a traction on Γ_C at the displacement w.
@@ -159,10 +162,10 @@ contact_law!(frictional_nitsche {
     adjoint: discrete_adjoint,
     shape_gradient: shape_gradient,
     diameter_gradient: diameter_gradient,
-    theta: base.theta,
-    threshold: traction_product(elasticity, base.gamma0),
-    positive: base.mu,
-    positive: base.gamma0,
+    theta: theta,
+    threshold: traction_product(elasticity, gamma0),
+    positive: mu,
+    positive: gamma0,
     non_negative: slip_stress,
     non_negative: friction,
     coefficient: friction,

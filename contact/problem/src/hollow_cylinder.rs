@@ -83,17 +83,11 @@ impl Default for Settings {
 
 /// Errors of the cylinder's computation.
 #[derive(Debug, Error)]
+#[allow(missing_docs)]
 pub enum CylinderError {
     /// A setting without meaning.
     #[error("{name} = {value} is not possible: {why}")]
-    Setting {
-        /// Its name.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// The requirement.
-        why: &'static str,
-    },
+    Setting { name: &'static str, value: f64, why: &'static str },
     /// The mesh could not be made.
     #[error(transparent)]
     Mesh(#[from] MeshError),

@@ -157,9 +157,9 @@ pub trait WithShapeGradient<const D: usize>: WithAdjoint<D> {
 /// `shape_gradient: form(u, p), diameter_gradient: form(u, p)`; `theta: parameter`, for
 /// Nitsche's method ([`WithTheta`](crate::law::WithTheta)), and `threshold: product(elasticity, gamma0)` with it
 /// ([`WithThreshold`](crate::law::WithThreshold)), or `threshold_by: function` of the model, an assembler and a space for
-/// [`ContactLaw::threshold`](crate::law::ContactLaw::threshold); `positive: parameter`, a member of the data (`base.parameter`
-/// of extended data) that has to be positive, `non_negative: parameter` and `rotation: parameter` ([`ParameterRanges`]); `coefficient: parameter`, that of
-/// friction (`base.parameter` too); `line_search: OnResidual`, a [`LineSearch`], or `line_search_by: function` of the model. A function that the module does not have is an error at its name here.
+/// [`ContactLaw::threshold`](crate::law::ContactLaw::threshold); `positive: parameter`, a member of the data
+/// that has to be positive, `non_negative: parameter` and `rotation: parameter` ([`ParameterRanges`]); `coefficient: parameter`, that of
+/// friction; `line_search: OnResidual`, a [`LineSearch`], or `line_search_by: function` of the model. A function that the module does not have is an error at its name here.
 #[macro_export]
 macro_rules! contact_law {
     ($module:ident {

@@ -104,7 +104,7 @@ pub fn check_rotation<const D: usize>(
     Err(AssemblyError::NoRotation { form, parameter, deviation })
 }
 
-/// Says which members of a forms module's `Data` have to be positive, which may be zero too, and which are rotations: `base.parameter` of extended data.
+/// Says which members of a forms module's `Data` have to be positive, which may be zero too, and which are rotations.
 /// A constant coefficient is looked at as a parameter is.
 ///
 /// ```

@@ -33,8 +33,11 @@ pub mod analytic_obstacle {
     };
 
     /// Data of the body, the method, the obstacle's motion and its shape, and of the loads.
-    #[extends(crate::laws::moving_obstacle::moving_obstacle::Data)]
-    #[includes(crate::operators::variant::Data, crate::operators::loads::Data)]
+    #[includes(
+        crate::laws::moving_obstacle::moving_obstacle::Data,
+        crate::operators::variant::Data,
+        crate::operators::loads::Data
+    )]
     pub struct Data {
         /// Half the edges of the box \[length\]; zero for a disk or a ball.
         #[default(0)]
@@ -128,15 +131,15 @@ contact_law!(analytic_obstacle {
     criterion: criterion,
     adjoint: discrete_adjoint,
     theta: theta,
-    threshold: traction_product(elasticity, base.gamma0),
-    positive: base.mu,
-    positive: base.gamma0,
+    threshold: traction_product(elasticity, gamma0),
+    positive: mu,
+    positive: gamma0,
     non_negative: half_sizes,
     non_negative: radius,
-    non_negative: base.slip_stress,
-    non_negative: base.friction,
-    rotation: base.rotation,
-    rotation: base.rotation_before,
-    coefficient: base.friction,
+    non_negative: slip_stress,
+    non_negative: friction,
+    rotation: rotation,
+    rotation: rotation_before,
+    coefficient: friction,
     line_search: OnResidual,
 });

@@ -41,8 +41,8 @@ pub mod augmented_lagrangian {
 }
 
 parameter_ranges!(augmented_lagrangian {
-    positive: base.mu,
-    positive: base.gamma0,
+    positive: mu,
+    positive: gamma0,
     non_negative: slip_stress,
     non_negative: friction,
 });

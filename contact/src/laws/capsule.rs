@@ -40,7 +40,7 @@ pub mod capsule {
     }
 
     /// Data of the body, the method, the obstacle's motion and its shape.
-    #[extends(crate::laws::moving_obstacle::moving_obstacle::Data)]
+    #[includes(crate::laws::moving_obstacle::moving_obstacle::Data)]
     pub struct Data {
         /// Half the length of the capsule's segment \[length\].
         #[default(0)]
@@ -106,15 +106,15 @@ contact_law!(capsule {
     criterion: criterion,
     adjoint: discrete_adjoint,
     threshold_by: threshold,
-    positive: base.mu,
-    positive: base.gamma0,
+    positive: mu,
+    positive: gamma0,
     positive: radius,
-    non_negative: base.slip_stress,
-    non_negative: base.friction,
+    non_negative: slip_stress,
+    non_negative: friction,
     non_negative: half_length,
-    rotation: base.rotation,
-    rotation: base.rotation_before,
-    coefficient: base.friction,
+    rotation: rotation,
+    rotation: rotation_before,
+    coefficient: friction,
     line_search: OnResidual,
 });
 
@@ -126,7 +126,7 @@ fn threshold<const D: usize>(
 where
     Dim: Dimension<D>,
 {
-    let data = &law.data.base;
+    let data = &law.data;
     let contact =
         NitscheContact::of_surface(&law.regions.gamma_c.0.name, [data.lambda, data.mu, data.gamma0]);
     material_threshold(assembler, space, &contact)

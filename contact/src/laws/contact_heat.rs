@@ -25,7 +25,7 @@ pub mod contact_heat {
     use crate::operators::friction::tangential;
 
     /// Data of bodies, contact and heat.
-    #[extends(crate::laws::two_bodies::two_bodies::Data)]
+    #[includes(crate::laws::two_bodies::two_bodies::Data)]
     pub struct Data {
         /// k, conductivity \[power/(length temperature)\].
         #[doc(alias = "k")]
@@ -97,15 +97,15 @@ pub mod contact_heat {
 }
 
 parameter_ranges!(contact_heat {
-    positive: base.mu,
-    positive: base.gamma0,
-    positive: base.share,
+    positive: mu,
+    positive: gamma0,
+    positive: share,
     positive: conductivity,
     positive: effusivity,
     positive: hardness,
     positive: duration,
-    non_negative: base.slip_stress,
-    non_negative: base.friction,
+    non_negative: slip_stress,
+    non_negative: friction,
     non_negative: conductance,
     non_negative: exponent,
 });

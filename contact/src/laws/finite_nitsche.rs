@@ -47,8 +47,8 @@ contact_law!(finite_nitsche {
     criterion: criterion,
     adjoint: discrete_adjoint,
     threshold_by: threshold,
-    positive: base.mu,
-    positive: base.gamma0,
+    positive: mu,
+    positive: gamma0,
     non_negative: slip_stress,
     non_negative: friction,
     coefficient: friction,
@@ -63,7 +63,7 @@ fn threshold<const D: usize>(
 where
     Dim: Dimension<D>,
 {
-    let data = &law.data.base;
+    let data = &law.data;
     let contact =
         NitscheContact::of_surface(&law.regions.gamma_c.0.name, [data.lambda, data.mu, data.gamma0]);
     material_threshold(assembler, space, &contact)

@@ -21,7 +21,7 @@ pub mod uzawa {
     use super::super::frictional_nitsche::frictional_nitsche::{augmented, elasticity, law, loads};
 
     /// Data of the body and of friction, with the multiplier.
-    #[extends(crate::laws::frictional_nitsche::frictional_nitsche::Data)]
+    #[includes(crate::laws::frictional_nitsche::frictional_nitsche::Data)]
     pub struct Data {
         /// λ, the traction of the obstacle on the body as far as it is known \[stress\].
         #[doc(alias = "λ")]
@@ -42,10 +42,10 @@ pub mod uzawa {
 contact_law!(uzawa {
     direct: direct,
     region: gamma_c,
-    positive: base.base.mu,
-    positive: base.base.gamma0,
-    non_negative: base.slip_stress,
-    non_negative: base.friction,
-    coefficient: base.friction,
+    positive: mu,
+    positive: gamma0,
+    non_negative: slip_stress,
+    non_negative: friction,
+    coefficient: friction,
     line_search: OnResidual,
 });

@@ -24,7 +24,7 @@ pub mod wear {
     use crate::operators::signed_distance::nitsche_density;
 
     /// Data of the body, of friction and of wear.
-    #[extends(crate::laws::frictional_nitsche::frictional_nitsche::Data)]
+    #[includes(crate::laws::frictional_nitsche::frictional_nitsche::Data)]
     pub struct Data {
         /// k_w, worn depth per pressure and distance slid \[1/stress\]: Archard's coefficient over the hardness.
         #[doc(alias = "k_w")]
@@ -91,13 +91,13 @@ contact_law!(wear {
     region: gamma_c,
     criterion: criterion,
     adjoint: discrete_adjoint,
-    theta: base.base.theta,
-    threshold: traction_product(elasticity, base.base.gamma0),
-    positive: base.base.mu,
-    positive: base.base.gamma0,
-    non_negative: base.slip_stress,
-    non_negative: base.friction,
+    theta: theta,
+    threshold: traction_product(elasticity, gamma0),
+    positive: mu,
+    positive: gamma0,
+    non_negative: slip_stress,
+    non_negative: friction,
     non_negative: wear_rate,
-    coefficient: base.friction,
+    coefficient: friction,
     line_search: OnResidual,
 });

@@ -7,7 +7,7 @@ use forms_fem::prelude::*;
 pub mod penalty {
     use forms_contact::operators::obstacle::penalty_density;
 
-    #[extends(forms_contact::operators::obstacle::Data)]
+    #[includes(forms_contact::operators::obstacle::Data)]
     pub struct Data {
         pub mu: Param,
     }

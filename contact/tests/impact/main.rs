@@ -36,9 +36,8 @@ impl Bar {
         Ok(Space::vector(&Arc::new(mesh), 1)?)
     }
 
-    fn model(&self, base: forms_fem::time::operators::vector::Data<2>) -> impact::Model<2> {
-        let required = impact::Required {
-            base,
+    fn model(&self, step: forms_fem::time::operators::vector::Data<2>) -> impact::Model<2> {
+        let data = impact::Rest {
             rho: Given::constant(1.0),
             lambda: 0.0,
             mu: self.youngs_modulus / 2.0,
@@ -46,9 +45,10 @@ impl Bar {
             gamma0: 4.0 * self.youngs_modulus,
             obstacle_normal: Given::constant([-1.0, 0.0]),
             gap: Given::constant(self.gap),
-        };
+        }
+        .with(step);
         let regions = impact::Regions::default().gamma_c("left");
-        impact::Model { data: required.into(), regions }
+        impact::Model { data, regions }
     }
 
     fn start(&self, space: &Arc<Space<2>>) -> Outcome<State<2>> {
@@ -263,8 +263,8 @@ fn without_inertia_at_the_obstacle_the_force_does_not_swing() -> Outcome {
     let redistributed = redistributed_mass(&even, "left", &assembler)?;
     let constraints = FREE.constraints(&space)?;
     let follow = |rho: &Field<2>| -> Outcome<[f64; 5]> {
-        let model = |base| {
-            let mut model = FREE.model(base);
+        let model = |step| {
+            let mut model = FREE.model(step);
             model.data.rho = Given::field(rho);
             model
         };

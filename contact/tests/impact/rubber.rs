@@ -9,30 +9,30 @@ use super::{Outcome, Pressure};
 /// A square of rubber above a flat, with γ₀.
 fn rubber_with(
     gamma0: f64,
-    base: forms_fem::time::operators::vector::Data<2>,
+    step: forms_fem::time::operators::vector::Data<2>,
     direction: [f64; 2],
 ) -> finite_impact::Model<2> {
-    let required = finite_impact::Required {
-        base,
+    let body = finite_impact::Rest {
         lambda: 4.0,
         mu: 1.0,
         rho: 1.0,
         gamma0,
         obstacle_normal: Given::constant([0.0, -1.0]),
         gap: Given::function(|x: &[f64; 2]| x[1] + 0.1),
-    };
+    }
+    .with(step);
     let data = finite_impact::Data {
         friction: 0.4,
         body_force: Given::constant([0.0, -0.1]),
         direction: Given::constant(direction),
-        ..required.into()
+        ..body
     };
     finite_impact::Model { data, regions: finite_impact::Regions::default().gamma_c("boundary") }
 }
 
 /// With γ₀ = 100 steps of any size end in cells that turn inside out.
-fn rubber(base: forms_fem::time::operators::vector::Data<2>, direction: [f64; 2]) -> finite_impact::Model<2> {
-    rubber_with(400.0, base, direction)
+fn rubber(step: forms_fem::time::operators::vector::Data<2>, direction: [f64; 2]) -> finite_impact::Model<2> {
+    rubber_with(400.0, step, direction)
 }
 
 /// In flight, where γ₀ leaves nothing of Nitsche's terms, the moment of momentum about the body's own centre stays.
@@ -43,7 +43,7 @@ fn rubber_that_flies_keeps_its_spin() -> Outcome {
     let assembler = Assembler::new(space.mesh()).with_quadrature(Quadrature::Degree(4));
     let velocity = Field::interpolate(&space, |x| [0.6 + 1.5 * (x[1] - 0.5), 0.5 - 1.5 * (x[0] - 0.5)])?;
     let start = State::new(0.0, Field::zero(&space), velocity)?;
-    let model = |base| rubber_with(1e13, base, [0.0; 2]);
+    let model = |step| rubber_with(1e13, step, [0.0; 2]);
     let form = |step: &Step<2>| model(step.into()).conserving(&step.before.value);
     let options =
         NewtonOptions { absolute_tolerance: 1e-13, relative_tolerance: 1e-13, ..NewtonOptions::default() };

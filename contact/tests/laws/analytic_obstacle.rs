@@ -26,7 +26,7 @@ fn under<const D: usize>(friction: Friction, theta: f64, top: f64) -> law::Data<
     };
     let mut half_sizes = [4.0; D];
     half_sizes[D - 1] = 2.0;
-    let base = moving_obstacle::Data {
+    let obstacle = moving_obstacle::Data {
         slip_stress,
         friction,
         criterion_force: Given::function(|x: &[f64; D]| std::array::from_fn(|k| 0.3 + x[k] - 0.5 * x[0])),
@@ -41,7 +41,7 @@ fn under<const D: usize>(friction: Friction, theta: f64, top: f64) -> law::Data<
         }
         .into()
     };
-    law::Data { theta, half_sizes, ..law::Required { base, radius: 0.5 }.into() }
+    law::Data { theta, half_sizes, ..law::Rest { radius: 0.5 }.with(obstacle) }
 }
 
 fn model<const D: usize>(data: law::Data<D>) -> law::Model<D> {
@@ -80,7 +80,7 @@ where
                 println!("{D}D, theta = {theta}, {friction:?}: {error:.1e}");
                 assert!(error < 1e-12, "{D}D, theta = {theta}, {friction:?}: {error:.1e}");
                 known.displacement_before = Given::field(&expected);
-                found.base.displacement_before = Given::field(&u);
+                found.displacement_before = Given::field(&u);
             }
         }
     }
@@ -98,7 +98,7 @@ fn an_obstacle_that_moves_is_a_body_that_moves() {
     let block = plane_block(4);
     let moved = solve(&block, model(under::<2>(Friction::Coulomb(0.3), 0.0, 0.0)), 0.02, 0.01);
     let mut data = under::<2>(Friction::Coulomb(0.3), 0.0, 0.0);
-    data.base.centre = [data.base.centre[0] - 0.02, data.base.centre[1] + 0.01];
+    data.centre = [data.centre[0] - 0.02, data.centre[1] + 0.01];
     let held = solve(&block, model(data), 0.0, 0.0);
     let shifted: Vec<f64> = held.values().chunks(2).flat_map(|u| [u[0] + 0.02, u[1] - 0.01]).collect();
     assert!(apart(&shifted, moved.values()) < 1e-11, "{:.1e}", apart(&shifted, moved.values()));
@@ -119,10 +119,19 @@ fn a_ball_presses_as_one_at_finite_strains_under_a_small_load() {
     for depth in [0.008, 0.004, 0.002] {
         let mut small = under::<2>(Friction::Coulomb(0.3), 0.0, 0.0);
         (small.half_sizes, small.radius) = ([0.0; 2], 3.0);
-        small.base.centre = [0.9, depth - 3.0];
-        small.base.centre_before = [0.9 + 0.5 * depth, depth - 3.0];
-        let base = moving_obstacle::Data { criterion_force: [0.0; 2].into(), ..small.base.clone() };
-        let finite = capsule::Data::from(capsule::Required { base, radius: 3.0 });
+        small.centre = [0.9, depth - 3.0];
+        small.centre_before = [0.9 + 0.5 * depth, depth - 3.0];
+        let finite = capsule::Required {
+            lambda: LAMBDA,
+            mu: MU,
+            gamma0: GAMMA0,
+            centre: small.centre,
+            rotation: small.rotation,
+            centre_before: small.centre_before,
+            rotation_before: small.rotation_before,
+            radius: 3.0,
+        };
+        let finite = capsule::Data { friction: small.friction, ..finite.into() };
         let finite = capsule::Model { data: finite, regions: capsule::Regions::default().gamma_c("bottom") };
         let (small, finite) = (reactions(&block, model(small)), reactions(&block, finite));
         assert!(finite[0].abs() > 0.05 * finite[1].abs(), "friction acts: {finite:?}");
@@ -143,15 +152,13 @@ fn tangents_and_adjoint_gradients() {
         let data = |friction, theta: f64| {
             let mut data = under::<D>(friction, theta, 0.004);
             data.half_sizes = [0.3; D];
-            data.base.centre[D - 1] = 0.02 - 0.8;
-            for (rotation, angle) in
-                [(&mut data.base.rotation, 0.1_f64), (&mut data.base.rotation_before, 0.102)]
-            {
+            data.centre[D - 1] = 0.02 - 0.8;
+            for (rotation, angle) in [(&mut data.rotation, 0.1_f64), (&mut data.rotation_before, 0.102)] {
                 let last = D - 1;
                 (rotation[0][0], rotation[last][last]) = (angle.cos(), angle.cos());
                 (rotation[0][last], rotation[last][0]) = (-angle.sin(), angle.sin());
             }
-            data.base.centre_before[0] += 0.004;
+            data.centre_before[0] += 0.004;
             data
         };
         let (u, direction) = (wave(&block.space, 0.02, 0.4), wave(&block.space, 0.02, 2.3));
@@ -245,8 +252,8 @@ fn a_distance_of_a_users_own() {
     };
     // Without waves it is a plane, whatever the slope of φ.
     let mut known = setting::data::<2>(Friction::Coulomb(0.3), 1.0, GAMMA0);
-    known.base.obstacle_normal = Given::constant(upward.map(|component| -component));
-    known.base.gap = Given::function(move |x: &[f64; 2]| (x[0] - 1.0) * upward[0] + x[1] * upward[1]);
+    known.obstacle_normal = Given::constant(upward.map(|component| -component));
+    known.gap = Given::function(move |x: &[f64; 2]| (x[0] - 1.0) * upward[0] + x[1] * upward[1]);
     let regions = flat::Regions::default().gamma_n("right").gamma_c("bottom");
     let expected = solve(&block, flat::Model { data: known, regions }, 0.01, 0.02);
     let u = solve(&block, model(0.0, 1.0), 0.01, 0.02);

@@ -53,10 +53,8 @@ fn laws_on_a_flat() {
                 stringify!($law),
                 &right,
                 &[
-                    wrong("`base.mu` is 0; it must be positive", |m: &mut $law::Model<2>| {
-                        m.data.base.mu = 0.0
-                    }),
-                    wrong("`base.gamma0` is 0; it must be positive", |m| m.data.base.gamma0 = 0.0),
+                    wrong("`mu` is 0; it must be positive", |m: &mut $law::Model<2>| m.data.mu = 0.0),
+                    wrong("`gamma0` is 0; it must be positive", |m| m.data.gamma0 = 0.0),
                     wrong("`slip_stress` is -1; it must be zero or positive", |m| m.data.slip_stress = -1.0),
                     wrong("`friction` is -0.1; it must be zero or positive", |m| m.data.friction = -0.1),
                 ],
@@ -70,17 +68,15 @@ fn laws_on_a_flat() {
 
     let assembler = Assembler::new(&layer.mesh).with_quadrature(Quadrature::Degree(4));
     let worn = assembler.history(Entity::Facets, "bottom", 4, 0.0).unwrap();
-    let data = wear::Required { base: flat(), wear_rate: 1e-3, worn }.into();
+    let data = wear::Rest { wear_rate: 1e-3, worn }.with(flat());
     each_is_named(
         "wear",
         &wear::Model::<2> { data, regions: wear::Regions::default() },
         &[
-            wrong("`base.base.mu` is -1; it must be positive", |m| m.data.base.base.mu = -1.0),
-            wrong("`base.base.gamma0` is -1; it must be positive", |m| m.data.base.base.gamma0 = -1.0),
-            wrong("`base.slip_stress` is -1; it must be zero or positive", |m| {
-                m.data.base.slip_stress = -1.0
-            }),
-            wrong("`base.friction` is -0.1; it must be zero or positive", |m| m.data.base.friction = -0.1),
+            wrong("`mu` is -1; it must be positive", |m| m.data.mu = -1.0),
+            wrong("`gamma0` is -1; it must be positive", |m| m.data.gamma0 = -1.0),
+            wrong("`slip_stress` is -1; it must be zero or positive", |m| m.data.slip_stress = -1.0),
+            wrong("`friction` is -0.1; it must be zero or positive", |m| m.data.friction = -0.1),
             wrong("`wear_rate` is -1; it must be zero or positive", |m| m.data.wear_rate = -1.0),
         ],
     );
@@ -88,16 +84,14 @@ fn laws_on_a_flat() {
     each_is_named(
         "uzawa",
         &uzawa::Model::<2> {
-            data: uzawa::Data { base: flat(), multiplier },
+            data: uzawa::Rest { multiplier }.with(flat()),
             regions: uzawa::Regions::default(),
         },
         &[
-            wrong("`base.base.mu` is -1; it must be positive", |m| m.data.base.base.mu = -1.0),
-            wrong("`base.base.gamma0` is -1; it must be positive", |m| m.data.base.base.gamma0 = -1.0),
-            wrong("`base.slip_stress` is -1; it must be zero or positive", |m| {
-                m.data.base.slip_stress = -1.0
-            }),
-            wrong("`base.friction` is -0.1; it must be zero or positive", |m| m.data.base.friction = -0.1),
+            wrong("`mu` is -1; it must be positive", |m| m.data.mu = -1.0),
+            wrong("`gamma0` is -1; it must be positive", |m| m.data.gamma0 = -1.0),
+            wrong("`slip_stress` is -1; it must be zero or positive", |m| m.data.slip_stress = -1.0),
+            wrong("`friction` is -0.1; it must be zero or positive", |m| m.data.friction = -0.1),
         ],
     );
 }
@@ -105,64 +99,53 @@ fn laws_on_a_flat() {
 #[test]
 fn laws_with_a_moving_obstacle() {
     let still = [along(0, 1.0), along(1, 1.0)];
-    let moving = || {
-        moving_obstacle::Required {
-            lambda: LAMBDA,
-            mu: MU,
-            gamma0: YOUNG,
-            centre: [0.0; 2],
-            rotation: still,
-            centre_before: [0.0; 2],
-            rotation_before: still,
-        }
-        .into()
+    let moving = || moving_obstacle::Required {
+        lambda: LAMBDA,
+        mu: MU,
+        gamma0: YOUNG,
+        centre: [0.0; 2],
+        rotation: still,
+        centre_before: [0.0; 2],
+        rotation_before: still,
     };
     each_is_named(
         "capsule",
         &capsule::Model::<2> {
-            data: capsule::Data { base: moving(), half_length: 0.1, radius: 1.0 },
+            data: capsule::Data { half_length: 0.1, ..capsule::Rest { radius: 1.0 }.with(moving()) },
             regions: capsule::Regions::default(),
         },
         &[
-            wrong("`base.mu` is 0; it must be positive", |m| m.data.base.mu = 0.0),
-            wrong("`base.gamma0` is 0; it must be positive", |m| m.data.base.gamma0 = 0.0),
+            wrong("`mu` is 0; it must be positive", |m| m.data.mu = 0.0),
+            wrong("`gamma0` is 0; it must be positive", |m| m.data.gamma0 = 0.0),
             wrong("`radius` is 0; it must be positive", |m| m.data.radius = 0.0),
-            wrong("`base.slip_stress` is -1; it must be zero or positive", |m| {
-                m.data.base.slip_stress = -1.0
-            }),
-            wrong("`base.friction` is -0.1; it must be zero or positive", |m| m.data.base.friction = -0.1),
+            wrong("`slip_stress` is -1; it must be zero or positive", |m| m.data.slip_stress = -1.0),
+            wrong("`friction` is -0.1; it must be zero or positive", |m| m.data.friction = -0.1),
             wrong("`half_length` is -1; it must be zero or positive", |m| m.data.half_length = -1.0),
             wrong(
-                "`base.rotation` is no rotation: an entry of QᵀQ differs by 0.210 from that of the identity",
-                |m| m.data.base.rotation[0][0] = 1.1,
+                "`rotation` is no rotation: an entry of QᵀQ differs by 0.210 from that of the identity",
+                |m| m.data.rotation[0][0] = 1.1,
             ),
-            wrong("`base.rotation_before` is no rotation: it mirrors", |m| {
-                m.data.base.rotation_before[1][1] = -1.0
-            }),
+            wrong("`rotation_before` is no rotation: it mirrors", |m| m.data.rotation_before[1][1] = -1.0),
         ],
     );
     each_is_named(
         "analytic_obstacle",
         &analytic_obstacle::Model::<2> {
-            data: analytic_obstacle::Required { base: moving(), radius: 1.0 }.into(),
+            data: analytic_obstacle::Rest { radius: 1.0 }.with(moving()),
             regions: analytic_obstacle::Regions::default(),
         },
         &[
-            wrong("`base.mu` is 0; it must be positive", |m| m.data.base.mu = 0.0),
-            wrong("`base.gamma0` is 0; it must be positive", |m| m.data.base.gamma0 = 0.0),
+            wrong("`mu` is 0; it must be positive", |m| m.data.mu = 0.0),
+            wrong("`gamma0` is 0; it must be positive", |m| m.data.gamma0 = 0.0),
             wrong("`half_sizes` is -2; it must be zero or positive", |m| m.data.half_sizes = [1.0, -2.0]),
             wrong("`radius` is -1; it must be zero or positive", |m| m.data.radius = -1.0),
             wrong(
-                "`base.rotation` is no rotation: an entry of QᵀQ differs by 0.210 from that of the identity",
-                |m| m.data.base.rotation[0][0] = 1.1,
+                "`rotation` is no rotation: an entry of QᵀQ differs by 0.210 from that of the identity",
+                |m| m.data.rotation[0][0] = 1.1,
             ),
-            wrong("`base.rotation_before` is no rotation: it mirrors", |m| {
-                m.data.base.rotation_before[1][1] = -1.0
-            }),
-            wrong("`base.slip_stress` is -1; it must be zero or positive", |m| {
-                m.data.base.slip_stress = -1.0
-            }),
-            wrong("`base.friction` is -0.1; it must be zero or positive", |m| m.data.base.friction = -0.1),
+            wrong("`rotation_before` is no rotation: it mirrors", |m| m.data.rotation_before[1][1] = -1.0),
+            wrong("`slip_stress` is -1; it must be zero or positive", |m| m.data.slip_stress = -1.0),
+            wrong("`friction` is -0.1; it must be zero or positive", |m| m.data.friction = -0.1),
         ],
     );
 }
@@ -224,13 +207,9 @@ fn laws_between_bodies() {
 }
 
 fn heated() -> contact_heat::Model<2> {
-    let required = contact_heat::Required {
-        base: between(),
-        conductivity: 2.0.into(),
-        conductance: 8.0,
-        hardness: 40.0,
-    };
-    contact_heat::Model { data: required.into(), regions: contact_heat::Regions::default() }
+    let data =
+        contact_heat::Rest { conductivity: 2.0.into(), conductance: 8.0, hardness: 40.0 }.with(between());
+    contact_heat::Model { data, regions: contact_heat::Regions::default() }
 }
 
 #[test]
@@ -239,17 +218,15 @@ fn heat_across_a_contact() {
         "contact_heat",
         &heated(),
         &[
-            wrong("`base.mu` is -1; it must be positive", |m| m.data.base.mu = (-1.0).into()),
-            wrong("`base.gamma0` is 0; it must be positive", |m| m.data.base.gamma0 = 0.0.into()),
-            wrong("`base.share` is 0; it must be positive", |m| m.data.base.share = 0.0),
+            wrong("`mu` is -1; it must be positive", |m| m.data.mu = (-1.0).into()),
+            wrong("`gamma0` is 0; it must be positive", |m| m.data.gamma0 = 0.0.into()),
+            wrong("`share` is 0; it must be positive", |m| m.data.share = 0.0),
             wrong("`conductivity` is 0; it must be positive", |m| m.data.conductivity = 0.0.into()),
             wrong("`effusivity` is 0; it must be positive", |m| m.data.effusivity = 0.0.into()),
             wrong("`hardness` is 0; it must be positive", |m| m.data.hardness = 0.0),
             wrong("`duration` is 0; it must be positive", |m| m.data.duration = 0.0),
-            wrong("`base.slip_stress` is -1; it must be zero or positive", |m| {
-                m.data.base.slip_stress = -1.0
-            }),
-            wrong("`base.friction` is -0.1; it must be zero or positive", |m| m.data.base.friction = -0.1),
+            wrong("`slip_stress` is -1; it must be zero or positive", |m| m.data.slip_stress = -1.0),
+            wrong("`friction` is -0.1; it must be zero or positive", |m| m.data.friction = -0.1),
             wrong("`conductance` is -1; it must be zero or positive", |m| m.data.conductance = -1.0),
             wrong("`exponent` is -1; it must be zero or positive", |m| m.data.exponent = -1.0),
         ],

@@ -33,7 +33,7 @@ fn data<const D: usize>(friction: f64, top: f64) -> law::Data<D> {
     centre[D - 1] = top - 3.0;
     let mut before = centre;
     before[0] += 0.004;
-    let base = moving_obstacle::Data {
+    let obstacle = moving_obstacle::Data {
         friction,
         criterion_force: Given::function(|x: &[f64; D]| std::array::from_fn(|k| 0.3 + x[k] - 0.5 * x[0])),
         ..moving_obstacle::Required {
@@ -47,7 +47,7 @@ fn data<const D: usize>(friction: f64, top: f64) -> law::Data<D> {
         }
         .into()
     };
-    law::Data { base, half_length: 0.2, radius: 3.0 }
+    law::Data { half_length: 0.2, ..law::Rest { radius: 3.0 }.with(obstacle) }
 }
 
 fn problem<const D: usize>(block: &Block<D>, data: law::Data<D>) -> ContactProblem<D, law::Model<D>>
@@ -65,7 +65,7 @@ fn tangents_and_adjoint_gradients() {
         Dim: Dimension<D>,
     {
         let mut tresca = data::<D>(0.0, 0.05);
-        tresca.base.slip_stress = 5.0;
+        tresca.slip_stress = 5.0;
         for data in [data::<D>(0.3, 0.05), tresca] {
             let problem = problem(block, data);
             let (u, direction) = (wave(&block.space, 0.03, 0.4), wave(&block.space, 0.03, 2.3));
@@ -103,7 +103,7 @@ fn a_rigid_motion_of_all_changes_no_traction() {
         problem.solve_from_stick(start, &mut TangentSolver::default(), |_| ()).unwrap()
     };
     let mut still = data::<2>(0.3, 0.05);
-    (still.base.centre_before, still.base.rotation_before) = (still.base.centre, still.base.rotation);
+    (still.centre_before, still.rotation_before) = (still.centre, still.rotation);
     let mut held = Constraints::new(&block.space);
     held.fix("top", |_| [0.01, -0.01]).unwrap();
     let first = solve(still.clone(), held, &zero);
@@ -112,9 +112,8 @@ fn a_rigid_motion_of_all_changes_no_traction() {
     let (turn, shift) = (rotation::<2>(0.4), [0.7, -0.3]);
     let apply = |y: [f64; 2]| [0, 1].map(|i| turn[i][0] * y[0] + turn[i][1] * y[1] + shift[i]);
     let mut turned = still.clone();
-    turned.base.centre = apply(still.base.centre);
-    turned.base.rotation =
-        [0, 1].map(|i| [0, 1].map(|j| (0..2).map(|k| turn[i][k] * still.base.rotation[k][j]).sum()));
+    turned.centre = apply(still.centre);
+    turned.rotation = [0, 1].map(|i| [0, 1].map(|j| (0..2).map(|k| turn[i][k] * still.rotation[k][j]).sum()));
     let mut held = Constraints::new(&block.space);
     held.fix("top", |x| {
         let y = apply([x[0] + 0.01, x[1] - 0.01]);

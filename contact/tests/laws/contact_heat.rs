@@ -82,13 +82,12 @@ where
     let data = law::Data {
         effusivity: of_bodies(mesh, EFFUSIVITIES),
         duration: DURATION,
-        ..law::Required {
-            base,
+        ..law::Rest {
             conductivity: of_bodies(mesh, CONDUCTIVITIES),
             conductance: CONDUCTANCE,
             hardness: HARDNESS,
         }
-        .into()
+        .with(base)
     };
     let model =
         law::Model { data, regions: law::Regions::default().touch(pairing.clone()).gamma_n("upper top") };

@@ -106,7 +106,7 @@ fn held(settings: &Settings, solution: &CylinderSolution) -> [f64; 2] {
             slip_stress,
             friction,
             displacement_before: Given::field(&before),
-            ..frictional_nitsche::Required { base: problem.law.data.clone() }.into()
+            ..frictional_nitsche::Rest {}.with(problem.law.data.clone())
         };
         let regions =
             frictional_nitsche::Regions::default().gamma_n("outer").gamma_c(problem.law.contact_region());

@@ -296,7 +296,7 @@ fn parameters_out_of_range_are_named() {
         "form `direct`: the parameter `slip_stress` is -2; it must be zero or positive"
     );
     assert_eq!(
-        error(|data| data.base.gamma0 = 0.0),
-        "form `direct`: the parameter `base.gamma0` is 0; it must be positive"
+        error(|data| data.gamma0 = 0.0),
+        "form `direct`: the parameter `gamma0` is 0; it must be positive"
     );
 }

@@ -119,11 +119,7 @@ impl Punch {
     fn finite(self, material: Material) -> Found {
         let base = self.data(material, 0.0);
         let regions = finite_nitsche::Regions::default().gamma_n("left").gamma_c("below the punch");
-        self.solve(
-            finite_nitsche::Model { data: frictional_nitsche::Required { base }.into(), regions },
-            8,
-            5,
-        )
+        self.solve(finite_nitsche::Model { data: frictional_nitsche::Rest {}.with(base), regions }, 8, 5)
     }
 }
 

@@ -82,7 +82,7 @@ fn case(random: &mut Random) -> Case {
 
 fn data_of(case: &Case) -> frictional_nitsche::Data<2> {
     let mut data = data::<2>(case.friction, case.theta, case.gamma0);
-    data.base.body_force = Given::constant(case.force);
+    data.body_force = Given::constant(case.force);
     data
 }
 

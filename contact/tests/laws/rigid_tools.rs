@@ -136,7 +136,7 @@ fn a_tool_is_a_body_of_which_all_nodes_are_prescribed() {
 mod moment {
     use forms_contact::laws::sliding_bodies::sliding_bodies::opposite_traction;
 
-    #[extends(forms_contact::laws::two_bodies::two_bodies::Data)]
+    #[includes(forms_contact::laws::two_bodies::two_bodies::Data)]
     pub struct Data {
         /// A quarter turn.
         pub turn: Param<Tensor>,
@@ -161,7 +161,7 @@ where
 {
     let mut turn = [[0.0; D]; D];
     (turn[from][to], turn[to][from]) = (-1.0, 1.0);
-    let data = moment::Data { base: problem.law.data.clone(), turn };
+    let data = moment::Rest { turn }.with(problem.law.data.clone());
     let touch = moment::Touch::on(Pairing::onto("top", "tool").within_reach(0.3));
     problem.assembler.functional(&moment::of_contact(&data, &touch, u)).unwrap()
 }
@@ -331,7 +331,7 @@ fn exact_disk() -> f64 {
     for step in 1..=DEPTHS {
         let centre = [1.0, 1.8 - DEPTH * step as f64 / DEPTHS as f64];
         let still = RigidMap::translation([0.0; 2]).rotation;
-        let base = moving_obstacle::Data::from(moving_obstacle::Required {
+        let obstacle = moving_obstacle::Data::from(moving_obstacle::Required {
             lambda: LAMBDA,
             mu: MU,
             gamma0: 20.0 * YOUNG,
@@ -340,7 +340,7 @@ fn exact_disk() -> f64 {
             centre_before: centre,
             rotation_before: still,
         });
-        let data = round::Data::from(round::Required { base, radius: 0.8 });
+        let data = round::Rest { radius: 0.8 }.with(obstacle);
         let mut constraints = Constraints::new(&space);
         constraints.fix("bottom", |_| [0.0; 2]).unwrap();
         let model = round::Model { data, regions: round::Regions::default().gamma_c("top") };

@@ -64,7 +64,7 @@ fn a_tyre_rolls_without_slip_where_it_sticks() {
         })
         .unwrap();
         let mut data = data::<2>(Friction::Coulomb(0.8), 0.0, 20.0 * YOUNG);
-        data.base.gap = Given::function(|x: &[f64; 2]| x[1] + 1.0);
+        data.gap = Given::function(|x: &[f64; 2]| x[1] + 1.0);
         data.displacement_before = Given::field(&before);
         let of_flat =
             rolled::Model { data: data.clone(), regions: rolled::Regions::default().gamma_c("outer") };

@@ -55,7 +55,7 @@ pub fn data<const D: usize>(friction: Friction, theta: f64, gamma0: f64) -> law:
         slip_stress,
         friction,
         force_direction: Given::constant(along(0, 1.0)),
-        ..law::Required { base }.into()
+        ..law::Rest {}.with(base)
     }
 }
 

@@ -20,7 +20,7 @@ fn mesh() -> Arc<Mesh<2>> {
 fn check(theta: f64, friction: Friction) {
     let mut data = data::<2>(friction, theta, 20.0 * YOUNG);
     let force = |x: &[f64; 2]| [0.3 + x[0] - 0.5 * x[0] * x[1], 0.2 * x[1]];
-    data.base.criterion_force =
+    data.criterion_force =
         Given::function_with_gradient(force, |x| [[1.0 - 0.5 * x[1], -0.5 * x[0]], [0.0, 0.2]]);
     let regions = law::Regions::default().gamma_n("right").gamma_c("bottom");
     let problem_on = |mesh: &Arc<Mesh<2>>| -> Result<Problem, Failure> {

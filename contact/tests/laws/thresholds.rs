@@ -30,7 +30,7 @@ fn the_cylinder_by_its_law_and_by_its_material() {
 
         // With friction the whole traction counts, in the law's forms and in the material's.
         let base = problem.law.data.clone();
-        let data = frictional_nitsche::Data::from(frictional_nitsche::Required { base });
+        let data = frictional_nitsche::Rest {}.with(base);
         let regions = frictional_nitsche::Regions::default().gamma_n("outer").gamma_c(CONTACT);
         let law = frictional_nitsche::Model { data: data.clone(), regions };
         let own = law.threshold(&problem.assembler, &problem.space).unwrap().unwrap();

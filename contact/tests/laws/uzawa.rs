@@ -12,7 +12,7 @@ use crate::layer::{Answer, Inside, Layer, plane_layers, solid_layers};
 use crate::setting::{Friction, LAMBDA, MU, YOUNG, close, data};
 
 fn model<const D: usize>(base: flat::Data<D>, multiplier: History<[f64; D], D>) -> law::Model<D> {
-    let data = law::Data { base, multiplier };
+    let data = law::Rest { multiplier }.with(base);
     law::Model { data, regions: law::Regions::default().gamma_n("right").gamma_c("bottom") }
 }
 

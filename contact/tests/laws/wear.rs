@@ -17,7 +17,7 @@ const DOWN: f64 = 0.01;
 const STIFFNESS: f64 = LAMBDA + 2.0 * MU;
 
 fn model<const D: usize>(base: flat::Data<D>, worn: History<f64, D>) -> law::Model<D> {
-    let data = law::Data::from(law::Required { base, wear_rate: RATE, worn });
+    let data = law::Rest { wear_rate: RATE, worn }.with(base);
     law::Model { data, regions: law::Regions::default().gamma_n("right").gamma_c("bottom") }
 }
 
@@ -35,7 +35,7 @@ where
     let mut u = Field::zero(&layer.space);
     let mut depths = vec![];
     for _ in 0..steps {
-        problem.law.data.base.displacement_before = Given::field(&u);
+        problem.law.data.displacement_before = Given::field(&u);
         let solved = problem.direct().unwrap().start(&u).solve().unwrap();
         u = solved.into_field();
         let worn = &problem.law.data.worn;

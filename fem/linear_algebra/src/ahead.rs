@@ -1,5 +1,7 @@
 //! Memory that the processor is asked for ahead.
 
+#![allow(unsafe_code)]
+
 /// Bytes that the processor fetches at once.
 const LINE: usize = 64;
 

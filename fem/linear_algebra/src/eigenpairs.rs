@@ -28,6 +28,7 @@ pub struct Eigenpair {
 
 /// Errors of eigenproblems.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
 pub enum EigenError {
     /// A matrix that is not symmetric.
     #[error(
@@ -49,20 +50,13 @@ pub enum EigenError {
     },
     /// The shift is an eigenvalue.
     #[error("the shift {shift:e} is an eigenvalue, up to rounding ({source}): take one below it")]
-    ShiftIsEigenvalue {
-        /// The shift.
-        shift: f64,
-        /// The factorisation's error.
-        source: LinearAlgebraError,
-    },
+    ShiftIsEigenvalue { shift: f64, source: LinearAlgebraError },
     /// Fewer eigenvalues than asked for.
     #[error("{asked} eigenvalues above {shift:e} were asked for, and there are {found}")]
     TooFew {
         /// The number asked for.
         asked: usize,
-        /// The number there is.
         found: usize,
-        /// The shift.
         shift: f64,
     },
     /// A pair that did not converge.
@@ -72,7 +66,6 @@ pub enum EigenError {
     NotConverged {
         /// Its number.
         pair: usize,
-        /// Its value.
         value: f64,
         /// Its residual relative to its terms.
         residual: f64,
@@ -80,11 +73,8 @@ pub enum EigenError {
     /// The count of eigenvalues and those that were found differ.
     #[error("{counted} eigenvalues are between {shift:e} and {end:e}, and {found} of them were found")]
     Missed {
-        /// Those counted.
         counted: usize,
-        /// Those found.
         found: usize,
-        /// The shift.
         shift: f64,
         /// The end of the count.
         end: f64,

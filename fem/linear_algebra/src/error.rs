@@ -4,6 +4,7 @@ use super::vector::first_not_finite;
 
 /// Errors of a sparse matrix or of its factorisation, with their position.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
 pub enum LinearAlgebraError {
     /// A vector or matrix has the wrong size.
     #[error("{what} has size {found}, expected {expected}")]
@@ -28,23 +29,17 @@ pub enum LinearAlgebraError {
     /// A list that must be strictly ascending is not.
     #[error("{what} must be strictly ascending, but entry {position} is not larger than its predecessor")]
     NotAscending {
-        /// The list.
         what: &'static str,
         /// First position that breaks the order.
         position: usize,
     },
     /// Two matrices that must share a sparsity pattern do not.
     #[error("the matrices have different sparsity patterns ({what})")]
-    PatternMismatch {
-        /// The operation.
-        what: &'static str,
-    },
+    PatternMismatch { what: &'static str },
     /// A matrix entry is NaN or infinite.
     #[error("matrix entry ({row}, {column}) is {value}")]
     EntryNotFinite {
-        /// Row number.
         row: usize,
-        /// Column number.
         column: usize,
         /// NaN or an infinity.
         value: f64,
@@ -52,7 +47,6 @@ pub enum LinearAlgebraError {
     /// A vector entry is NaN or infinite.
     #[error("entry {index} of {what} is {value}")]
     VectorNotFinite {
-        /// The vector.
         what: &'static str,
         /// Position in the vector.
         index: usize,

@@ -3,6 +3,8 @@
 //! Assembly adds to places all over a matrix. With pages of four kilobytes the processor looks up the page of nearly every
 //! one of them, and the system hands the pages over one by one when they are first touched.
 
+#![allow(unsafe_code)]
+
 mod supply;
 
 use std::ops::Range;

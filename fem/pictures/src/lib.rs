@@ -47,6 +47,7 @@ pub const DOTS_PER_INCH: f64 = 250.0;
 
 /// Errors of drawing or writing a picture.
 #[derive(Debug, Error)]
+#[allow(missing_docs)]
 pub enum PictureError {
     /// There is nothing to draw.
     #[error("there is nothing to draw in {picture}")]
@@ -57,35 +58,22 @@ pub enum PictureError {
     /// A value to be drawn is not a finite number.
     #[error("value {index} of \"{name}\" is {value}, which cannot be drawn")]
     NotFinite {
-        /// Name of the data.
         name: String,
         /// Place in the data.
         index: usize,
-        /// The value.
         value: f64,
     },
     /// A value in a cell is not a finite number.
     #[error("\"{name}\" is {value} in cell {cell}, which cannot be drawn")]
-    CellNotFinite {
-        /// Name of the data.
-        name: String,
-        /// Number of the cell.
-        cell: usize,
-        /// The value.
-        value: f64,
-    },
+    CellNotFinite { name: String, cell: usize, value: f64 },
     /// A field on another mesh than the picture's.
     #[error("the field \"{name}\" lives on another mesh")]
-    OtherMesh {
-        /// Name of the field.
-        name: String,
-    },
+    OtherMesh { name: String },
     /// A field that has no values in cells.
     #[error(
         "the field \"{name}\" lives on the facets of \"{region}\" alone; sample it along them for a line plot"
     )]
     OnFacets {
-        /// Name of the field.
         name: String,
         /// The facet region of its space.
         region: String,
@@ -96,23 +84,14 @@ pub enum PictureError {
     /// A logarithmic axis got a value that has no logarithm.
     #[error("value {index} of \"{name}\" is {value}, which cannot stand on a logarithmic axis")]
     NotPositive {
-        /// Name of the data.
         name: String,
         /// Place in the data.
         index: usize,
-        /// The value.
         value: f64,
     },
     /// Data of the wrong length.
     #[error("\"{name}\" has {found} values where {expected} are needed")]
-    Length {
-        /// Name of the data.
-        name: String,
-        /// Number of values needed.
-        expected: usize,
-        /// Number of values given.
-        found: usize,
-    },
+    Length { name: String, expected: usize, found: usize },
     /// An interval without length.
     #[error("the range of {name} from {low} to {high} has no length")]
     Range {
@@ -125,12 +104,7 @@ pub enum PictureError {
     },
     /// A page that has no area or is too large.
     #[error("a picture of {width} × {height} cannot be drawn")]
-    Size {
-        /// Width.
-        width: f64,
-        /// Height.
-        height: f64,
-    },
+    Size { width: f64, height: f64 },
     /// The embedded font cannot be read.
     #[error("the embedded font cannot be read: {reason}")]
     Font {

@@ -2,6 +2,8 @@
 //!
 //! The same operations in the same order whatever the machine: pictures are equal to the last pixel.
 
+#![allow(unsafe_code)]
+
 use super::drawing::Point;
 
 /// Samples that are judged at once.

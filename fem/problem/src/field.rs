@@ -55,6 +55,7 @@ pub(crate) fn views<'a, const D: usize>(fields: &[&'a Field<D>]) -> Vec<FieldVie
 
 /// Errors of a field or of its evaluation.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum FieldError {
     /// A wrong number of coefficients.
     #[error("the space has {unknowns} unknowns, but {length} values were given")]
@@ -81,21 +82,11 @@ pub enum FieldError {
         entities: &'static str,
         /// The family of the space.
         family: Family,
-        /// Its degree.
         degree: usize,
     },
     /// A coefficient is NaN or infinite.
     #[error("component {component} at node {node}, position {position:?}, is not finite: {value}")]
-    NotFinite {
-        /// Node number.
-        node: usize,
-        /// Component.
-        component: usize,
-        /// Position of the node.
-        position: Vec<f64>,
-        /// The value.
-        value: f64,
-    },
+    NotFinite { node: usize, component: usize, position: Vec<f64>, value: f64 },
     /// Fields on different spaces cannot be added.
     #[error("the fields are not on one space: {differ}")]
     OtherSpace {
@@ -115,10 +106,7 @@ pub enum FieldError {
     },
     /// The point is in no cell.
     #[error("the point {point:?} lies outside the mesh")]
-    Outside {
-        /// The point.
-        point: Vec<f64>,
-    },
+    Outside { point: Vec<f64> },
 }
 
 impl<const D: usize> From<&Field<D>> for Source<D> {

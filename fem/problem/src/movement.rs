@@ -16,6 +16,7 @@ const EQUALLY_LONG: f64 = 1e-12;
 
 /// Errors of moving a mesh along a field.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum MovementError {
     /// The field lives on another space than the geometry.
     #[error(
@@ -41,7 +42,6 @@ pub enum MovementError {
     Length {
         /// Cells of the mesh.
         cells: usize,
-        /// Numbers given.
         found: usize,
     },
     /// There is no space of constants on cells.
@@ -50,7 +50,6 @@ pub enum MovementError {
     /// The moved mesh is none.
     #[error("after a movement with step {step:e}: {source}")]
     Mesh {
-        /// The step.
         step: f64,
         /// Why; it names the cell.
         source: MeshError,

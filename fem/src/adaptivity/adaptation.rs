@@ -133,13 +133,11 @@ pub struct Adapted<const D: usize> {
 
 /// Errors of a cycle of adaptivity, with E those of the user's solution.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum AdaptationError<E: fmt::Display> {
     /// A tolerance that cannot be reached by any estimate.
     #[error("the tolerance {tolerance} is not above zero")]
-    Tolerance {
-        /// The tolerance.
-        tolerance: f64,
-    },
+    Tolerance { tolerance: f64 },
     /// The problem on one of the meshes was not solved.
     #[error("mesh {number} of {cells} cells: {reason}")]
     Solution {
@@ -147,7 +145,6 @@ pub enum AdaptationError<E: fmt::Display> {
         number: usize,
         /// Cells of the mesh.
         cells: usize,
-        /// The reason.
         reason: Box<E>,
     },
     /// An estimate that is not a number.
@@ -179,11 +176,9 @@ pub enum AdaptationError<E: fmt::Display> {
     TooManyUnknowns {
         /// The estimated error on the last mesh.
         estimate: f64,
-        /// Unknowns there.
         unknowns: usize,
         /// Unknowns allowed.
         most: usize,
-        /// The tolerance.
         tolerance: f64,
     },
     /// Indicators or a fraction by which nothing can be marked.

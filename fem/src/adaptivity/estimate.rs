@@ -23,15 +23,11 @@ pub struct ErrorEstimate {
 
 /// Errors of estimates.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum EstimateError {
     /// The square of an indicator that is none.
     #[error("the square of the indicator of cell {cell} is {value}")]
-    Square {
-        /// The cell.
-        cell: usize,
-        /// The number.
-        value: f64,
-    },
+    Square { cell: usize, value: f64 },
     /// An adjoint state whose space is not richer than that of the solution has no weight: the residual vanishes on it.
     #[error("the adjoint state has degree {adjoint}, which must be higher than the solution's, {primal}")]
     Degree {

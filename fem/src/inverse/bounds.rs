@@ -88,25 +88,17 @@ impl Bounds {
 
 /// Bounds that do not fit.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum BoundsMismatch {
     /// The number of bounds is not that of the controls.
     #[error("{lower} lower and {upper} upper bounds were given for {controls} controls")]
-    Length {
-        /// Lower bounds.
-        lower: usize,
-        /// Upper bounds.
-        upper: usize,
-        /// Controls.
-        controls: usize,
-    },
+    Length { lower: usize, upper: usize, controls: usize },
     /// A lower bound above the upper one.
     #[error("the lower bound {lower} of control {control} is not below its upper bound {upper}")]
     Order {
         /// The number of the control.
         control: usize,
-        /// Its lower bound.
         lower: f64,
-        /// Its upper bound.
         upper: f64,
     },
 }

@@ -58,65 +58,45 @@ impl<const D: usize> Entry<D> {
 
 /// Errors of controls.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum ControlError {
     /// No control of this name and kind.
     #[error("there is no {kind} `{name}` among the controls; they are {known}")]
     Unknown {
-        /// The name asked for.
         name: String,
         /// "number" or "field".
         kind: &'static str,
-        /// The names that there are.
         known: String,
     },
     /// Two controls of one name.
     #[error("two controls are named `{name}`")]
-    Twice {
-        /// The name.
-        name: String,
-    },
+    Twice { name: String },
     /// A control with the name of what a step reads.
     #[error(
         "a control cannot be named `{name}`: `by_{name}` tests the derivative by something that steps read"
     )]
-    Reserved {
-        /// The name.
-        name: String,
-    },
+    Reserved { name: String },
     /// Another number of values than of steps.
     #[error("the control `{name}` has {found} values, one per step, and there are {steps} steps")]
-    Steps {
-        /// The control.
-        name: String,
-        /// Its values.
-        found: usize,
-        /// The steps.
-        steps: usize,
-    },
+    Steps { name: String, found: usize, steps: usize },
     /// Another number of values than the controls have.
     #[error("the controls have {expected} values, and {found} were given")]
     Length {
         /// The controls' own.
         expected: usize,
-        /// Those given.
         found: usize,
     },
     /// A value that is not finite.
     #[error("the value {value} of the control `{name}` is not finite (its number {index})")]
     NotFinite {
-        /// The control.
         name: String,
         /// The number of the value among its own.
         index: usize,
-        /// The value.
         value: f64,
     },
     /// A start on another space than the history's.
     #[error("the start `{name}` is on another space than the history")]
-    Space {
-        /// The control.
-        name: String,
-    },
+    Space { name: String },
     /// The state before a step, where there is none.
     #[error(
         "the state before the step is no part of a criterion: a criterion is one of the state after the step"
@@ -124,10 +104,7 @@ pub enum ControlError {
     NoBefore,
     /// The rate of the start of a history that has no rates.
     #[error("the control `{name}` is a rate at the start, and steps of loads have no rates")]
-    NoRate {
-        /// The control.
-        name: String,
-    },
+    NoRate { name: String },
     /// Fields that do not fit.
     #[error(transparent)]
     Field(#[from] FieldError),

@@ -22,6 +22,7 @@ impl Part {
 
 /// An error of a map.
 #[derive(Debug, Error)]
+#[allow(missing_docs)]
 pub enum MapError {
     /// A vector of another length than the map's.
     #[error("the {vector} has {found} values; the map has {expected}: {parts}")]
@@ -44,7 +45,6 @@ pub enum MapError {
         name: String,
         /// The number of the value in its part, from 0.
         index: usize,
-        /// The value.
         value: f64,
     },
     /// A result that is not finite.

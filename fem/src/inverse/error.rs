@@ -24,6 +24,7 @@ pub struct HistoryError {
 
 /// A reason why a history failed.
 #[derive(Debug, Error)]
+#[allow(missing_docs)]
 pub enum HistoryFailure {
     /// Controls that do not fit, or that do not exist.
     #[error(transparent)]
@@ -39,7 +40,6 @@ pub enum HistoryFailure {
     NotTested {
         /// The form of the rates.
         form: &'static str,
-        /// The control.
         name: String,
         /// Meaning of the missing test function.
         meaning: &'static str,
@@ -52,7 +52,6 @@ pub enum HistoryFailure {
     UnknownTest {
         /// The form of the rates.
         form: &'static str,
-        /// The test function.
         test: &'static str,
     },
     /// Rates with an unknown.
@@ -60,7 +59,6 @@ pub enum HistoryFailure {
     RateOfUnknown {
         /// The form of the rates.
         form: &'static str,
-        /// Its unknown.
         unknown: &'static str,
     },
     /// Observations of a step that is never taken.
@@ -68,7 +66,6 @@ pub enum HistoryFailure {
     ObservedLater {
         /// The step observed, from 0.
         step: usize,
-        /// The number of steps.
         steps: usize,
     },
     /// Observations of states on another space.
@@ -87,41 +84,25 @@ pub enum HistoryFailure {
     #[error(
         "`{form}` has pairs of displaced surfaces; adjoints of such motions are not available (those of load histories are)"
     )]
-    Sliding {
-        /// The form.
-        form: &'static str,
-    },
+    Sliding { form: &'static str },
     /// A form of motion that reads its unknown next to the operators of [`time`](crate::time), with a scheme that reads second rates.
     #[error(
         "`{form}` reads its unknown `{unknown}` itself: at the start, where this scheme finds the second rate from the form, that is no \
          value but a second rate; read `displacement({unknown})`, `velocity({unknown})`, `acceleration({unknown})` (of scalars `value`, \
          `rate`, `second_rate`), or take a scheme that reads none, as the mid-point rule"
     )]
-    UnknownItself {
-        /// The form.
-        form: &'static str,
-        /// Its unknown.
-        unknown: &'static str,
-    },
+    UnknownItself { form: &'static str, unknown: &'static str },
     /// Second derivatives of a form of motion that reads more than operators give.
     #[error(
         "second derivatives take forms of motion that read unknown and state before by the operators of time alone, and `{form}` reads \
          one of them itself"
     )]
-    BesideOperators {
-        /// The form.
-        form: &'static str,
-    },
+    BesideOperators { form: &'static str },
     /// Values at quadrature points that steps would write.
     #[error(
         "`{form}` reads the history `{field}`: what a step writes at quadrature points has no adjoint here; let the past be a field"
     )]
-    QuadratureValues {
-        /// The form.
-        form: &'static str,
-        /// Its history.
-        field: &'static str,
-    },
+    QuadratureValues { form: &'static str, field: &'static str },
     /// A form that does not fit, or could not be assembled.
     #[error(transparent)]
     Assembly(#[from] AssemblyError),

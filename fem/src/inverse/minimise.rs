@@ -70,6 +70,7 @@ pub struct Minimum {
 
 /// A minimisation that could not go on.
 #[derive(Debug, Error)]
+#[allow(missing_docs)]
 pub enum MinimisationError<E: std::error::Error + 'static> {
     /// Bounds that do not fit.
     #[error(transparent)]
@@ -80,7 +81,6 @@ pub enum MinimisationError<E: std::error::Error + 'static> {
     /// The problem failed at the start, or at each trial of a step.
     #[error("iteration {iteration}: {why}")]
     Problem {
-        /// The iteration.
         iteration: usize,
         /// The problem's error.
         #[source]

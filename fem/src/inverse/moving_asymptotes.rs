@@ -71,6 +71,7 @@ pub struct ConstrainedMinimum {
 
 /// A minimisation that could not go on.
 #[derive(Debug, Error)]
+#[allow(missing_docs)]
 pub enum ConstrainedError<E: std::error::Error + 'static> {
     /// Bounds that do not fit.
     #[error(transparent)]
@@ -85,13 +86,11 @@ pub enum ConstrainedError<E: std::error::Error + 'static> {
         constraint: usize,
         /// Entries of its gradient.
         found: usize,
-        /// The controls.
         controls: usize,
     },
     /// A value or a gradient that is not finite.
     #[error("iteration {iteration}: {what} or its gradient is not finite")]
     NotFinite {
-        /// The iteration.
         iteration: usize,
         /// The criterion, or which constraint.
         what: String,
@@ -99,7 +98,6 @@ pub enum ConstrainedError<E: std::error::Error + 'static> {
     /// The problem or a constraint failed.
     #[error("iteration {iteration}: {why}")]
     Problem {
-        /// The iteration.
         iteration: usize,
         /// The problem's error.
         #[source]

@@ -28,22 +28,17 @@ pub struct Checkpoint {
 
 /// Errors of a checkpoint.
 #[derive(Debug, Error)]
+#[allow(missing_docs)]
 pub enum CheckpointError {
     /// The file cannot be read or written.
     #[error(transparent)]
     Io(#[from] io::Error),
     /// The file is no checkpoint.
     #[error("{} is no checkpoint: {why}", path.display())]
-    Content {
-        /// The file.
-        path: PathBuf,
-        /// The problem.
-        why: String,
-    },
+    Content { path: PathBuf, why: String },
     /// The file's content is not what was written.
     #[error("{} is damaged: its checksum is {found}, not {expected}", path.display())]
     Damaged {
-        /// The file.
         path: PathBuf,
         /// The checksum that it states.
         expected: String,

@@ -14,25 +14,14 @@ pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 
 /// Errors of a shape optimisation.
 #[derive(Debug, Error)]
+#[allow(missing_docs)]
 pub enum ShapeOptimisationError {
     /// An option without meaning.
     #[error("{name} = {value} is not possible: {why}")]
-    Option {
-        /// Its name.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// The requirement.
-        why: &'static str,
-    },
+    Option { name: &'static str, value: f64, why: &'static str },
     /// The problem has no solution on the shape that the descent begins or goes on with.
     #[error("iteration {iteration}: {source}")]
-    Problem {
-        /// The iteration.
-        iteration: usize,
-        /// Why.
-        source: Failure,
-    },
+    Problem { iteration: usize, source: Failure },
     /// A derivative has a wrong number of entries.
     #[error("the derivative of {what} has {found} entries, the movements have {expected} unknowns")]
     Length {
@@ -40,17 +29,14 @@ pub enum ShapeOptimisationError {
         what: &'static str,
         /// Unknowns of the movements.
         expected: usize,
-        /// Entries given.
         found: usize,
     },
     /// A value that is not a number.
     #[error("iteration {iteration}: {what} is {value}")]
     NotFinite {
-        /// The iteration.
         iteration: usize,
         /// The criterion or the constraint.
         what: &'static str,
-        /// The value.
         value: f64,
     },
     /// The state belongs to another mesh.
@@ -68,9 +54,7 @@ pub enum ShapeOptimisationError {
     NotPeriodic {
         /// Parts of the full circle.
         count: usize,
-        /// The centre.
         centre: Vec<f64>,
-        /// Position of the node.
         position: Vec<f64>,
         /// From the turned position to the nearest node.
         distance: f64,

@@ -26,6 +26,7 @@ pub struct Checkpoint<const D: usize> {
 
 /// Errors of a checkpoint.
 #[derive(Debug, Error)]
+#[allow(missing_docs)]
 pub enum CheckpointError {
     /// The file cannot be read or written.
     #[error(transparent)]
@@ -33,23 +34,17 @@ pub enum CheckpointError {
     /// The file is no checkpoint, or a damaged one.
     #[error("{}, line {line}: {expected} was expected", path.display())]
     Content {
-        /// The file.
         path: PathBuf,
         /// Number of the line, from 1.
         line: usize,
-        /// The expected contents.
         expected: &'static str,
     },
     /// It was written on another space.
     #[error("{} was written on another space: its nodes are not those of this one", path.display())]
-    OtherSpace {
-        /// The file.
-        path: PathBuf,
-    },
+    OtherSpace { path: PathBuf },
     /// A number of a field is not finite.
     #[error("{}: {why}", path.display())]
     Field {
-        /// The file.
         path: PathBuf,
         /// The field's error.
         why: FieldError,

@@ -23,24 +23,17 @@ pub struct StepError {
 
 /// A reason why a step was not taken.
 #[derive(Debug, Error)]
+#[allow(missing_docs)]
 pub enum StepFailure {
     /// A step size that is no positive number, or too small to change the time.
     #[error("the step size {0} is no positive number that changes the time")]
     StepSize(f64),
     /// States that are not in the order of time.
     #[error("the states before the step, newest first, have times that do not fall: {times:?}")]
-    NotEarlier {
-        /// Their times.
-        times: Vec<f64>,
-    },
+    NotEarlier { times: Vec<f64> },
     /// A scheme whose formulas read states that do not exist.
     #[error("the scheme reads {read} states, and there are {known} before the step")]
-    MissingStates {
-        /// States that it reads.
-        read: usize,
-        /// States that are known.
-        known: usize,
-    },
+    MissingStates { read: usize, known: usize },
     /// The form does not fit, or could not be assembled.
     #[error(transparent)]
     Assembly(#[from] AssemblyError),
@@ -78,7 +71,6 @@ pub enum StepFailure {
         "unknown {unknown} has the lumped mass {mass}: lumping takes elements of degree one with mass everywhere"
     )]
     NoMass {
-        /// The unknown.
         unknown: usize,
         /// Its row sum.
         mass: f64,
@@ -89,10 +81,7 @@ pub enum StepFailure {
         "{} unknowns, unknown {} the first, have no inertia, and the scheme reads accelerations there: take the trapezoidal or the mid-point rule, or backward differences",
         .unknowns.len(), .unknowns[0]
     )]
-    Massless {
-        /// The unknowns.
-        unknowns: Vec<usize>,
-    },
+    Massless { unknowns: Vec<usize> },
     /// Lumped masses of related unknowns.
     #[error("masses are lumped where unknowns are free or prescribed; here some are given by others")]
     LumpedRelations,
@@ -101,7 +90,6 @@ pub enum StepFailure {
         "an explicit step keeps prescribed values as they are, but unknown {unknown} goes from {from} to {to}"
     )]
     MovingSupport {
-        /// The unknown.
         unknown: usize,
         /// Its value where the scheme takes it.
         from: f64,
@@ -119,9 +107,7 @@ pub enum StepFailure {
     /// A number of a state, which is watched, that does not exist.
     #[error("the number `{name}` of the state at this time: {why}")]
     Event {
-        /// Its name.
         name: String,
-        /// The reason.
         #[source]
         why: Box<dyn std::error::Error + Send + Sync>,
     },

@@ -11,7 +11,7 @@
 //! mod bar {
 //!     use forms_fem::time::operators::vector::{acceleration, displacement};
 //!
-//!     #[extends(forms_fem::time::operators::vector::Data)]
+//!     #[includes(forms_fem::time::operators::vector::Data)]
 //!     pub struct Data {
 //!         pub rho: Param,
 //!         pub mu: Param,
@@ -32,7 +32,7 @@
 //! let pulled = Field::interpolate(&space, |x| [0.01 * x[0], 0.0])?;
 //!
 //! let form = |step: &Step<2>| {
-//!     bar::Model::new(bar::Data { base: step.into(), rho: 1.0, mu: 0.5 }).motion()
+//!     bar::Model::new(bar::Rest { rho: 1.0, mu: 0.5 }.with(step)).motion()
 //! };
 //! let start = State::new(0.0, pulled, Field::zero(&space))?;
 //! let mut motion = TimeLoop::new(form, GeneralisedAlpha::trapezoidal(), start).constrained(&held);

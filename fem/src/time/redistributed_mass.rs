@@ -41,6 +41,7 @@ mod moments {
 
 /// A density that was not redistributed.
 #[derive(Debug, Error)]
+#[allow(missing_docs)]
 pub enum RedistributionError {
     /// A region or mesh that does not fit: hanging nodes carry the mass of cells away from the boundary to its nodes.
     #[error(transparent)]
@@ -53,16 +54,10 @@ pub enum RedistributionError {
     NotPerCell,
     /// A density that is no positive number.
     #[error("the density of cell {cell} is {density}, no positive number")]
-    Density {
-        /// The cell.
-        cell: usize,
-        /// Its density.
-        density: f64,
-    },
+    Density { cell: usize, density: f64 },
     /// A boundary that all cells touch.
     #[error("all {cells} cells touch \"{region}\": none is left to take their mass")]
     NoCellLeft {
-        /// The boundary.
         region: String,
         /// Number of cells.
         cells: usize,
@@ -72,7 +67,6 @@ pub enum RedistributionError {
         "without mass in the cells at \"{region}\" the density would fall to {factor:.3} of what it was in cell {cell}: the mesh is too coarse there"
     )]
     NotPositive {
-        /// The boundary.
         region: String,
         /// The cell in which the factor is smallest.
         cell: usize,

@@ -119,15 +119,13 @@ impl Combination {
 
 /// A parameter with which a scheme would not be one.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum SchemeError {
     /// Outside the range in which the scheme is stable.
     #[error("{name} = {value} of {scheme}: it lies between {from} and {to}")]
     Parameter {
-        /// The scheme.
         scheme: &'static str,
-        /// The parameter.
         name: &'static str,
-        /// Its value.
         value: f64,
         /// Its smallest value.
         from: f64,

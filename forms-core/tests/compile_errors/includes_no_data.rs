@@ -55,6 +55,47 @@ pub mod of_a_region {
     pub struct Data {}
 }
 
+/// Nor are they in modules that include these.
+#[forms(crate = forms_core)]
+pub mod of_what_includes_a_function {
+    #[includes(super::of_a_function::Data)]
+    pub struct Data {
+        pub strength: Param,
+    }
+    pub fn work(u: State<Scalar>) -> Scalar {
+        load * gap * strength * unheard * u
+    }
+}
+
+pub mod other_name {
+    pub use super::elasticity::Data as Material;
+}
+
+#[forms(crate = forms_core)]
+pub mod no_data {
+    pub fn twice(s: Scalar) -> Scalar {
+        2 * s
+    }
+}
+
+#[forms(crate = forms_core)]
+pub mod of_another_name {
+    #[includes(super::other_name::Material)]
+    pub struct Data {}
+}
+
+#[forms(crate = forms_core)]
+pub mod of_a_module_without_data {
+    #[includes(super::no_data::twice)]
+    pub struct Data {}
+}
+
+#[forms(crate = forms_core)]
+pub mod of_a_generic_path {
+    #[includes(super::elasticity::Data<2>)]
+    pub struct Data {}
+}
+
 #[forms(crate = forms_core)]
 pub mod a_region {
     #[includes(super::elasticity::Data)]

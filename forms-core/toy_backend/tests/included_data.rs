@@ -20,7 +20,7 @@ pub mod elasticity {
 
 #[forms(crate = toy_backend)]
 pub mod friction {
-    #[extends(crate::elasticity::Data)]
+    #[includes(crate::elasticity::Data)]
     pub struct Data {
         pub gap: Given<Scalar>,
         #[default(0.25)]
@@ -74,15 +74,46 @@ pub mod typed_out {
     }
 }
 
-/// Extends what includes.
+/// Includes what includes.
 #[forms(crate = toy_backend)]
 pub mod loaded {
     pub use crate::flat::{Omega, work};
 
-    #[extends(crate::flat::Data)]
+    #[includes(crate::flat::Data)]
     pub struct Data {
         pub load: Param,
     }
+}
+
+/// The data need not be public: then they are included, and no value of them is handed over.
+mod private {
+    use forms_core::forms;
+
+    #[forms(crate = forms_core)]
+    pub mod stiffness {
+        struct Data {
+            mu: Param,
+        }
+    }
+    #[forms(crate = forms_core)]
+    pub mod doubled {
+        #[includes(super::stiffness::Data)]
+        pub struct Data {}
+        #[cells]
+        pub struct Rest;
+        pub fn twice() -> Functional {
+            integral(Rest, 2 * mu)
+        }
+    }
+}
+
+#[test]
+fn private_data_are_included() {
+    use private::doubled;
+    let mesh = Mesh::<2>::cube(&mut Random(3));
+    let value =
+        |mu| functional(&mesh, &doubled::twice(&doubled::Data { mu }, &doubled::Rest::on("all")), &[]);
+    assert!(value(1.0) > 0.0 && (value(3.0) - 3.0 * value(1.0)).abs() < 1e-13);
 }
 
 fn lambda<const D: usize>() -> Given<f64, D> {
@@ -105,7 +136,7 @@ fn members_are_the_structs_own() {
     let mine = functional(&mesh, &model.work(u.source()));
     let theirs = functional(&mesh, &typed_out::Model::new(whole).work(u.source()));
     assert!(theirs.abs() > 1e-3 && (mine - theirs).abs() < 1e-14 * theirs.abs(), "{mine} {theirs}");
-    let onward = loaded::Model::new(loaded::Data { base: data.clone(), load: 1.0 });
+    let onward = loaded::Model::new(loaded::Rest { load: 1.0 }.with(data.clone()));
     assert_eq!(functional(&mesh, &onward.work(u.source())), mine);
     // By an included parameter: gap coefficient u·u.
     let slopes = expression(&mesh, &model.slope(u.source()), (Entity::Cells, "all"));

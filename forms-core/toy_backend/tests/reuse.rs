@@ -295,7 +295,7 @@ pub mod again {
     pub use super::keywords::{r#dyn as r#enum, r#struct};
     use super::r#loop::r#match;
 
-    #[extends(super::keywords::Data)]
+    #[includes(super::keywords::Data)]
     pub struct Data {}
 }
 
@@ -308,8 +308,8 @@ fn names_that_are_keywords_travel() {
     let data = keywords::Data::<2> { r#type: 3.0, r#as: 10.0 };
     value(&|| functional(&mesh, &keywords::r#struct(&data, &r#loop::r#match::on("all"), two())), 7.0);
     value(&|| functional(&mesh, &keywords::r#dyn(&data, &r#loop::r#match::on("all"), two())), 77.0);
-    let data = again::Data { base: data };
-    value(&|| functional(&mesh, &again::r#enum(&data, &r#loop::r#match::on("all"), two())), 77.0);
-    let model = keywords::Model { data: data.base, regions: keywords::Regions::default().r#match("all") };
+    let included = again::Rest {}.with(data.clone());
+    value(&|| functional(&mesh, &again::r#enum(&included, &r#loop::r#match::on("all"), two())), 77.0);
+    let model = keywords::Model { data, regions: keywords::Regions::default().r#match("all") };
     value(&|| functional(&mesh, &model.r#dyn(two())), 77.0);
 }

@@ -4,230 +4,56 @@
 //! syn::ItemMod ─parse→ Module ─check→ Checked ─differentiate→ Derived ─optimise→ Optimised ─emit→ Rust
 //! ```
 //!
-//! Next to the stages: `reuse` brings what the module imports before them, `dump` and `show` print what they made, `proof` and
-//! `reference` check them on random forms.
+//! Next to the stages: `calls` are the ways in, `reuse` brings what the module imports before the stages, `dump` and `show` print what
+//! they made, `proof` and `reference` check them on random forms.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
-use syn::parse::{Parse, ParseStream};
-use syn::{Ident, ItemMod, LitInt, Path, Token};
+use syn::{Ident, ItemMod};
 
 use crate::check::check;
 use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::differentiate::differentiate;
 use crate::dump::{self, Dump};
 use crate::emit::named_regions::regions_named;
-use crate::emit::{Products, editor, emit};
-use crate::one_form::OneForm;
+use crate::emit::{editor, emit};
 use crate::optimise::{Failure, optimise};
-use crate::parse::attributes::outer;
+use crate::options::Options;
 use crate::parse::parse;
 use crate::reuse::import::Arrived;
-use crate::reuse::uses::{self, Import};
-use crate::reuse::{self, State, Subject, carrier, import, payload};
-use crate::show::{Shown, formulas};
-
-/// `#[forms(dimension = 3, matrix_free, crate = my_backend)]`
-pub struct Options {
-    dimensions: Vec<usize>,
-    backend: Path,
-    products: Products,
-}
-
-impl Parse for Options {
-    fn parse(input: ParseStream) -> syn::Result<Self> {
-        let mut options = Options {
-            dimensions: vec![2, 3],
-            backend: syn::parse_quote!(::forms_fem),
-            products: Products::ByMatrices,
-        };
-        while !input.is_empty() {
-            if input.peek(Token![crate]) {
-                input.parse::<Token![crate]>()?;
-                input.parse::<Token![=]>()?;
-                options.backend = rooted(input.call(Path::parse_mod_style)?);
-            } else {
-                let name: Ident = input.parse()?;
-                if name == "matrix_free" {
-                    options.products = Products::MatrixFree;
-                    if !input.is_empty() {
-                        input.parse::<Token![,]>()?;
-                    }
-                    continue;
-                }
-                if name != "dimension" {
-                    let message = format!(
-                        "unknown option `{name}`\nhelp: the options are `dimension = 2`, `dimension = 3`, `matrix_free` and `crate = path`"
-                    );
-                    return Err(syn::Error::new(name.span(), message));
-                }
-                input.parse::<Token![=]>()?;
-                let value: LitInt = input.parse()?;
-                match value.base10_parse::<usize>() {
-                    Ok(dimension @ (2 | 3)) => options.dimensions = vec![dimension],
-                    _ => return Err(syn::Error::new(value.span(), "the dimension is 2 or 3")),
-                }
-            }
-            if !input.is_empty() {
-                input.parse::<Token![,]>()?;
-            }
-        }
-        Ok(options)
-    }
-}
-
-/// A path that begins with a crate's name says so: a function of the module may have that name, too.
-fn rooted(mut path: Path) -> Path {
-    let relative = |name: &Ident| name == "crate" || name == "self" || name == "super";
-    if !path.segments.first().is_some_and(|first| relative(&first.ident)) {
-        path.leading_colon.get_or_insert_default();
-    }
-    path
-}
-
-/// Begins to compile a module: the imports first.
-pub fn start(state: State) -> TokenStream {
-    let options = match syn::parse2::<Options>(state.attribute.clone()) {
-        Ok(options) => options,
-        Err(error) => return error.into_compile_error(),
-    };
-    let Subject::Module(item) = &state.subject else { return TokenStream::new() };
-    let (attributes, visibility, name) = (item.attrs.iter().cloned().map(outer), &item.vis, &item.ident);
-    let content = proceed(&options, item, &state);
-    let allow = allow();
-    quote! {
-        #(#attributes)*
-        #allow
-        #visibility mod #name {
-            #content
-        }
-    }
-}
-
-/// Lints that emitted modules are free of.
-pub fn allow() -> TokenStream {
-    quote! {
-        #[allow(missing_docs, dead_code, unused_variables, non_snake_case, non_camel_case_types, uncommon_codepoints, mixed_script_confusables)]
-        #[allow(clippy::all)]
-    }
-}
-
-/// Begins to compile the contents of `form!`.
-pub fn start_form(state: State) -> TokenStream {
-    match &state.subject {
-        Subject::Form(tokens) => proceed_form(tokens, &state),
-        Subject::Module(_) => TokenStream::new(),
-    }
-}
-
-/// Goes on when another import has arrived. The options have been read before.
-pub fn resume(state: State) -> TokenStream {
-    match &state.subject {
-        Subject::Form(tokens) => proceed_form(tokens, &state),
-        Subject::Module(item) => match syn::parse2::<Options>(state.attribute.clone()) {
-            Ok(options) => proceed(&options, item, &state),
-            Err(error) => error.into_compile_error(),
-        },
-    }
-}
-
-/// Asks for the next import of a module, or compiles.
-fn proceed(options: &Options, item: &ItemMod, state: &State) -> TokenStream {
-    let (imports, diagnostics) = read_uses(item);
-    if let Some(next) = imports.get(state.received.len()) {
-        return reuse::call(next, &options.backend, state);
-    }
-    let mut dump = Dump::from_environment();
-    let mut unit = Unit { options, item: item.clone(), diagnostics, dump: &mut dump };
-    let mut arrived = unit.arrived(imports, &state.received);
-    import::add_declarations(&mut unit.item, &mut arrived, &mut unit.diagnostics);
-    let compiled = unit.compile(arrived);
-    eprint!("{}", dump.text);
-    let Compiled { code, carrier, .. } = compiled;
-    quote! { #code #carrier }
-}
-
-/// Asks for the next import of a `form!`, or compiles.
-fn proceed_form(tokens: &TokenStream, state: &State) -> TokenStream {
-    let form: OneForm = match syn::parse2(tokens.clone()) {
-        Ok(form) => form,
-        Err(error) => return error.into_compile_error(),
-    };
-    let options: Options = match syn::parse2(form.options.clone()) {
-        Ok(options) => options,
-        Err(error) => return error.into_compile_error(),
-    };
-    let (imports, diagnostics) = read_uses(&form.item);
-    if let Some(next) = imports.get(state.received.len()) {
-        return reuse::call(next, &options.backend, state);
-    }
-    let mut dump = Dump::from_environment();
-    let mut unit = Unit { options: &options, item: form.item.clone(), diagnostics, dump: &mut dump };
-    let arrived = unit.arrived(imports, &state.received);
-    let Compiled { code, used, .. } = unit.compile(arrived);
-    eprint!("{}", dump.text);
-    form.expression(code, used.as_deref(), &options.backend)
-}
-
-/// The text that is printed on request, of a module without imports.
-pub fn dump(options: &Options, item: ItemMod, request: &str) -> syn::Result<String> {
-    let mut dump = Dump::new(request);
-    let unit = Unit { options, item, diagnostics: Diagnostics::default(), dump: &mut dump };
-    unit.compile(vec![]);
-    Ok(dump.text)
-}
-
-/// The names of the functions that become forms, functionals and the like, of a module without imports, with their formulas.
-pub fn typeset(options: &Options, item: ItemMod) -> syn::Result<Vec<(String, Shown)>> {
-    let (imports, mut diagnostics) = read_uses(&item);
-    if let Some(import) = imports.first() {
-        return Err(syn::Error::new(
-            import.name.span(),
-            "formulas of a module with imports need the other modules' texts",
-        ));
-    }
-    let module = parse(item, &mut diagnostics);
-    if !diagnostics.is_empty() {
-        return Err(syn::Error::new(module.name.span(), format!("`{}` has mistakes", module.name)));
-    }
-    let formulas = formulas(&module, options.dimensions[0]).into_iter();
-    let names = module.functions.iter().map(|function| function.name.to_string());
-    Ok(names.zip(formulas).filter_map(|(name, shown)| Some((name, shown?))).collect())
-}
-
-fn read_uses(item: &ItemMod) -> (Vec<Import>, Diagnostics) {
-    let mut diagnostics = Diagnostics::default();
-    let items = item.content.iter().flat_map(|(_, items)| items);
-    (uses::read(items, &mut diagnostics), diagnostics)
-}
+use crate::reuse::names::Import;
+use crate::reuse::{carrier, import, payload};
+use crate::rustc_arguments;
+use crate::show::formulas;
 
 /// A module whose imports have arrived.
-struct Unit<'a> {
-    options: &'a Options,
-    item: ItemMod,
-    diagnostics: Diagnostics,
-    dump: &'a mut Dump,
+pub struct Unit<'a> {
+    pub options: &'a Options,
+    pub item: ItemMod,
+    pub diagnostics: Diagnostics,
+    pub dump: &'a mut Dump,
 }
 
 /// The output for a module.
-struct Compiled {
+pub struct Compiled {
     /// Errors, and the module's inside.
-    code: TokenStream,
+    pub code: TokenStream,
     /// The tokens that make it importable.
-    carrier: TokenStream,
+    pub carrier: TokenStream,
     /// The regions that the constructor of the first function asks for; `None` if it has a mistake.
-    used: Option<Vec<Ident>>,
+    pub used: Option<Vec<Ident>>,
 }
 
 impl Unit<'_> {
-    fn arrived(&mut self, imports: Vec<Import>, received: &[Literal]) -> Vec<Arrived> {
+    /// The imports with the texts that came for them.
+    pub fn arrived(&mut self, imports: Vec<Import>, received: &[Literal]) -> Vec<Arrived> {
         let texts: Vec<String> =
             received.iter().filter_map(|text| payload::string(text.clone().into())).collect();
         import::read(imports, &texts, &mut self.diagnostics)
     }
 
     /// Mistakes become compiler errors, after which the module's names exist.
-    fn compile(self, arrived: Vec<Arrived>) -> Compiled {
+    pub fn compile(self, arrived: Vec<Arrived>) -> Compiled {
         let Unit { options, item, mut diagnostics, dump } = self;
         let mut module = parse(item.clone(), &mut diagnostics);
         let imported = import::add_functions(arrived, &item, &mut module, &mut diagnostics);
@@ -277,14 +103,14 @@ impl Unit<'_> {
             used.map(|region| module.regions[region].name.clone()).collect()
         });
         let errors = diagnostics.into_tokens();
-        let Options { dimensions, backend, products } = options;
+        let Options { dimensions, backend, products, .. } = options;
         let code = emit(&module, dimensions, optimised, &formulas, backend, *products);
         let names: Vec<String> = module.functions.iter().map(|function| function.name.to_string()).collect();
         dump.emitted(&names, &options.dimensions, &code);
         let tracker = dump::tracker();
         // First: rust-analyzer looks for the name that is being typed at the same offset with and without it, and all else
         // changes with the first mistake.
-        let names = editor::is_editor().then(|| editor::bodies(&item, &module, &options.backend));
+        let names = rustc_arguments::in_editor().then(|| editor::bodies(&item, &module, &options.backend));
         Compiled { code: quote! { #names #errors #tracker #code }, carrier, used }
     }
 }

@@ -15,7 +15,7 @@ use syn::parse::{Parse, ParseStream};
 use syn::{Expr, ExprClosure, ItemMod, ItemUse, Pat, ReturnType, Token, Type};
 
 use crate::check::builtins::is_built_in;
-use crate::compile::allow;
+use crate::emit::names::allow;
 use crate::parse::declared_type::word;
 
 /// A form without a module.

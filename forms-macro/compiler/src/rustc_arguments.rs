@@ -1,8 +1,14 @@
-//! The optimisation of the crate that is being compiled, and whether machine code is made of it at all, as the arguments of rustc
-//! tell: macros run inside it.
+//! All that the macros read of the program that runs them, which is rustc, rustdoc or an editor: its arguments and its name. No other
+//! module reads them.
 //!
-//! `debug_assertions` and a build script's `OPT_LEVEL` are no such signs: the first is on in profiles with an `opt-level`,
-//! the second is that of another crate.
+//! | read | from | for |
+//! | --- | --- | --- |
+//! | [`optimised`] | the last `opt-level`, after `--crate-name` | the notice that kernels are slow without optimisation |
+//! | [`only_checked`] | `--emit` without machine code; `rustdoc`, `rust-analyzer` as the program | kernels are left out |
+//! | [`in_editor`] | `rust-analyzer` as the program | bodies are written once more, for the names in them |
+//!
+//! What is emitted has the same names, types and errors in all cases. `debug_assertions` and a build script's `OPT_LEVEL` do not say
+//! how kernels are compiled: the first is on in profiles with an `opt-level`, the second is that of another crate.
 
 use std::fs;
 use std::path::Path;
@@ -17,6 +23,12 @@ pub fn optimised() -> bool {
 /// macro writes, are left out there.
 pub fn only_checked() -> bool {
     emits_no_code(std::env::args())
+}
+
+/// Does an editor expand the macro, and no compiler? Then names are written in addition to what [`only_checked`] leaves.
+pub fn in_editor() -> bool {
+    let program = std::env::current_exe().unwrap_or_default();
+    program.file_stem().is_some_and(|name| name.to_string_lossy().starts_with("rust-analyzer"))
 }
 
 /// Of the arguments of rustc, and of those of rustdoc and rust-analyzer, which have none of these.
@@ -68,7 +80,7 @@ fn in_file(argument: String) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{emits_no_code, level};
+    use super::{emits_no_code, in_editor, level};
 
     fn of(arguments: &str) -> Option<String> {
         level(arguments.split(' ').map(str::to_string))
@@ -100,6 +112,7 @@ mod tests {
         assert!(!no_code("rustc --crate-name a --emit=metadata --emit=llvm-ir=a.ll"));
         assert!(!no_code("rustc --crate-name a src/main.rs"));
         assert!(!no_code("forms_compiler-0123 proof"));
+        assert!(!in_editor());
     }
 
     #[test]

@@ -9,7 +9,7 @@ pub mod adjoint {
     pub use forms_contact::forms::{Boundary, GammaC, Omega};
 
     /// s, in addition to the data of `forms_contact`.
-    #[extends(forms_contact::forms::Data)]
+    #[includes(forms_contact::forms::Data)]
     pub struct Data {
         /// s = N′.
         pub slope: Given<Vector>,

@@ -70,7 +70,7 @@ impl Law {
             slip_stress,
             friction,
             force_direction: Given::constant([1.0, 0.0]),
-            ..frictional::Required { base: problem.law.data.clone() }.into()
+            ..frictional::Rest {}.with(problem.law.data.clone())
         };
         let forms::Regions { gamma_n, gamma_c, .. } = problem.law.regions.clone();
         let regions = frictional::Regions::default().gamma_n(gamma_n.0.name).gamma_c(gamma_c.0.name);

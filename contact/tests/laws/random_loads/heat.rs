@@ -41,7 +41,7 @@ fn heat_is_in_balance_for_any_displacement() {
             effusivity,
             duration,
             exponent: random.between(0.0, 2.0),
-            ..law::Required { base, conductivity, conductance, hardness }.into()
+            ..law::Rest { conductivity, conductance, hardness }.with(base)
         };
         let touch = Pairing::between("lower top", "upper bottom");
         let regions = law::Regions::default().touch(touch).gamma_n("upper right");

@@ -38,8 +38,8 @@ fn a_round_obstacle_at_finite_strains() {
     let block = block();
     all(4, |random| {
         let case = case(random);
-        let (base, half_length) = (obstacle(random, &case), random.between(0.0, 0.4));
-        let data = capsule::Data { base, half_length, radius: 2.0 };
+        let (obstacle, half_length) = (obstacle(random, &case), random.between(0.0, 0.4));
+        let data = capsule::Data { half_length, ..capsule::Rest { radius: 2.0 }.with(obstacle) };
         let law = capsule::Model { data, regions: capsule::Regions::default().gamma_c("bottom") };
         let problem = block.problem(law, 0.0, 0.0);
         let start = random.start(&block.space, 0.01);
@@ -61,13 +61,13 @@ fn a_round_obstacle_at_small_strains() {
     let block = block();
     all(6, |random| {
         let case = case(random);
-        let base = obstacle(random, &case);
+        let obstacle = obstacle(random, &case);
         let half_sizes = [random.between(0.0, 0.4), 0.0];
         let data = analytic_obstacle::Data {
             theta: case.theta,
             half_sizes,
             body_force: Given::constant(case.force),
-            ..analytic_obstacle::Required { base, radius: 2.0 }.into()
+            ..analytic_obstacle::Rest { radius: 2.0 }.with(obstacle)
         };
         let regions = analytic_obstacle::Regions::default().gamma_n("right").gamma_c("bottom");
         let problem = block.problem(analytic_obstacle::Model { data, regions }, 0.0, 0.0);

@@ -51,23 +51,14 @@ pub struct Tables<const D: usize> {
 
 /// Errors of an element's definition.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[allow(missing_docs)]
 pub enum ElementError {
     /// Only degrees 1 to 4 exist with continuous values.
     #[error("there is no Lagrange element of degree {degree} on the {}; the degrees are 1 to 4", shape.name())]
-    Degree {
-        /// The shape asked for.
-        shape: CellShape,
-        /// The degree asked for.
-        degree: usize,
-    },
+    Degree { shape: CellShape, degree: usize },
     /// Cells are straight or quadratic.
     #[error("there is no geometry of degree {degree} for the {}; the degrees are 1 and 2", shape.name())]
-    Geometry {
-        /// The shape asked for.
-        shape: CellShape,
-        /// The degree asked for.
-        degree: usize,
-    },
+    Geometry { shape: CellShape, degree: usize },
 }
 
 /// A function of one variable with its first two derivatives.

@@ -7,6 +7,7 @@ use crate::element::{CellShape, ElementError, plurals};
 
 /// Errors of a mesh or of a region of it.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum MeshError {
     /// The geometry map has no such degree.
     #[error(transparent)]
@@ -14,7 +15,6 @@ pub enum MeshError {
     /// The shape does not live in D dimensions.
     #[error("a mesh of {} cells has {} dimensions, not {dimension}", shape.name(), shape.dimension())]
     Dimension {
-        /// The shape.
         shape: CellShape,
         /// The D asked for.
         dimension: usize,
@@ -30,42 +30,23 @@ pub enum MeshError {
     },
     /// Bodies that do not make one mesh.
     #[error("these bodies do not make one mesh: {why}")]
-    Bodies {
-        /// The reason.
-        why: String,
-    },
+    Bodies { why: String },
     /// A feature that needs a mesh of one shape.
     #[error("{feature} needs a mesh of one shape; this one has {}", plurals(shapes))]
-    SeveralShapes {
-        /// The feature asked for.
-        feature: &'static str,
-        /// The shapes of the mesh.
-        shapes: Vec<CellShape>,
-    },
+    SeveralShapes { feature: &'static str, shapes: Vec<CellShape> },
     /// A feature of triangles and tetrahedra alone.
     #[error("{feature} is of triangles and tetrahedra; this mesh has {} (`Mesh::simplices` divides them)", shape.plural())]
-    NotSimplices {
-        /// The feature asked for.
-        feature: &'static str,
-        /// A shape of the mesh.
-        shape: CellShape,
-    },
+    NotSimplices { feature: &'static str, shape: CellShape },
     /// A feature that meshes with rigid surfaces do not have.
     #[error("{what} is of bodies alone, and this mesh has the rigid surface \"{name}\": add it afterwards")]
     RigidSurface {
         /// The first rigid surface.
         name: String,
-        /// The feature asked for.
         what: &'static str,
     },
     /// A feature for quadrilaterals and hexahedra.
     #[error("{feature} is of quadrilaterals and hexahedra; this mesh has {} (`BisectedMesh` refines them)", shape.plural())]
-    NotTensorProducts {
-        /// The feature asked for.
-        feature: &'static str,
-        /// A shape of the mesh.
-        shape: CellShape,
-    },
+    NotTensorProducts { feature: &'static str, shape: CellShape },
     /// A feature that meshes with hanging nodes do not have.
     #[error(
         "{what} is of meshes whose cells share whole facets; facet {} of cell {} is a part of facet {} of cell {}",
@@ -74,17 +55,13 @@ pub enum MeshError {
     FacetParts {
         /// The small facet and the larger one.
         facets: [Facet; 2],
-        /// The feature asked for.
         what: &'static str,
     },
     /// A rigid surface as a region of cells to integrate over.
     #[error(
         "\"{name}\" is a rigid surface: the cell that carries it is no part of a body, and nothing is integrated over it"
     )]
-    NoBody {
-        /// Its name.
-        name: String,
-    },
+    NoBody { name: String },
     /// No cells.
     #[error("the mesh has no cells")]
     Empty,
@@ -109,23 +86,16 @@ pub enum MeshError {
     NoMemory {
         /// "nodes" or "cells".
         what: &'static str,
-        /// Their number.
         count: usize,
         /// Memory that they need \[bytes\].
         bytes: usize,
     },
     /// A coordinate is NaN or infinite.
     #[error("node {node} has a coordinate that is not finite: {position:?}")]
-    NotFinite {
-        /// Node number.
-        node: usize,
-        /// Its coordinates.
-        position: Vec<f64>,
-    },
+    NotFinite { node: usize, position: Vec<f64> },
     /// A list has not one entry per node.
     #[error("{given} positions were given, but the mesh has {count} nodes")]
     NodeCount {
-        /// Length of the list.
         given: usize,
         /// Number of nodes.
         count: usize,
@@ -133,31 +103,22 @@ pub enum MeshError {
     /// A cell names a node that does not exist.
     #[error("cell {cell} names node {node}, but the mesh has {count} nodes (numbered from 0)")]
     NodeRange {
-        /// Cell index.
         cell: usize,
-        /// The node number.
         node: u32,
         /// Number of nodes.
         count: usize,
     },
     /// A cell names a node twice.
     #[error("cell {cell} names node {node} twice")]
-    RepeatedNode {
-        /// Cell index.
-        cell: usize,
-        /// The node number.
-        node: u32,
-    },
+    RepeatedNode { cell: usize, node: u32 },
     /// The Jacobian determinant is not positive.
     #[error(
         "cell {cell} is inverted or degenerate: its Jacobian determinant is {determinant:e} near {position:?}"
     )]
     Inverted {
-        /// Cell index.
         cell: usize,
         /// The determinant \[length^D\].
         determinant: f64,
-        /// Where.
         position: Vec<f64>,
     },
     /// An edge so short compared with the others that double precision does not tell its ends apart.
@@ -167,7 +128,6 @@ pub enum MeshError {
         .nodes[0], .nodes[1]
     )]
     ShortEdge {
-        /// Cell index.
         cell: usize,
         /// The ends of the edge.
         nodes: [u32; 2],
@@ -182,11 +142,9 @@ pub enum MeshError {
          than {bound:e}, which is not positive"
     )]
     Undecided {
-        /// Cell index.
         cell: usize,
         /// A lower bound of the determinant \[length^D\].
         bound: f64,
-        /// Where.
         position: Vec<f64>,
     },
     /// Two cells on one side of the facet that they share.
@@ -220,14 +178,7 @@ pub enum MeshError {
          hold the two sides together there (`Mesh::from_nonconforming_blocks` takes such meshes)",
         facet.local, facet.cell
     )]
-    HangingNode {
-        /// Node number.
-        node: usize,
-        /// Its coordinates.
-        position: Vec<f64>,
-        /// The facet.
-        facet: Facet,
-    },
+    HangingNode { node: usize, position: Vec<f64>, facet: Facet },
     /// A facet that lies on another one in part only.
     #[error(
         "facet {} of cell {} and facet {} of cell {} lie on each other in part, at {position:?}: neither holds the other",
@@ -255,7 +206,6 @@ pub enum MeshError {
     NoCell {
         /// The region's name.
         name: String,
-        /// Cell index.
         cell: u32,
         /// Number of cells.
         count: usize,
@@ -263,7 +213,6 @@ pub enum MeshError {
     /// A marked cell that does not exist.
     #[error("cell {cell} is marked, but the mesh has {count} cells (numbered from 0)")]
     MarkedCell {
-        /// Cell index.
         cell: u32,
         /// Number of cells.
         count: usize,
@@ -273,7 +222,6 @@ pub enum MeshError {
     NotExterior {
         /// The region's name.
         name: String,
-        /// Cell index.
         cell: u32,
         /// Local facet number.
         local: u8,
@@ -283,7 +231,6 @@ pub enum MeshError {
     NotInterior {
         /// The region's name.
         name: String,
-        /// Cell index.
         cell: u32,
         /// Local facet number.
         local: u8,
@@ -302,17 +249,11 @@ pub enum MeshError {
     SharedFacet {
         /// Its node numbers.
         vertices: Vec<u32>,
-        /// The cells.
         cells: Vec<u32>,
     },
     /// No such cell region.
     #[error("there is no cell region \"{name}\"; the mesh has {}", quoted(existing))]
-    UnknownCellRegion {
-        /// The name asked for.
-        name: String,
-        /// The names that exist.
-        existing: Vec<String>,
-    },
+    UnknownCellRegion { name: String, existing: Vec<String> },
     /// No such facet region.
     #[error(
         "there is no facet region \"{name}\"; the mesh has {}{}",
@@ -320,9 +261,7 @@ pub enum MeshError {
         kind(*interior, name, "interior facets, which have two sides")
     )]
     UnknownFacetRegion {
-        /// The name asked for.
         name: String,
-        /// The names that exist.
         existing: Vec<String>,
         /// There is a region of interior facets of this name.
         interior: bool,
@@ -334,9 +273,7 @@ pub enum MeshError {
         kind(*exterior, name, "exterior facets, which have one side only")
     )]
     UnknownInteriorRegion {
-        /// The name asked for.
         name: String,
-        /// The names that exist.
         existing: Vec<String>,
         /// There is a region of exterior facets of this name.
         exterior: bool,
@@ -350,7 +287,6 @@ pub enum MeshError {
         quoted(interior)
     )]
     UnknownRegion {
-        /// The name asked for.
         name: String,
         /// The cell regions that exist.
         cells: Vec<String>,
@@ -361,17 +297,13 @@ pub enum MeshError {
     },
     /// The name is taken.
     #[error("the mesh already has a region \"{name}\"")]
-    RegionExists {
-        /// The name.
-        name: String,
-    },
+    RegionExists { name: String },
     /// A rigid surface whose points are all inside the bodies, where no surface of theirs can face it.
     #[error(
         "the rigid surface \"{name}\" lies inside a body: all of its points, the first at {position:?}, are in cells that do not \
          reach the boundary. Put it beside the bodies"
     )]
     InsideBody {
-        /// The surface.
         name: String,
         /// Its first point \[length\].
         position: Vec<f64>,
@@ -379,21 +311,13 @@ pub enum MeshError {
     /// The new region would have no member.
     #[error("the region \"{name}\" would be empty: no {entity} satisfies its condition")]
     EmptyRegion {
-        /// The name.
         name: String,
         /// "cell" or "facet".
         entity: &'static str,
     },
     /// A generator's parameter is out of range.
     #[error("{parameter} = {value} is not possible: {requirement}")]
-    Parameter {
-        /// Its name.
-        parameter: &'static str,
-        /// Its value.
-        value: String,
-        /// The requirement.
-        requirement: &'static str,
-    },
+    Parameter { parameter: &'static str, value: String, requirement: &'static str },
 }
 
 fn kind(exists: bool, name: &str, what: &str) -> String {

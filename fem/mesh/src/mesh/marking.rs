@@ -53,6 +53,7 @@ pub fn doerfler(indicators: &[f64], fraction: f64) -> Result<Vec<u32>, MarkingEr
 
 /// Indicators or fractions by which nothing can be marked.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum MarkingError {
     /// The fraction is not one.
     #[error("a fraction of the error above 0 and at most 1 can be marked, not {fraction}")]
@@ -63,7 +64,6 @@ pub enum MarkingError {
     /// An indicator is no share of an error.
     #[error("the indicator of cell {cell} is {value}: indicators are finite and not negative")]
     Indicator {
-        /// Cell index.
         cell: usize,
         /// The indicator.
         value: f64,

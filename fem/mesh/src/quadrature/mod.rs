@@ -64,17 +64,14 @@ pub enum Quadrature<const D: usize> {
 
 /// Errors of quadrature rules.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum QuadratureError {
     /// The degree is beyond [`MAXIMUM_DEGREE`].
     #[error("quadrature degree {degree} is too high; the highest is {MAXIMUM_DEGREE}")]
-    Degree {
-        /// The degree asked for.
-        degree: usize,
-    },
+    Degree { degree: usize },
     /// The shape does not live in D dimensions.
     #[error("a {} has {} reference coordinates, not {dimension}", shape.name(), shape.dimension())]
     Dimension {
-        /// The shape.
         shape: CellShape,
         /// The D asked for.
         dimension: usize,
@@ -82,7 +79,6 @@ pub enum QuadratureError {
     /// No such local facet.
     #[error("a {} has no facet {local}; its facets are 0 to {}", shape.name(), shape.facets() - 1)]
     Facet {
-        /// The shape.
         shape: CellShape,
         /// The local number asked for.
         local: usize,
@@ -97,18 +93,13 @@ pub enum QuadratureError {
         "an explicit rule on cells needs a mesh of one shape; this one has {}: choose a degree",
         plurals(shapes)
     )]
-    SeveralShapes {
-        /// The shapes of the mesh.
-        shapes: Vec<CellShape>,
-    },
+    SeveralShapes { shapes: Vec<CellShape> },
     /// Not as many weights as points.
     #[error("the explicit {entity} rule has {points} points and {weights} weights")]
     Length {
         /// "cell" or "facet".
         entity: &'static str,
-        /// Number of points.
         points: usize,
-        /// Number of weights.
         weights: usize,
     },
     /// No points at all.
@@ -134,7 +125,6 @@ pub enum QuadratureError {
         reference: &'static str,
         /// Index of the point.
         index: usize,
-        /// Its coordinates.
         point: Vec<f64>,
     },
 }

@@ -7,6 +7,7 @@ use crate::space::Family;
 
 /// Errors of a condition. The constraints stay as they were.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum ConstraintsError {
     /// No such region.
     #[error(transparent)]
@@ -26,7 +27,6 @@ pub enum ConstraintsError {
     /// The value has another number of components than the space.
     #[error("{place}: the space has {space} components, but the prescribed value has {value}")]
     Components {
-        /// The region.
         place: String,
         /// Components of the space.
         space: usize,
@@ -46,7 +46,6 @@ pub enum ConstraintsError {
     /// The region has no nodes of the space: nothing would be prescribed.
     #[error("{place} has no nodes of the space, which has Lagrange elements of degree {degree} {family}")]
     NoNodes {
-        /// The region.
         place: String,
         /// Degree of the space.
         degree: usize,
@@ -55,14 +54,10 @@ pub enum ConstraintsError {
     },
     /// No node is near a point that is not finite.
     #[error("there is no node nearest to {point:?}")]
-    NoNearest {
-        /// The point.
-        point: Vec<f64>,
-    },
+    NoNearest { point: Vec<f64> },
     /// No such node.
     #[error("there is no node {node}; the space has {count} (numbered from 0)")]
     Node {
-        /// The node asked for.
         node: usize,
         /// Nodes of the space.
         count: usize,
@@ -72,11 +67,8 @@ pub enum ConstraintsError {
     NotFinite {
         /// The region or node.
         place: String,
-        /// Component.
         component: usize,
-        /// Position of the node.
         position: Vec<f64>,
-        /// The value.
         value: f64,
     },
     /// The unknown is prescribed already, with another value.
@@ -86,13 +78,10 @@ pub enum ConstraintsError {
     Conflict {
         /// The region or node.
         place: String,
-        /// Component.
         component: usize,
-        /// Position of the node.
         position: Vec<f64>,
         /// The new value.
         value: f64,
-        /// The earlier value.
         earlier: f64,
     },
     /// Together with earlier conditions it has no solution.
@@ -100,11 +89,8 @@ pub enum ConstraintsError {
     Contradiction {
         /// The regions or node.
         place: String,
-        /// The earlier condition.
         earlier: String,
-        /// The node.
         node: usize,
-        /// Its position.
         position: Vec<f64>,
         /// The remainder of the right-hand side after the earlier conditions.
         difference: f64,
@@ -114,31 +100,19 @@ pub enum ConstraintsError {
         "{place}: a rigid body does not move by {rotation:?} x + {translation:?}, which turns it inside out, stretches it or is not finite"
     )]
     NotRigid {
-        /// The region.
         place: String,
         /// The matrix, by rows.
         rotation: Vec<Vec<f64>>,
-        /// The translation.
         translation: Vec<f64>,
     },
     /// Nodes that do not say how a body has moved.
     #[error(
         "the nodes of {place} fix no motion: they lie on a line or in a plane, are turned inside out or nowhere finite"
     )]
-    NoMotion {
-        /// The region.
-        place: String,
-    },
+    NoMotion { place: String },
     /// A direction without a length.
     #[error("{place}: the normal at {position:?} is {normal:?}")]
-    Normal {
-        /// The region.
-        place: String,
-        /// Position of the node.
-        position: Vec<f64>,
-        /// The normal.
-        normal: Vec<f64>,
-    },
+    Normal { place: String, position: Vec<f64>, normal: Vec<f64> },
     /// A periodic node whose image is no node.
     #[error(
         "node {node} of the region \"{region}\", at {position:?}, has no partner on \"{other}\"; the nearest is \
@@ -149,9 +123,7 @@ pub enum ConstraintsError {
         region: String,
         /// The region searched.
         other: String,
-        /// The node.
         node: usize,
-        /// Its position.
         position: Vec<f64>,
         /// Distance between its image and the nearest node \[length\].
         distance: f64,
@@ -166,15 +138,12 @@ pub enum ConstraintsError {
         from: String,
         /// The other region.
         to: String,
-        /// A node.
         node: usize,
-        /// Its position.
         position: Vec<f64>,
     },
     /// A sum of no unknowns, or of too many.
     #[error("{name}: {count} unknowns are related; one at least and {most} at most can be")]
     Terms {
-        /// The condition.
         name: String,
         /// Unknowns in it.
         count: usize,
@@ -184,7 +153,6 @@ pub enum ConstraintsError {
     /// No such unknown.
     #[error("{name}: there is no unknown {unknown}; the space has {count} (numbered from 0)")]
     Unknown {
-        /// The condition.
         name: String,
         /// The unknown asked for.
         unknown: usize,
@@ -196,13 +164,10 @@ pub enum ConstraintsError {
         "{name} cannot give unknown {unknown}, at {position:?}: {earlier} has given it, or those that it is to depend on"
     )]
     AlreadyGiven {
-        /// The relation.
         name: String,
         /// The dependent unknown.
         unknown: usize,
-        /// Position of its node.
         position: Vec<f64>,
-        /// The earlier condition.
         earlier: String,
     },
     /// A space whose cells share no nodes.
@@ -213,16 +178,10 @@ pub enum ConstraintsError {
     },
     /// A coefficient or value of a sum is NaN or infinite.
     #[error("{name}: a coefficient or the value is not finite: {number}")]
-    SumNotFinite {
-        /// The condition.
-        name: String,
-        /// The number.
-        number: f64,
-    },
+    SumNotFinite { name: String, number: f64 },
     /// The basis functions could not be integrated.
     #[error("{place}: {why}")]
     Integral {
-        /// The condition.
         place: String,
         /// The error of assembly.
         why: String,

@@ -32,22 +32,17 @@ use crate::space::Space;
 
 /// Errors of fields in files.
 #[derive(Debug, Error)]
+#[allow(missing_docs)]
 pub enum FieldFileError {
     /// The file cannot be read.
     #[error("{path}: {source}", path = path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        source: std::io::Error,
-    },
+    Unreadable { path: PathBuf, source: std::io::Error },
     /// The file cannot be written; the message names it.
     #[error(transparent)]
     Unwritable(std::io::Error),
     /// A line of the header that is not the one of the space.
     #[error("{path}: line {line} is \"{found}\"; for this space it is \"{expected}\"", path = path.display())]
     Header {
-        /// The file.
         path: PathBuf,
         /// Number of the line, from 1.
         line: usize,
@@ -59,7 +54,6 @@ pub enum FieldFileError {
     /// The file breaks off.
     #[error("{path} breaks off after line {line}", path = path.display())]
     BreaksOff {
-        /// The file.
         path: PathBuf,
         /// The last line.
         line: usize,
@@ -67,19 +61,16 @@ pub enum FieldFileError {
     /// A line that does not hold a node's components.
     #[error("{path}: line {line} is \"{found}\" instead of {expected}", path = path.display())]
     Line {
-        /// The file.
         path: PathBuf,
         /// Number of the line, from 1.
         line: usize,
         /// Contents of the file there.
         found: String,
-        /// The expected contents.
         expected: String,
     },
     /// A coefficient is not finite.
     #[error("{path}: {source}", path = path.display())]
     Field {
-        /// The file.
         path: PathBuf,
         /// The node.
         source: FieldError,

@@ -45,6 +45,7 @@ pub struct Transfer<'a, const D: usize> {
 
 /// Errors of carrying a field to another mesh.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum TransferError {
     /// One of the two lives on facets alone.
     #[error(
@@ -53,7 +54,6 @@ pub enum TransferError {
     OnFacets {
         /// The field or the space.
         which: &'static str,
-        /// Its facet region.
         region: String,
     },
     /// Values of different lengths.
@@ -80,10 +80,7 @@ pub enum TransferError {
     },
     /// A value that is not finite.
     #[error("the field's value at the point {point:?} is not finite")]
-    NotFinite {
-        /// The point.
-        point: Vec<f64>,
-    },
+    NotFinite { point: Vec<f64> },
     /// Spaces that are too large.
     #[error(transparent)]
     Space(#[from] SpaceError),

@@ -4,6 +4,7 @@
 //! and hands it the lane type; everything below that function is inlined into it, so that the compiler may use
 //! the set's instructions. What is not inlined would still be right, only slow.
 
+#![allow(unsafe_code)]
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
 #![allow(clippy::needless_range_loop)]
 

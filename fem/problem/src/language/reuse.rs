@@ -1,9 +1,9 @@
 //! Functions of one module in another, and a form without a module.
 //!
 //! `use path::name;` inside a forms module imports a function (a strain, a stress, a whole form) of another one, in the same crate
-//! or in another; it finds parameters and regions by their names in the importing module. `#[extends(path::Data)]` makes the members
-//! of another module's data members of this one's, and `#[default(0)]` marks what is rarely given. `form!` compiles one
-//! expression in its place, by the same compiler.
+//! or in another; it finds parameters and regions by their names in the importing module. `#[includes(path::Data)]` makes the members
+//! of another module's data members of this one's, `Rest { .. }.with(data)` takes them from a value, and `#[default(0)]` marks what is
+//! rarely given. `form!` compiles one expression in its place, by the same compiler.
 //!
 //! ```
 //! # use forms_fem::prelude::*;
@@ -17,7 +17,7 @@
 //! #[forms]
 //! pub mod loaded {
 //!     use super::elasticity::{Body, stress as sigma};
-//!     #[extends(super::elasticity::Data)]
+//!     #[includes(super::elasticity::Data)]
 //!     pub struct Data { pub thickness: Param, #[default(0)] pub force: Given<Vector> }
 //!     pub fn work(u: State<Vector>) -> Functional {
 //!         integral(Body, thickness * (inner(sigma(u), eps(u)) / 2 - dot(force, u)))
@@ -27,8 +27,8 @@
 //! let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?);
 //! let assembler = Assembler::new(&mesh);
 //! let u = Field::interpolate(&Space::vector(&mesh, 1)?, |x| [0.1 * x[0], 0.0])?;
-//! let base = elasticity::Data { lambda: 2.0, mu: 3.0 };
-//! let data: loaded::Data<2> = loaded::Required { base, thickness: 1.0 }.into();
+//! let elastic = elasticity::Data { lambda: 2.0, mu: 3.0 };
+//! let data: loaded::Data<2> = loaded::Rest { thickness: 1.0 }.with(elastic);
 //! let work = loaded::work(&data, &elasticity::Body::on("all"), &u);
 //! assert!((assembler.functional(&work)? - 0.5 * (2.0 + 2.0 * 3.0) * 0.01).abs() < 1e-14);
 //!

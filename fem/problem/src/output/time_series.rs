@@ -53,6 +53,7 @@ impl Passage {
 
 /// A row or a column that a series does not have.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum TimeSeriesError {
     /// Another number of values than columns.
     #[error("at the time {time} there are {found} values for {expected} columns")]
@@ -61,7 +62,6 @@ pub enum TimeSeriesError {
         time: f64,
         /// The number of columns.
         expected: usize,
-        /// The number of values.
         found: usize,
     },
     /// A time that is not after the last one.
@@ -79,17 +79,11 @@ pub enum TimeSeriesError {
         time: f64,
         /// The column, or `t`.
         column: String,
-        /// The value.
         value: f64,
     },
     /// No such column.
     #[error("there is no column `{name}`; there are {known}")]
-    Unknown {
-        /// The name asked for.
-        name: String,
-        /// The names that there are.
-        known: String,
-    },
+    Unknown { name: String, known: String },
 }
 
 impl TimeSeries {

@@ -34,13 +34,11 @@ pub trait Communicator {
 
 /// A failed exchange between processes.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs)]
 pub enum CommunicationError {
     /// Others failed, and say why themselves.
     #[error("{count} of the other processes failed")]
-    Elsewhere {
-        /// Their number.
-        count: usize,
-    },
+    Elsewhere { count: usize },
     /// The exchange failed.
     #[error("the exchange between processes failed: {0}")]
     Exchange(String),

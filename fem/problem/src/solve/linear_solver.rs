@@ -98,6 +98,7 @@ pub struct LinearSolution {
 
 /// A reason why a linear system was not solved.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
 pub enum SolverError {
     /// The matrix or a vector is unfit, or the factorisation failed.
     #[error(transparent)]
@@ -110,11 +111,9 @@ pub enum SolverError {
         floating
     )]
     Undetermined {
-        /// The unknown's name in the form.
         field: &'static str,
         /// Its component, where it has several.
         component: Option<usize>,
-        /// Position of the node.
         position: Vec<f64>,
         /// As in [`LinearAlgebraError::Singular`].
         ratio: f64,
@@ -128,11 +127,9 @@ pub enum SolverError {
         of(component)
     )]
     IllConditioned {
-        /// The unknown's name in the form.
         field: &'static str,
         /// Its component, where it has several.
         component: Option<usize>,
-        /// Position of the node.
         position: Vec<f64>,
         /// As in [`LinearAlgebraError::IllConditioned`].
         condition: f64,
@@ -148,7 +145,6 @@ pub enum SolverError {
         field: &'static str,
         /// Its component, where it has several.
         component: Option<usize>,
-        /// Position of the node.
         position: Vec<f64>,
         /// As in [`LinearAlgebraError::Inaccurate`].
         backward_error: f64,
@@ -173,9 +169,7 @@ pub enum SolverError {
     /// An iterative method failed.
     #[error("{method} failed: {why}")]
     Krylov {
-        /// Its name.
         method: &'static str,
-        /// The reason.
         why: String,
         /// The work done, with the history of residuals.
         report: KrylovReport,
@@ -183,9 +177,7 @@ pub enum SolverError {
     /// A solver that is none of this crate's failed.
     #[error("{solver} failed: {why}{}", residuals(history))]
     Other {
-        /// Its name.
         solver: &'static str,
-        /// The reason.
         why: String,
         /// Norms of the residuals of its iterations, where it has some.
         history: ResidualHistory,

@@ -22,19 +22,14 @@ pub struct RigidLoads<const D: usize> {
 
 /// A load that cannot be given.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum RigidLoadError {
     /// No such rigid surface.
     #[error("there is no rigid surface \"{name}\"; the mesh has {}", listed(existing))]
-    Unknown {
-        /// The name asked for.
-        name: String,
-        /// The names that exist.
-        existing: Vec<String>,
-    },
+    Unknown { name: String, existing: Vec<String> },
     /// A space without displacements on cells.
     #[error("loads on \"{name}\" need a space on cells with {expected} components of degree 1 or more")]
     Space {
-        /// The surface.
         name: String,
         /// D.
         expected: usize,
@@ -42,29 +37,22 @@ pub enum RigidLoadError {
     /// A number that is NaN or infinite.
     #[error("{what} on \"{name}\" is not finite: {value:?}")]
     NotFinite {
-        /// The surface.
         name: String,
         /// "the force", "the point", "the couple".
         what: &'static str,
-        /// The numbers.
         value: Vec<f64>,
     },
     /// A couple with another number of components than there are rotations.
     #[error("the couple on \"{name}\" has {found} components; there are {expected} rotations")]
     Couple {
-        /// The surface.
         name: String,
-        /// Components given.
         found: usize,
         /// One in the plane, three in space.
         expected: usize,
     },
     /// A motion that has no inverse.
     #[error("the motion of \"{name}\" is none of a rigid body")]
-    Motion {
-        /// The surface.
-        name: String,
-    },
+    Motion { name: String },
 }
 
 fn listed(names: &[String]) -> String {

@@ -38,6 +38,7 @@ pub struct Solved<const D: usize, const N: usize = 1> {
 
 /// A reaction that does not exist.
 #[derive(Debug, Error)]
+#[allow(missing_docs)]
 pub enum ReactionError {
     /// No such region.
     #[error(transparent)]
@@ -50,12 +51,7 @@ pub enum ReactionError {
     },
     /// No such unknown.
     #[error("there is no unknown {number}; the problem has {count} (numbered from 0)")]
-    Unknown {
-        /// The number asked for.
-        number: usize,
-        /// Their number.
-        count: usize,
-    },
+    Unknown { number: usize, count: usize },
 }
 
 impl<const D: usize, const N: usize> Solved<D, N> {

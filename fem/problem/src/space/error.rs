@@ -8,6 +8,7 @@ use crate::mesh::MeshError;
 
 /// Errors of spaces.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum SpaceError {
     /// No such element.
     #[error(transparent)]
@@ -17,7 +18,6 @@ pub enum SpaceError {
     Degree {
         /// The family asked for.
         family: Family,
-        /// The degree asked for.
         degree: usize,
     },
     /// No such facet region.
@@ -28,10 +28,7 @@ pub enum SpaceError {
     OtherMesh,
     /// A value without components.
     #[error("a value of shape {shape:?} has no components")]
-    Shape {
-        /// The shape asked for.
-        shape: Vec<usize>,
-    },
+    Shape { shape: Vec<usize> },
     /// Unknowns are numbered with `u32`.
     #[error("the space would have {unknowns} unknowns, more than 4294967295")]
     TooLarge {

@@ -53,7 +53,7 @@ impl Evaluator<'_> {
             return None;
         }
         match builtin {
-            Builtin::Integral => return self.integral(&arguments[0], &arguments[1], span, scope),
+            Builtin::Integral => return self.integral(&arguments[0], &arguments[1], scope),
             Builtin::Derivative => return self.derivative(arguments, span, scope),
             Builtin::Partial => return self.partial(arguments, span, scope).map(Value::Tensor),
             Builtin::Identity => return self.identity_of_size(&arguments[0], span).map(Value::Tensor),

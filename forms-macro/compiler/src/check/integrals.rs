@@ -14,7 +14,6 @@ impl Evaluator<'_> {
         &mut self,
         region: &Expression,
         density: &Expression,
-        span: SourceSpan,
         scope: &Scope,
     ) -> Option<Value> {
         let regions = &self.module.regions;
@@ -63,8 +62,6 @@ impl Evaluator<'_> {
             fields = Some(list);
         }
         check_existence(&self.arena, density, &regions[index], self.diagnostics);
-        // The whole call is the density's span: errors on linearity speak of the integral.
-        let _ = span;
         Some(Value::Form(vec![Term { region: index, displacement: fields, density }]))
     }
 

@@ -187,19 +187,19 @@ fn check_value(function: &Function, diagnostics: &mut Diagnostics) -> bool {
 
 /// Names declared twice, or declared though they are built in.
 fn check_declarations(module: &Module, diagnostics: &mut Diagnostics) {
-    let members = module.data.iter().flat_map(Data::own).map(|member| &member.name);
+    let members = module.members().filter(|member| member.included.is_none()).map(|member| &member.name);
     let regions = module.regions.iter().map(|region| &region.name);
     let functions = module.functions.iter().map(|function| &function.name);
     let data = module.data.iter().map(|data| &data.name);
     let externals = module.externals.iter().map(|external| &external.name);
     for name in data.clone().chain(regions.clone()).chain(functions.clone()) {
-        let required = *name == Data::REQUIRED && module.data.iter().any(Data::has_defaults);
-        if required || is_reserved(&name.to_string()) {
+        let text = name.to_string();
+        if module.data.iter().any(|data| data.emits(&text)) || is_reserved(&text) {
             let message = format!("the name `{name}` is used by the compiled module itself");
             diagnostics.error_with_help(SourceSpan::of(name), message, "choose another name");
         }
     }
-    check_extension(module, diagnostics);
+    check_inclusion(module, diagnostics);
     check_names(members.chain(data).chain(regions).chain(functions).chain(externals), diagnostics);
     check_not_of_pairs(module, diagnostics);
     for function in &module.functions {
@@ -214,23 +214,17 @@ fn check_declarations(module: &Module, diagnostics: &mut Diagnostics) {
     }
 }
 
-/// Names of the base's members, declared again.
-fn check_extension(module: &Module, diagnostics: &mut Diagnostics) {
-    let Some(data) = module.data.as_ref() else { return };
-    let path = data.base.as_ref().map_or(data.name.to_string(), |path| path.to_string().replace(' ', ""));
-    let inherited = |name: &Ident| data.members.iter().any(|member| member.depth > 0 && member.name == *name);
-    for Member { name, .. } in data.own() {
-        if inherited(name) {
-            let message = format!("`{name}` is a member of `{path}`, which these data extend");
-            diagnostics.error_with_help(SourceSpan::of(name), message, "leave it out: forms read the base's");
-        }
-    }
+/// Names of included members, declared again as what is no member.
+fn check_inclusion(module: &Module, diagnostics: &mut Diagnostics) {
     let regions = module.regions.iter().map(|region| &region.name);
     let functions = module.functions.iter().map(|function| &function.name);
     let externals = module.externals.iter().map(|external| &external.name);
-    for name in regions.chain(functions).chain(externals).filter(|name| inherited(name)) {
-        let message = format!("`{name}` is a member of `{path}`, which the data of this module extend");
-        diagnostics.error_with_help(SourceSpan::of(name), message, "choose another name");
+    for name in regions.chain(functions).chain(externals) {
+        let member = module.members().find(|member| member.name == *name);
+        if let Some(path) = member.and_then(|member| member.included.as_ref()) {
+            let message = format!("`{name}` is a member of `{path}`, which the data of this module include");
+            diagnostics.error_with_help(SourceSpan::of(name), message, "choose another name");
+        }
     }
 }
 

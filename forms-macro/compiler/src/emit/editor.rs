@@ -10,12 +10,6 @@ use syn::{Attribute, FnArg, ForeignItem, Item, ItemFn, ItemMod, Signature};
 
 use crate::parse::syntax::{MemberKind, Module, Output, Rank};
 
-/// Does an editor expand the macro, and no compiler? Then names are written in addition to what [`crate::rustc_arguments::only_checked`] leaves.
-pub fn is_editor() -> bool {
-    let program = std::env::current_exe().unwrap_or_default();
-    program.file_stem().is_some_and(|name| name.to_string_lossy().starts_with("rust-analyzer"))
-}
-
 /// The bodies of a module's own functions, with a declaration for each name that they may hold.
 pub fn bodies(item: &ItemMod, module: &Module, backend: &syn::Path) -> TokenStream {
     let items = || item.content.iter().flat_map(|(_, items)| items);
@@ -132,6 +126,5 @@ mod tests {
         assert!(has(quote! { let mu: Scalar = any(); let force: Vector = any(); let law: Table = any(); }));
         assert!(has(quote! { fn distance(y: Vector, radius: Scalar) -> Scalar { any() } }));
         assert!(has(quote! { use super::elasticity::stress; }));
-        assert!(!is_editor());
     }
 }

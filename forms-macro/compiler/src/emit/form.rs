@@ -1,16 +1,16 @@
 //! One function: its constructor, and the type that has its integrals.
 
-use proc_macro2::{Ident, Span, TokenStream};
+use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
-use super::data::way;
 use super::formula;
-use super::integrals::{Products, emit_integrals};
-use super::model::snake_case;
+use super::integrals::emit_integrals;
 use super::named_regions::{likely_regions, regions_named};
+use super::names::{has_tangent, own, snake_case, stored_argument, stored_arguments};
 use super::placeholder::placeholder;
 use crate::check::field_members;
 use crate::optimise::Optimised;
+use crate::options::Products;
 use crate::parse::syntax::*;
 use crate::rustc_arguments;
 use crate::show::Shown;
@@ -82,7 +82,7 @@ pub fn value(output: &Output) -> Ident {
         Output::Energy => "Energy",
         Output::Form => "Form",
     };
-    Ident::new(name, Span::call_site())
+    Ident::new(name, proc_macro2::Span::call_site())
 }
 
 /// The integrals of a function in a dimension.
@@ -125,25 +125,6 @@ fn constructor_arguments(module: &Module, function: &Function, used: &[usize]) -
     arguments
 }
 
-/// The arguments that a constructor takes: known fields.
-pub fn stored_arguments(function: &Function) -> impl Iterator<Item = &Argument> {
-    function
-        .arguments
-        .iter()
-        .filter(|argument| matches!(argument.role, ArgumentRole::State | ArgumentRole::Plain))
-}
-
-/// The constructor's name for a known field: the argument's, unless Rust reads that as a pattern (`None`, or a region,
-/// which has been reported).
-pub fn stored_argument(module: &Module, name: &Ident) -> Ident {
-    let mut patterns = module.regions.iter().map(|region| region.name.to_string());
-    let variant = ["Some", "None", "Ok", "Err"].iter().any(|variant| name == variant);
-    match variant || patterns.any(|region| name == &region) {
-        true => own(&format!("{name}_")),
-        false => name.clone(),
-    }
-}
-
 /// `GammaC` → `gamma_c_region`, and another name where that is taken.
 fn region_arguments(module: &Module, used: &[usize]) -> Vec<Ident> {
     let mut taken: Vec<String> = Vec::new();
@@ -157,16 +138,11 @@ fn region_arguments(module: &Module, used: &[usize]) -> Vec<Ident> {
     taken.iter().map(|name| own(name)).collect()
 }
 
-/// A name of the constructor's own, which an argument of the form cannot hide.
-fn own(name: &str) -> Ident {
-    Ident::new(name, Span::mixed_site())
-}
-
 fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
     let (own_data, own_inputs) = (own("data"), own("inputs"));
     let parameters = module.members().filter(|member| member.kind == MemberKind::Param).map(|member| {
-        let (way, text) = (way(member), member.name.to_string());
-        quote! { #own_inputs.push_parameter(#text, &#own_data.#way); }
+        let (name, text) = (&member.name, member.name.to_string());
+        quote! { #own_inputs.push_parameter(#text, &#own_data.#name); }
     });
     let arguments = function.arguments.iter().map(|argument| match argument.role {
         ArgumentRole::Unknown | ArgumentRole::Test => quote! { ::core::option::Option::None },
@@ -176,10 +152,11 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
         }
     });
     let given = field_members(module).map(|member| {
-        let way = way(member);
-        quote! { ::core::option::Option::Some(::core::clone::Clone::clone(#own_data.#way.source())) }
+        let name = &member.name;
+        quote! { ::core::option::Option::Some(::core::clone::Clone::clone(#own_data.#name.source())) }
     });
-    let tables = module.members().filter(|member| member.kind == MemberKind::Table).map(way);
+    let tables = module.members().filter(|member| member.kind == MemberKind::Table);
+    let tables = tables.map(|member| &member.name);
     // No argument names an energy's test function per unknown, nor a tangent's direction per unknown.
     let unknowns =
         function.arguments.iter().filter(|argument| argument.role == ArgumentRole::Unknown).count();
@@ -197,9 +174,4 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
         #own_inputs.tables = ::std::vec![#(::core::clone::Clone::clone(&#own_data.#tables)),*];
         #own_inputs.regions = ::std::vec![#(#regions),*];
     }
-}
-
-/// Whether a function has an unknown to be differentiated by.
-pub fn has_tangent(function: &Function) -> bool {
-    matches!(function.output, Output::Form | Output::Energy)
 }

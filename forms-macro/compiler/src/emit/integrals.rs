@@ -5,24 +5,16 @@ use quote::{format_ident, quote};
 
 use super::description::{Argument as Described, NO_ARGUMENT, describe};
 use super::external::ExternalNames;
-use super::form::has_tangent;
 use super::kernel::KernelWriter;
+use super::names::has_tangent;
 use crate::check::fields_of;
 use crate::optimise::degree::Degree;
 use crate::optimise::linear::SidedField;
 use crate::optimise::{Dependence, Description, Optimised};
+use crate::options::Products;
 use crate::parse::syntax::*;
 use crate::rustc_arguments;
 use crate::tensor::{FieldInfo, FieldRole};
-
-/// Products of a tangent and a vector.
-#[derive(Clone, Copy, PartialEq)]
-pub enum Products {
-    /// By its matrix.
-    ByMatrices,
-    /// By kernels of their own, without a matrix.
-    MatrixFree,
-}
 
 /// `impl Integrals<D> for Kernels`, and the module of its kernels. A function with a mistake has no integrals.
 pub fn emit_integrals(

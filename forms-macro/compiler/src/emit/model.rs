@@ -3,9 +3,9 @@
 
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
-use syn::ext::IdentExt;
 
-use super::form::{Compiled, compiled, stored_argument, stored_arguments, value};
+use super::form::{Compiled, compiled, value};
+use super::names::{snake_case, stored_argument, stored_arguments};
 use crate::parse::syntax::*;
 use crate::sorted::SortedSet;
 
@@ -79,18 +79,6 @@ pub fn emit_model(module: &Module, functions: &[Bound], dimensions: &[usize]) ->
             #(#methods)*
         }
     }
-}
-
-/// `GammaC` → `gamma_c`: as members are called, and facets in a mesh unless another name is given.
-pub fn snake_case(name: &Ident) -> String {
-    let mut text = String::new();
-    for character in name.unraw().to_string().chars() {
-        if character.is_uppercase() && !text.is_empty() && !text.ends_with('_') {
-            text.push('_');
-        }
-        text.extend(character.to_lowercase());
-    }
-    text
 }
 
 /// The regions' members: no keyword, no method that every struct has, none twice.

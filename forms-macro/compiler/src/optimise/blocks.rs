@@ -5,7 +5,7 @@ use crate::sorted::{SortedMap, SortedSet};
 
 use super::linear::Coefficients;
 use super::plan::{BilinearPlan, on_basis};
-use super::rank_one::{RankOne, rank_one};
+use super::rank_one::{Entry, RankOne, rank_one};
 use super::scalar::{Argument, Derivative, Graph, Node, Scalar};
 
 /// A product of two linear expressions, of the test and of the trial function.
@@ -14,9 +14,6 @@ pub struct Product {
     pub test: Coefficients,
     pub trial: Coefficients,
 }
-
-/// Coefficients by derivative of the test and of the trial basis function: one entry of the block.
-pub type Entry = SortedMap<(Derivative, Derivative), Scalar>;
 
 /// A matrix of coefficients, entry by entry of the block.
 pub type Entries = SortedMap<(usize, usize), Entry>;

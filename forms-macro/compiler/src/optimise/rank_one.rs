@@ -2,8 +2,10 @@
 
 use crate::sorted::SortedMap;
 
-use super::blocks::Entry;
 use super::scalar::{Derivative, Graph, Node, Scalar};
+
+/// Coefficients by derivative of the test and of the trial basis function: one entry of the block.
+pub type Entry = SortedMap<(Derivative, Derivative), Scalar>;
 
 /// coefficient × Π factor^exponent.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,15 +7,15 @@ use syn::{Attribute, Expr, ExprLit, ExprUnary, Field, Meta, UnOp};
 use super::attributes;
 use super::declared_type::{self, Unread};
 use super::expression::read_number;
+use super::inclusion::{included_from, of_member};
 use super::syntax::{Member, MemberKind, Rank};
 use crate::diagnostics::{Diagnostics, SourceSpan};
-use crate::reuse::extension;
 
-/// Reads a member. `None` after a report; what is wrong with a base's member was reported where that is declared.
+/// Reads a member. `None` after a report; what is wrong with an included member was reported where that is declared.
 pub fn read(field: &Field, diagnostics: &mut Diagnostics) -> Option<Member> {
-    let depth = extension::depth(&field.attrs);
+    let included = included_from(&field.attrs);
     let mut silent = Diagnostics::default();
-    let diagnostics = if depth > 0 { &mut silent } else { diagnostics };
+    let diagnostics = if included.is_some() { &mut silent } else { diagnostics };
     let name = field.ident.clone()?;
     let found = match declared_type::word(&field.ty) {
         Some((outer, inner)) => {
@@ -61,8 +61,8 @@ pub fn read(field: &Field, diagnostics: &mut Diagnostics) -> Option<Member> {
     }
     let default =
         defaults.first().and_then(|attribute| read_default(&name, attribute, kind, rank, diagnostics));
-    let attributes = attributes::of_declaration(extension::of_member(others), diagnostics);
-    Some(Member { attributes, name, kind, rank, depth, default })
+    let attributes = attributes::of_declaration(of_member(others), diagnostics);
+    Some(Member { attributes, name, kind, rank, included, default })
 }
 
 /// The number in `#[default(number)]`. `None` after a report.
@@ -129,6 +129,6 @@ pub fn likely(name: &Ident, field: &Field) -> Member {
         text if text.contains(['T', 'M']) => Rank::TENSOR,
         _ => Rank::SCALAR,
     };
-    let depth = extension::depth(&field.attrs);
-    Member { attributes: vec![], name: name.clone(), kind, rank, depth, default: None }
+    let included = included_from(&field.attrs);
+    Member { attributes: vec![], name: name.clone(), kind, rank, included, default: None }
 }

@@ -4,6 +4,7 @@ pub mod attributes;
 pub mod declared_type;
 mod expression;
 mod external;
+pub mod inclusion;
 mod member;
 pub mod nesting;
 pub mod raw;
@@ -13,8 +14,8 @@ pub mod whole_number;
 use syn::{Fields, FnArg, Generics, Item, ItemFn, ItemMod, ItemStruct, Pat, PatIdent, ReturnType, Type};
 
 use crate::diagnostics::{Diagnostics, SourceSpan};
-use crate::reuse::extension::{self, Base};
 use declared_type::Unread;
+use inclusion::{OfData, of_data, of_region};
 use syntax::*;
 
 /// Reads a module; what cannot be read is reported and left out.
@@ -77,7 +78,7 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
     }
     match item.fields {
         Fields::Unit => {
-            let attributes = extension::of_region(&item.ident, attributes, diagnostics);
+            let attributes = of_region(&item.ident, attributes, diagnostics);
             if markers.len() != 1 {
                 let (message, help) = match markers.is_empty() {
                     true => (
@@ -102,20 +103,10 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
                     "leave the marker out, or write a region as `pub struct Omega;`",
                 );
             }
-            let (attributes, base) = extension::base(attributes);
+            let OfData { kept: attributes, first, incomplete } = of_data(attributes);
             let mut members = Vec::new();
             for field in &fields.named {
                 match (member::read(field, diagnostics), &field.ident) {
-                    (Some(member), _) if base.hides(&member) => {
-                        let message =
-                            format!("`{}` is the member that holds the data that these extend", member.name);
-                        diagnostics.error_with_help(
-                            SourceSpan::of(&member.name),
-                            message,
-                            "choose another name",
-                        );
-                        module.mistaken.push(Mistaken::Member(member));
-                    }
                     (Some(member), _) => members.push(member),
                     (None, Some(name)) => {
                         module.mistaken.push(Mistaken::Member(member::likely(name, field)));
@@ -123,9 +114,8 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
                     (None, None) => {}
                 }
             }
-            let Base { path, incomplete } = base;
             let (visibility, name) = (item.vis, item.ident);
-            module.data = Some(Data { attributes, visibility, name, base: path, incomplete, members });
+            module.data = Some(Data { attributes, visibility, name, first, incomplete, members });
         }
         Fields::Named(_) => diagnostics.error_with_help(
             SourceSpan::of(&item.ident),

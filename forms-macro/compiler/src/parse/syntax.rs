@@ -6,6 +6,8 @@ mod rank;
 use proc_macro2::{Ident, Span, TokenStream};
 use syn::{Attribute, Visibility};
 
+use super::inclusion::FirstIncluded;
+
 pub use expression::{
     BinaryOperator, Block, Comparison, Condition, Expression, ExpressionKind, Index, IndexKind,
 };
@@ -37,13 +39,13 @@ impl Module {
             | Mistaken::Import(name)
             | Mistaken::Function { name, .. } => name,
         });
-        // What the base did not bring may be any name.
+        // What the included data did not bring may be any name.
         let incomplete = self.data.as_ref().is_some_and(|data| data.incomplete);
         let region = || self.regions.iter().any(|region| region.name == *name);
         names.any(|other| other == name) || (incomplete && !region())
     }
 
-    /// The members of the data struct: those of its base first.
+    /// The members of the data struct: those of included data first.
     pub fn members(&self) -> impl Iterator<Item = &Member> + Clone {
         self.data.iter().flat_map(|data| &data.members)
     }
@@ -74,27 +76,27 @@ pub struct Data {
     pub attributes: Vec<Attribute>,
     pub visibility: Visibility,
     pub name: Ident,
-    /// The path of the data struct that this one extends.
-    pub base: Option<TokenStream>,
-    /// A base's members are not known, which has been reported.
+    /// The first struct that this one includes.
+    pub first: Option<FirstIncluded>,
+    /// Members of included data are not known, which has been reported.
     pub incomplete: bool,
     pub members: Vec<Member>,
 }
 
 impl Data {
-    /// The member of the emitted struct that holds the base's data.
-    pub const BASE: &'static str = "base";
     /// The emitted struct of what has no default.
     pub const REQUIRED: &'static str = "Required";
+    /// The emitted struct of what has no default and is not among the first included data.
+    pub const REST: &'static str = "Rest";
 
-    /// The members that are declared here.
-    pub fn own(&self) -> impl Iterator<Item = &Member> {
-        self.members.iter().filter(|member| member.depth == 0)
+    /// Has a member a default? Then a struct of the others is emitted, too.
+    pub fn has_defaults(&self) -> bool {
+        self.members.iter().any(|member| member.default.is_some())
     }
 
-    /// Has one of them a default? Then a struct of the others is emitted, too.
-    pub fn has_defaults(&self) -> bool {
-        self.own().any(|member| member.default.is_some())
+    /// Is the name that of a struct that is emitted next to this one?
+    pub fn emits(&self, name: &str) -> bool {
+        (name == Data::REQUIRED && self.has_defaults()) || (name == Data::REST && self.first.is_some())
     }
 }
 
@@ -104,8 +106,8 @@ pub struct Member {
     pub name: Ident,
     pub kind: MemberKind,
     pub rank: Rank,
-    /// Number of bases up to its declaration; 0 for a member of the struct itself.
-    pub depth: usize,
+    /// The path of the included data that it comes from, for messages.
+    pub included: Option<String>,
     /// Each component, unless another value is given.
     pub default: Option<f64>,
 }

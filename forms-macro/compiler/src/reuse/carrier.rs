@@ -4,7 +4,8 @@ use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 use syn::{Item, ItemMod};
 
-use super::import::{Imported, imported_path};
+use super::import::imported_path;
+use super::names::Imported;
 use super::payload::Text;
 
 /// The carrier and its names. What is exported is at the crate's root whatever module it is written in, so its name holds

@@ -3,11 +3,11 @@
 use quote::quote;
 use syn::{Item, ItemMod};
 
-use super::extension;
 use super::import::{Arrived, add_declarations, add_functions, read, written_here};
 use super::payload::write;
 use super::uses;
 use crate::diagnostics::Diagnostics;
+use crate::parse::inclusion::{is_first, of_member};
 use crate::parse::parse;
 
 /// The forms of the paper, with what they import from the library of operators.
@@ -47,11 +47,9 @@ fn flatten(file: &str, name: &str, library: &[&str]) -> String {
         items.retain(|item| !matches!(item, Item::Use(_)));
         for item in items.iter_mut() {
             if let Item::Struct(item) = item {
-                item.attrs.retain(|attribute| {
-                    !["extended", "imported"].iter().any(|word| attribute.path().is_ident(word))
-                });
+                item.attrs.retain(|attribute| !is_first(attribute) && !attribute.path().is_ident("imported"));
                 for field in &mut item.fields {
-                    field.attrs = extension::of_member(std::mem::take(&mut field.attrs));
+                    field.attrs = of_member(std::mem::take(&mut field.attrs));
                 }
             }
         }
@@ -103,23 +101,22 @@ fn included_members_are_own_members() {
     let item: ItemMod = syn::parse_str(&text).expect("a module");
     let mut diagnostics = Diagnostics::default();
     let module = parse(item, &mut diagnostics);
-    let members: Vec<_> =
-        module.members().map(|member| (member.name.to_string(), member.depth, member.default)).collect();
+    let members: Vec<_> = module.members().map(|member| (member.name.to_string(), member.default)).collect();
     let expected = [("lambda", None), ("gap", None), ("share", Some(1.0)), ("load", None), ("mu", None)];
-    assert_eq!(members, expected.map(|(name, default)| (name.to_string(), 0, default)));
+    assert_eq!(members, expected.map(|(name, default)| (name.to_string(), default)));
     crate::check::check(&module, 2, &mut diagnostics);
     assert!(diagnostics.is_empty(), "{diagnostics:?}");
 }
 
-/// A base's members, and its own base's, are as if they were declared in the module.
+/// Members of included data, and of those that they include, are as if they were declared in the module.
 #[test]
-fn a_base_is_written_out() {
+fn what_included_data_include_is_written_out() {
     let library = "mod a { struct Data { /// λ\n lambda: Param } fn law(s: Scalar) -> Scalar { lambda * s } }
-        mod b { #[extends(super::a::Data)] struct Data { #[default(1)] gap: Given<Scalar> }
+        mod b { #[includes(super::a::Data)] struct Data { #[default(1)] gap: Given<Scalar> }
             #[facets] struct Wall; pub fn both(s: Scalar) -> Scalar { lambda * gap * s } }";
     let text = flatten(
         "mod c { use super::b::{Wall, both};
-            #[extends(super::b::Data)] struct Data { load: Param }
+            #[includes(super::b::Data)] struct Data { load: Param }
             pub fn work(u: State<Scalar>) -> Functional { integral(Wall, load * both(u)) } }",
         "c",
         &[library],

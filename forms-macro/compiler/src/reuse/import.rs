@@ -4,27 +4,14 @@ use proc_macro2::{Delimiter, Ident, TokenStream, TokenTree};
 use quote::ToTokens;
 use syn::{Item, ItemFn, ItemMod, Visibility};
 
+use super::names::{Asked, Import, Imported};
 use super::payload::{Payload, origin_of, rename_calls};
-use super::uses::{Asked, Import};
-use super::{extension, inclusion, needs};
+use super::{inclusion, needs};
 use crate::check::builtins::nearest;
 use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::syntax::{Foreign, Mistaken, Module};
 use crate::parse::{raw, read_function};
 use crate::sorted::SortedMap;
-
-/// An import that has been found.
-pub struct Imported {
-    pub local: Ident,
-    pub visibility: Visibility,
-    /// The name of the function among `functions`: its name and its module's identity. One function that comes on two ways
-    /// has one canonical name.
-    pub canonical: String,
-    /// The function and all that it calls, by their canonical names.
-    pub functions: SortedMap<String, ItemFn>,
-    /// It has mistakes or lacks data, which has been reported.
-    pub silent: bool,
-}
 
 /// An import with what came for it.
 pub struct Arrived {
@@ -48,7 +35,7 @@ pub fn read(imports: Vec<Import>, received: &[String], diagnostics: &mut Diagnos
 }
 
 /// Puts the data struct and the regions that are imported among the module's own, `#[imported(path)]` tells them apart; and
-/// the members of its base, and of data that it includes, among those of the data struct.
+/// the members of included data among those of the data struct.
 pub fn add_declarations(item: &mut ItemMod, arrived: &mut Vec<Arrived>, diagnostics: &mut Diagnostics) {
     let Some((_, items)) = &mut item.content else { return };
     // Those of a module are in the order in which it declares them, whatever that of the imports.
@@ -57,10 +44,6 @@ pub fn add_declarations(item: &mut ItemMod, arrived: &mut Vec<Arrived>, diagnost
     arrived.retain(|Arrived { import, payload }| {
         match import.asked {
             Asked::Item => {}
-            Asked::Base => {
-                extension::add(items, import, payload, diagnostics);
-                return false;
-            }
             Asked::Members => {
                 inclusion::add(items, import, payload, diagnostics);
                 return false;

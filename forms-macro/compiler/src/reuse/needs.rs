@@ -7,17 +7,13 @@ use proc_macro2::{TokenStream, TokenTree};
 use quote::ToTokens;
 use syn::{Fields, ForeignItem, Item, ItemFn, ItemMod, Type};
 
-use super::extension::is_extends;
-use super::inclusion::is_includes;
+use super::names::Import;
 use super::payload::Payload;
-use super::uses::Import;
 use crate::diagnostics::{Diagnostics, SourceSpan};
 use crate::parse::declared_type::{self, word};
-use crate::parse::syntax::Rank;
+use crate::parse::inclusion::is_incomplete;
+use crate::parse::syntax::{Entity, Rank};
 use crate::sorted::{SortedMap, SortedSet};
-
-/// The markers of regions.
-pub const REGION_MARKERS: &[&str] = &["cells", "facets", "interior_facets", "pairs"];
 
 /// Are the members and regions that the functions name declared here? Those that are not are reported at once.
 pub fn check(
@@ -110,7 +106,7 @@ fn externals(item: &ItemMod) -> impl Iterator<Item = String> {
 #[derive(Default)]
 struct Declarations {
     data: Option<String>,
-    /// A base's members are not known, which has been reported.
+    /// Members of included data are not known, which has been reported.
     incomplete: bool,
     members: Vec<(String, String)>,
     regions: Vec<(String, String)>,
@@ -124,8 +120,7 @@ impl Declarations {
             match &item.fields {
                 Fields::Named(fields) => {
                     found.data = Some(item.ident.to_string());
-                    found.incomplete =
-                        item.attrs.iter().any(|attribute| is_extends(attribute) || is_includes(attribute));
+                    found.incomplete = is_incomplete(&item.attrs);
                     found.members.extend(fields.named.iter().filter_map(|field| {
                         let ty = field.ty.to_token_stream().to_string().replace(' ', "");
                         Some((field.ident.as_ref()?.to_string(), ty.replace(',', ", ")))
@@ -133,8 +128,9 @@ impl Declarations {
                 }
                 _ => {
                     let words = item.attrs.iter().filter_map(|attribute| attribute.path().get_ident());
-                    let marker =
-                        words.map(ToString::to_string).find(|word| REGION_MARKERS.contains(&word.as_str()));
+                    let marker = words
+                        .map(ToString::to_string)
+                        .find(|word| Entity::MARKERS.iter().any(|(marker, _)| word == marker));
                     found.regions.extend(marker.map(|marker| (item.ident.to_string(), marker)));
                 }
             }

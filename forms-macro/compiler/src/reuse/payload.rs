@@ -19,13 +19,12 @@ use proc_macro2::{Delimiter, Group, Span, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
 use syn::{Attribute, Item, ItemFn, ItemMod, Visibility};
 
+use crate::parse::attributes::is_marker;
+use crate::parse::inclusion::{is_extends, is_includes};
 use crate::parse::raw;
 use crate::sorted::{SortedMap, SortedSet};
 
-use super::extension::is_extends;
-use super::import::Imported;
-use super::inclusion::is_includes;
-use super::needs::REGION_MARKERS;
+use super::names::Imported;
 
 /// A module's text, and the number that tells it from others of its name.
 pub struct Text {
@@ -44,16 +43,18 @@ pub fn write(item: &ItemMod, imported: &[Imported], broken: bool) -> Text {
             Item::Struct(item) => {
                 let mut item = item.clone();
                 item.attrs.retain(|attribute| {
-                    REGION_MARKERS.iter().any(|marker| attribute.path().is_ident(marker))
+                    is_marker(attribute)
                         || attribute.path().is_ident("doc")
                         || is_extends(attribute)
                         || is_includes(attribute)
                 });
-                item.vis = Visibility::Inherited;
+                if !matches!(item.vis, Visibility::Public(_)) {
+                    item.vis = Visibility::Inherited;
+                }
                 for field in &mut item.fields {
                     // What a member is called in formulas, what is said of it there, and its value for who includes it.
                     field.attrs.retain(|attribute| {
-                        ["doc", "default", "inherited"].iter().any(|kept| attribute.path().is_ident(kept))
+                        ["doc", "default"].iter().any(|kept| attribute.path().is_ident(kept))
                     });
                     field.vis = Visibility::Inherited;
                 }

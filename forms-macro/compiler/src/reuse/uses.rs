@@ -1,40 +1,16 @@
-//! `use` declarations of a forms module, `#[extends(..)]` and `#[includes(..)]` → [`Import`]s.
+//! `use` declarations of a forms module and `#[includes(..)]` → [`Import`]s.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
-use syn::{Item, ItemUse, UseTree, Visibility};
+use syn::{Item, ItemUse, UseTree};
 
-use super::{extension, inclusion};
+use super::inclusion;
+use super::names::{Asked, Import};
 use crate::check::builtins::is_built_in;
 use crate::diagnostics::{Diagnostics, SourceSpan};
 
-/// One name that is imported.
-pub struct Import {
-    /// `super::elasticity::stress`, as written.
-    pub path: TokenStream,
-    /// The name in the other module.
-    pub name: Ident,
-    /// The name here: the same, unless `as` says otherwise.
-    pub local: Ident,
-    /// Private: the function is called here. Otherwise it is a function of this module, too.
-    pub visibility: Visibility,
-    /// Kind of import.
-    pub asked: Asked,
-}
-
-/// Kinds of imports.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Asked {
-    /// A function, a region or the data struct, by a `use`.
-    Item,
-    /// The data that this module's extend, by `#[extends(path)]`.
-    Base,
-    /// The members of data that this module's include, by `#[includes(path)]`.
-    Members,
-}
-
-/// The imports of a module in their order, those of its data's base and members among them. Names of the vocabulary need none, and do
-/// no harm.
+/// The imports of a module in their order, those of its data's members among them. Names of the vocabulary need none, and do no
+/// harm.
 pub fn read<'a>(items: impl Iterator<Item = &'a Item>, diagnostics: &mut Diagnostics) -> Vec<Import> {
     let mut imports = Vec::new();
     for item in items {
@@ -46,10 +22,7 @@ pub fn read<'a>(items: impl Iterator<Item = &'a Item>, diagnostics: &mut Diagnos
                 };
                 read_tree(item, &item.tree, start, &mut imports, diagnostics);
             }
-            Item::Struct(item) => {
-                extension::read(item, &mut imports, diagnostics);
-                inclusion::read(item, &mut imports, diagnostics);
-            }
+            Item::Struct(item) => inclusion::read(item, &mut imports, diagnostics),
             _ => {}
         }
     }
@@ -104,8 +77,6 @@ fn read_tree(
 fn is_vocabulary(name: &str) -> bool {
     const TYPES: &[&str] = &[
         "Scalar",
-        "Matrix",
-        "Tensor4",
         "Vector",
         "Tensor",
         "Tensor4",

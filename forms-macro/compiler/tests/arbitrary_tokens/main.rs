@@ -232,31 +232,36 @@ fn token_soup() {
     }
 }
 
-/// A module whose data extend those of a text that arrives, both of them changed.
+/// A module whose data include those of a text that arrives, both of them changed.
 #[test]
-fn mutated_extensions() {
-    let base = "#[identity(\"a\", \"1\")] mod a { struct Data { #[inherited(1)] k: Param, law: Table, f: Given<Vector> }
+fn mutated_inclusions() {
+    let included = "#[identity(\"a\", \"1\")] mod a { pub struct Data { #[included] k: Param, law: Table, f: Given<Vector> }
         #[facets] struct Wall; #[origin(\"`g` in a\")] pub fn g(s: Scalar) -> Scalar { k * s } }";
     let module =
-        "mod b { #[extends(super::a::Data)] pub struct Data { #[default(0)] m: Param, g: Given<Vector> }
+        "mod b { #[includes(super::a::Data)] pub struct Data { #[default(0)] m: Param, g: Given<Vector> }
         #[cells] struct Omega;
         fn work(u: Unknown<Vector>) -> Energy { integral(Omega, k * m * law(dot(f, u)) * dot(u, g)) } }";
-    let resume = |base: TokenStream, module: TokenStream| {
-        let text = base.to_string();
+    let resume = |included: TokenStream, module: TokenStream| {
+        let text = included.to_string();
         let state = quote::quote! { #text (dimension = 2) module { #module } [] };
         let mut file = quote::quote! { struct Before; };
         file.extend(forms_compiler::resume_forms(state));
         file
     };
-    let [base, module] = [base, module].map(|text| text.parse::<TokenStream>().expect("tokens"));
-    let output = resume(base.clone(), module.clone()).to_string();
-    assert!(output.contains("base . base . k") && !output.contains("compile_error"), "{output}");
+    let [included, module] = [included, module].map(|text| text.parse::<TokenStream>().expect("tokens"));
+    let output = resume(included.clone(), module.clone()).to_string();
+    assert!(
+        output.contains("impl < const D : :: core :: primitive :: usize > Rest < D >")
+            && !output.contains("compile_error"),
+        "{output}"
+    );
     for seed in 0..count(3_000) {
         let mut random = Random(seed as u64);
-        let base = if random.below(2) == 0 { mutate(base.clone(), &mut random) } else { base.clone() };
+        let changed = random.below(2) == 0;
+        let included = if changed { mutate(included.clone(), &mut random) } else { included.clone() };
         let module = mutate(mutate(module.clone(), &mut random), &mut random);
-        let text = format!("seed {seed}: {base}\n{module}");
-        let output = catch_unwind(AssertUnwindSafe(|| resume(base, module)));
+        let text = format!("seed {seed}: {included}\n{module}");
+        let output = catch_unwind(AssertUnwindSafe(|| resume(included, module)));
         let output = output.unwrap_or_else(|_| panic!("the compiler panicked on {text}"));
         assert!(syn::parse2::<syn::File>(output).is_ok(), "the output is not Rust, {text}");
     }

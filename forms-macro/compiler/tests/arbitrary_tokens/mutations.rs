@@ -119,12 +119,13 @@ const WORDS: &[&str] = &[
     "History",
     "Carried",
     "extends",
-    "extended",
-    "inherited",
+    "includes",
+    "included",
+    "first_included",
     "imported",
     "default",
-    "base",
     "Required",
+    "Rest",
 ];
 
 const LITERALS: &[&str] = &[

@@ -21,13 +21,11 @@ pub struct GmshError {
 
 /// Problems of a Gmsh file. Tags are the file's own numbers of nodes and elements.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum GmshProblem {
     /// The file cannot be read.
     #[error("{reason}")]
-    Unreadable {
-        /// The operating system's error.
-        reason: String,
-    },
+    Unreadable { reason: String },
     /// No Gmsh file.
     #[error("this is no Gmsh mesh: it begins with {start:?}, not with $MeshFormat")]
     NotGmsh {
@@ -47,7 +45,6 @@ pub enum GmshProblem {
         field: &'static str,
         /// The value in the file.
         value: i64,
-        /// The requirement.
         requirement: &'static str,
     },
     /// The file ends too early.
@@ -59,7 +56,6 @@ pub enum GmshProblem {
     /// Something else is found in the place of a number, name or mark.
     #[error("expected {expected}, found {found:?}")]
     Unexpected {
-        /// The expected text.
         expected: String,
         /// The text found, shortened.
         found: String,
@@ -69,7 +65,6 @@ pub enum GmshProblem {
     Count {
         /// The items counted.
         what: &'static str,
-        /// The count.
         count: u64,
         /// Bytes left in the file.
         left: usize,
@@ -104,7 +99,6 @@ pub enum GmshProblem {
     RepeatedEntity {
         /// Dimension of the entity.
         dimension: usize,
-        /// Its tag.
         tag: i64,
     },
     /// A group has two names.
@@ -112,7 +106,6 @@ pub enum GmshProblem {
     RepeatedGroup {
         /// Dimension of the group.
         dimension: usize,
-        /// Its tag.
         tag: i64,
     },
     /// A block belongs to an entity that is not listed, so that its groups are unknown.
@@ -120,7 +113,6 @@ pub enum GmshProblem {
     MissingEntity {
         /// Dimension of the entity.
         dimension: usize,
-        /// Its tag.
         tag: i64,
     },
     /// A code of an element type that Gmsh does not have, or that is not of first or second order.
@@ -128,10 +120,7 @@ pub enum GmshProblem {
         "elements of type {code} are not known; lines, triangles, quadrilaterals, tetrahedra, hexahedra, prisms and \
          pyramids of first and second order are"
     )]
-    ElementType {
-        /// The code.
-        code: i64,
-    },
+    ElementType { code: i64 },
     /// An element in a block of another dimension.
     #[error("the block belongs to {} {tag}, but holds elements of {} ({kind})", entity(*dimension), dimensions(*found))]
     BlockDimension {

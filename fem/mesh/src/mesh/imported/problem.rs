@@ -47,13 +47,12 @@ pub struct Item {
 
 /// Reasons why a file gives no mesh.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum ImportProblem {
     /// A type of cell that a mesh cannot have.
     #[error("{element} is a {kind}; {advice}")]
     Unsupported {
-        /// The element.
         element: Item,
-        /// Its type.
         kind: &'static str,
         /// Help.
         advice: &'static str,
@@ -91,7 +90,6 @@ pub enum ImportProblem {
         asked: usize,
         /// The first cell.
         element: Item,
-        /// Its type.
         kind: &'static str,
         /// Help, where the file has groups and none of cells.
         advice: &'static str,
@@ -119,34 +117,18 @@ pub enum ImportProblem {
     },
     /// An element names a node that does not exist.
     #[error("{element} names {node}, which the file does not have")]
-    MissingNode {
-        /// The element.
-        element: Item,
-        /// The node.
-        node: Item,
-    },
+    MissingNode { element: Item, node: Item },
     /// An element names a node twice.
     #[error("{element} names {node} twice")]
-    NodeTwice {
-        /// The element.
-        element: Item,
-        /// The node.
-        node: Item,
-    },
+    NodeTwice { element: Item, node: Item },
     /// A coordinate is NaN or infinite.
     #[error("{node} has a coordinate that is not finite: {position:?}")]
-    NotFinite {
-        /// The node.
-        node: Item,
-        /// Its coordinates.
-        position: [f64; 3],
-    },
+    NotFinite { node: Item, position: [f64; 3] },
     /// A cell occurs twice in the same group.
     #[error("{}s {} and {} are the same cell", first.what, first.tag, second.tag)]
     SameCell {
         /// One element.
         first: Item,
-        /// The other.
         second: Item,
     },
     /// More than two cells share a facet.
@@ -162,11 +144,9 @@ pub enum ImportProblem {
         "{element} is inverted or degenerate: its Jacobian determinant is {determinant:e} near {position:?}{advice}"
     )]
     Inverted {
-        /// The element.
         element: Item,
         /// The determinant \[length^D\].
         determinant: f64,
-        /// Where.
         position: Vec<f64>,
         /// Help, in brackets; empty for cells of first order.
         advice: &'static str,
@@ -177,7 +157,6 @@ pub enum ImportProblem {
         .nodes[0], .nodes[1]
     )]
     ShortEdge {
-        /// The element.
         element: Item,
         /// The ends of the edge.
         nodes: [Item; 2],
@@ -191,11 +170,9 @@ pub enum ImportProblem {
         "{element} is nearly degenerate: near {position:?} no better bound of its Jacobian determinant was found than {bound:e}, which is not positive"
     )]
     Undecided {
-        /// The element.
         element: Item,
         /// A lower bound of the determinant \[length^D\].
         bound: f64,
-        /// Where.
         position: Vec<f64>,
     },
     /// Two cells on one side of the facet that they share.
@@ -203,7 +180,6 @@ pub enum ImportProblem {
     SameSide {
         /// One cell.
         first: Item,
-        /// The other.
         second: Item,
         /// The facet's nodes.
         nodes: Vec<Item>,
@@ -215,7 +191,6 @@ pub enum ImportProblem {
     Overlap {
         /// One cell.
         first: Item,
-        /// The other.
         second: Item,
         /// The facets' centre.
         position: Vec<f64>,
@@ -235,16 +210,10 @@ pub enum ImportProblem {
     },
     /// An element of a group of facets is no facet of a cell.
     #[error("{element} of the group \"{group}\" is not a facet of any cell")]
-    StrayFacet {
-        /// The element.
-        element: Item,
-        /// The group's name.
-        group: String,
-    },
+    StrayFacet { element: Item, group: String },
     /// A name belongs to a group of cells and to one of facets.
     #[error("\"{name}\" names a group of {} and one of {}; the name of a region stands for one of them", entities(*cells), entities(*cells - 1))]
     NameTwice {
-        /// The name.
         name: String,
         /// Dimension of the cells.
         cells: usize,

@@ -6,17 +6,11 @@ use crate::mesh::MeshError;
 
 /// Errors of remeshing.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum RemeshingError {
     /// A setting without meaning.
     #[error("{name} = {value} is not possible: {why}")]
-    Setting {
-        /// Its name.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// The requirement.
-        why: &'static str,
-    },
+    Setting { name: &'static str, value: f64, why: &'static str },
     /// A boundary that does not close.
     #[error("the boundary through {at:?} does not close")]
     Open {
@@ -31,10 +25,7 @@ pub enum RemeshingError {
     },
     /// A ring has one outer and one inner boundary.
     #[error("{found} boundaries run around the centre; a ring of sectors has two")]
-    Loops {
-        /// Their number.
-        found: usize,
-    },
+    Loops { found: usize },
     /// A sector is cut at a node.
     #[error("the boundary near {at:?} has no node on the side of its sector")]
     NoNodeOnTheCut {
@@ -46,12 +37,7 @@ pub enum RemeshingError {
     Triangulation(String),
     /// A region that the new mesh does not have as it was.
     #[error("the region {name:?} cannot be carried to another mesh: {why}")]
-    Region {
-        /// Its name.
-        name: String,
-        /// The reason.
-        why: &'static str,
-    },
+    Region { name: String, why: &'static str },
     /// The new mesh is none, or the old one has no outline.
     #[error(transparent)]
     Mesh(#[from] MeshError),

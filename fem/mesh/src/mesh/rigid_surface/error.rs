@@ -6,6 +6,7 @@ use crate::mesh::MeshError;
 
 /// Errors of a rigid surface.
 #[derive(Debug, Error)]
+#[allow(missing_docs)]
 pub enum RigidSurfaceError {
     /// No facets.
     #[error("the surface has no facets")]
@@ -13,25 +14,17 @@ pub enum RigidSurfaceError {
     /// A facet with a point that does not exist.
     #[error("facet {facet} names point {point}, but there are {count} points (numbered from 0)")]
     NoPoint {
-        /// The facet.
         facet: usize,
-        /// The point.
         point: u32,
         /// Number of points.
         count: usize,
     },
     /// A coordinate that is NaN or infinite.
     #[error("point {point} has a coordinate that is not finite: {position:?}")]
-    NotFinite {
-        /// The point.
-        point: usize,
-        /// Its coordinates.
-        position: Vec<f64>,
-    },
+    NotFinite { point: usize, position: Vec<f64> },
     /// A facet whose corners lie at one place or on one line.
     #[error("facet {facet} at {position:?} is degenerate: it has no area, and no normal")]
     Degenerate {
-        /// The facet.
         facet: usize,
         /// Its first corner.
         position: Vec<f64>,
@@ -44,7 +37,6 @@ pub enum RigidSurfaceError {
     Sides {
         /// One of the facets.
         facet: usize,
-        /// Its corners.
         corners: Vec<u32>,
         /// The middle of the edge between them, or the point.
         position: Vec<f64>,
@@ -60,18 +52,12 @@ pub enum RigidSurfaceError {
     },
     /// A region that the body does not have.
     #[error("{source}")]
-    Region {
-        /// The mesh's error.
-        source: MeshError,
-    },
+    Region { source: MeshError },
     /// A body with curved facets.
     #[error(
         "the facets of \"{region}\" may be curved: the body's geometry has degree 2, and a rigid surface has flat facets"
     )]
-    Curved {
-        /// The region.
-        region: String,
-    },
+    Curved { region: String },
     /// A binary STL file that is shorter or longer than its number of triangles says.
     #[error(
         "the STL file says that it has {triangles} triangles, which take {expected} bytes, but it has {found}{}",
@@ -100,7 +86,6 @@ pub enum RigidSurfaceError {
         line: usize,
         /// The text found, quoted, or "the end of the file".
         found: String,
-        /// The expected text.
         expected: &'static str,
     },
     /// A triangle of an STL file that cannot be used.
@@ -110,17 +95,11 @@ pub enum RigidSurfaceError {
         triangle: usize,
         /// "byte 84", "line 2".
         place: String,
-        /// The reason.
         why: String,
     },
     /// A file that cannot be read.
     #[error("{path}: {source}")]
-    Read {
-        /// The file.
-        path: String,
-        /// The system's reason.
-        source: std::io::Error,
-    },
+    Read { path: String, source: std::io::Error },
 }
 
 /// The place at which a file breaks off, in words.

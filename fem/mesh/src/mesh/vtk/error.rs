@@ -17,13 +17,11 @@ pub struct VtkError {
 
 /// Problems of a VTK file. Points and cells are counted from 0, as VTK does.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
 pub enum VtkProblem {
     /// The file cannot be read.
     #[error("{reason}")]
-    Unreadable {
-        /// The operating system's error.
-        reason: String,
-    },
+    Unreadable { reason: String },
     /// No VTK file.
     #[error("this is no VTK file: it begins with {start:?}, neither with <VTKFile nor with # vtk DataFile")]
     NotVtk {
@@ -32,16 +30,11 @@ pub enum VtkProblem {
     },
     /// A VTK file of another sort.
     #[error("the file holds {found}; an unstructured grid of one piece is read")]
-    NotOneGrid {
-        /// Its content.
-        found: String,
-    },
+    NotOneGrid { found: String },
     /// Something else is found in the place of a number, a name or a mark, or the file ends.
     #[error("{position}: expected {expected}, found {found}")]
     Unexpected {
-        /// Where.
         position: FilePosition,
-        /// The expected text.
         expected: String,
         /// The text found, shortened.
         found: String,
@@ -54,20 +47,13 @@ pub enum VtkProblem {
     },
     /// The values of an array cannot be read.
     #[error("array \"{array}\": {reason}")]
-    Array {
-        /// The array's name.
-        array: String,
-        /// The problem.
-        reason: String,
-    },
+    Array { array: String, reason: String },
     /// A type of cell that VTK does not have, or that has another number of points.
     #[error("cell {cell} is of type {code} and has {points} points; {advice}")]
     CellType {
-        /// The cell.
         cell: usize,
         /// The code of its type.
         code: i64,
-        /// Number of its points.
         points: usize,
         /// The supported types.
         advice: &'static str,
@@ -75,11 +61,9 @@ pub enum VtkProblem {
     /// A cell's points do not lie in the connectivity.
     #[error("cell {cell} takes the entries from {start} to {end} of the connectivity, which has {length}")]
     Connectivity {
-        /// The cell.
         cell: usize,
         /// The start of its points.
         start: i64,
-        /// Their end.
         end: i64,
         /// Length of the connectivity.
         length: usize,
@@ -87,7 +71,6 @@ pub enum VtkProblem {
     /// A cell names a point that does not exist.
     #[error("cell {cell} names point {point}, but there are {count} points (numbered from 0)")]
     PointRange {
-        /// The cell.
         cell: usize,
         /// The number.
         point: i64,
@@ -96,34 +79,19 @@ pub enum VtkProblem {
     },
     /// The array that should hold the regions is not there.
     #[error("there is no array \"{array}\" on the cells; the file has {existing:?}")]
-    NoRegionArray {
-        /// Its name.
-        array: String,
-        /// The arrays that exist.
-        existing: Vec<String>,
-    },
+    NoRegionArray { array: String, existing: Vec<String> },
     /// The array that should hold the regions does not hold one whole number per cell.
     #[error("array \"{array}\" cannot hold regions: cell {cell} has {value} in it, which is no whole number")]
-    NoRegionNumber {
-        /// Its name.
-        array: String,
-        /// The cell.
-        cell: usize,
-        /// Its value.
-        value: f64,
-    },
+    NoRegionNumber { array: String, cell: usize, value: f64 },
     /// A number was given a name but no cell has it.
     #[error(
         "the region \"{name}\" would be empty: no {what} has the number {number}, and the numbers are {existing:?}"
     )]
     NoSuchNumber {
-        /// The name.
         name: String,
         /// "cell" or "facet".
         what: &'static str,
-        /// The number.
         number: i64,
-        /// The numbers that exist.
         existing: Vec<i64>,
     },
     /// The content of the file gives no mesh.

@@ -4,15 +4,14 @@ use thiserror::Error;
 
 /// Errors of writing a `.vtu` file.
 #[derive(Debug, Error)]
+#[allow(missing_docs)]
 pub enum VtuError {
     /// Data of the wrong length.
     #[error("\"{name}\" has {found} values where {expected} are needed")]
     Length {
         /// Name of the data array.
         name: String,
-        /// Number of values needed.
         expected: usize,
-        /// Number of values given.
         found: usize,
     },
     /// Values without components.
@@ -30,7 +29,6 @@ pub enum VtuError {
         name: String,
         /// Number of the point or cell.
         index: usize,
-        /// The value.
         value: f64,
     },
     /// Two arrays of the same name at the points or at the cells.
@@ -55,18 +53,10 @@ pub enum VtuError {
     },
     /// No region of cells, or one that holds a cell of another one.
     #[error("the region \"{region}\" has no number of its own: {reason}")]
-    Region {
-        /// The region's name.
-        region: String,
-        /// Why.
-        reason: String,
-    },
+    Region { region: String, reason: String },
     /// A path without the name of a file.
     #[error("\"{}\" names no .pvd file", path.display())]
-    Series {
-        /// The path.
-        path: std::path::PathBuf,
-    },
+    Series { path: std::path::PathBuf },
     /// The file cannot be written.
     #[error("the .vtu file cannot be written: {source}")]
     Write {

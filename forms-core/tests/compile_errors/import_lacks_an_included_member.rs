@@ -14,7 +14,7 @@ pub mod elasticity {
 pub mod contact {
     use super::elasticity::stress;
 
-    #[extends(super::elasticity::Data)]
+    #[includes(super::elasticity::Data)]
     pub struct Data {
         pub gap: Param,
     }

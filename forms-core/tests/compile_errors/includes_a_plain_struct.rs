@@ -8,7 +8,7 @@ mod plain {
 
 #[forms(crate = forms_core)]
 pub mod contact {
-    #[extends(super::plain::Data)]
+    #[includes(super::plain::Data)]
     pub struct Data {
         pub gap: Param,
     }

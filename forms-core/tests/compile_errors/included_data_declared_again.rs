@@ -11,14 +11,14 @@ pub mod elasticity {
     }
 }
 
+/// A member may be declared again, a function may not have its name.
 #[forms(crate = forms_core)]
 pub mod contact {
     use super::elasticity::stress;
 
-    #[extends(super::elasticity::Data)]
+    #[includes(super::elasticity::Data)]
     pub struct Data {
         pub mu: Given<Scalar>,
-        pub base: Param,
         pub gap: Param,
     }
     #[cells]
@@ -32,18 +32,26 @@ pub mod contact {
     }
 }
 
+/// As those of the struct that takes the members from a value.
 #[forms(crate = forms_core)]
 pub mod thick {
-    #[extends(super::contact::Data)]
+    #[includes(super::elasticity::Data)]
     pub struct Data {
-        pub lambda: Param,
-        pub gap: Param,
+        pub thickness: Param,
+    }
+    #[cells]
+    pub struct Rest;
+    #[facets]
+    pub struct mu;
+
+    pub fn volume() -> Functional {
+        integral(Rest, thickness)
     }
 }
 
 fn main() {
-    let base = elasticity::Data::<2> { lambda: 1.0, mu: 1.0 };
-    let data = contact::Data { base, mu: forms_core::contract::Given::constant(1.0), gap: 1.0 };
+    let elastic = elasticity::Data::<2> { lambda: 1.0, mu: 1.0 };
+    let data = contact::Rest { mu: forms_core::contract::Given::constant(1.0), gap: 1.0 }.with(elastic);
     let form = contact::direct(&data, &contact::Omega::on("all"));
     drop(form);
 }

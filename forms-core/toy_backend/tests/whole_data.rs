@@ -1,5 +1,4 @@
-//! Data that extend another module's, and defaults: what forms read through a base is what they read from members of their
-//! own.
+//! Data that include another module's whole data, and defaults: forms read included members as they read their own.
 
 use forms_core::{form, forms};
 use toy_backend::contract::*;
@@ -7,13 +6,13 @@ use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{Nodal, expression, functional, residual, tangent};
 
-/// Extends what extends another, before both.
+/// Includes what includes another, before both.
 #[forms(crate = toy_backend)]
 pub mod loaded {
     pub use super::library::contact::{GammaC, Omega, direct, pressure};
 
     /// Data of the loaded body.
-    #[extends(super::library::contact::Data)]
+    #[includes(super::library::contact::Data)]
     pub struct Data {
         /// Force per volume.
         #[default(0)]
@@ -32,7 +31,7 @@ pub mod loaded {
     pub fn adjoint(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
         derivative(direct(u, p), u, q) + derivative(criterion(u), u, q)
     }
-    /// By a member of the base's base, and of the base.
+    /// By a member of what the included data include, and of the included data.
     pub fn by_stiffness(u: State<Vector>, p: State<Vector>) -> Functional {
         derivative(direct(u, p) + criterion(u), mu, 1)
     }
@@ -51,7 +50,7 @@ mod library {
     pub mod contact {
         use crate::elasticity::stress;
 
-        #[extends(crate::elasticity::Data)]
+        #[includes(crate::elasticity::Data)]
         pub struct Data {
             #[doc(alias = "g")]
             pub gap: Given<Scalar>,
@@ -89,7 +88,7 @@ pub mod elasticity {
     }
 }
 
-/// Data that extend others, imported as the type that they are; and data whose members all have defaults.
+/// Data that include others, imported as the type that they are; and data whose members all have defaults.
 #[forms(crate = toy_backend)]
 pub mod imported {
     pub use super::library::contact::{Data, Omega};
@@ -162,13 +161,13 @@ fn lambda<const D: usize>() -> Given<f64, D> {
     Given::function(|x: &[f64; D]| 1.0 + x[0])
 }
 
-fn base<const D: usize>(mu: f64, gap: Given<f64, D>) -> library::contact::Data<D> {
-    let base = elasticity::Data { lambda: lambda(), mu, law: law() };
-    library::contact::Required { base, gap, gamma0: GAMMA0 }.into()
+fn contact<const D: usize>(mu: f64, gap: Given<f64, D>) -> library::contact::Data<D> {
+    let elastic = elasticity::Data { lambda: lambda(), mu, law: law() };
+    library::contact::Rest { gap, gamma0: GAMMA0 }.with(elastic)
 }
 
-fn extended<const D: usize>(mu: f64, gap: Given<f64, D>) -> loaded::Data<D> {
-    loaded::Data { force: [0.3; D], ..loaded::Required { base: base(mu, gap) }.into() }
+fn loaded<const D: usize>(mu: f64, gap: Given<f64, D>) -> loaded::Data<D> {
+    loaded::Data { force: [0.3; D], ..loaded::Rest {}.with(contact(mu, gap)) }
 }
 
 fn whole<const D: usize>(mu: f64, gap: Given<f64, D>) -> typed_out::Data<D> {
@@ -220,7 +219,7 @@ where
     let gap = Given::constant(GAP);
     let model = loaded::Model {
         regions: loaded::Regions::default().gamma_c("boundary"),
-        ..loaded::Model::new(extended(0.7, gap.clone()))
+        ..loaded::Model::new(loaded(0.7, gap.clone()))
     };
     let other = typed_out::Model {
         regions: typed_out::Regions::default().gamma_c("boundary"),
@@ -247,16 +246,16 @@ where
 }
 
 #[test]
-fn members_of_bases_are_members() {
+fn included_members_are_members() {
     check_forms::<2>();
     check_forms::<3>();
 }
 
 #[test]
-fn data_that_extend_others_are_imported_as_they_are() {
+fn data_that_include_others_are_imported_as_they_are() {
     let Body { mesh, change, .. } = Body::<2>::new();
     let omega = library::contact::Omega::on("all");
-    let mine = imported::mass(&base(0.7, Given::constant(GAP)), &omega);
+    let mine = imported::mass(&contact(0.7, Given::constant(GAP)), &omega);
     let theirs = all_by_default::mass(&all_by_default::Required::<2> {}.into(), &omega);
     let unknowns = [change];
     let [mine, theirs] =
@@ -267,7 +266,7 @@ fn data_that_extend_others_are_imported_as_they_are() {
 /// A constructor asks for imported regions in the order of their own module, whatever that of the imports.
 #[test]
 fn imported_regions_keep_their_order() {
-    let data = extended::<2>(0.7, Given::constant(GAP));
+    let data = loaded::<2>(0.7, Given::constant(GAP));
     let direct = loaded::direct(&data, &loaded::Omega::on("all"), &loaded::GammaC::on("boundary"));
     let symbols: Vec<&str> = direct.inputs().regions.iter().map(|region| region.symbol).collect();
     assert_eq!(symbols, ["Omega", "GammaC"]);
@@ -288,7 +287,7 @@ where
     };
     let model = loaded::Model {
         regions: loaded::Regions::default().gamma_c("boundary"),
-        ..loaded::Model::new(extended(mu, Given::constant(gap)))
+        ..loaded::Model::new(loaded(mu, Given::constant(gap)))
     };
     let step = 1e-5;
     let by_mu = (sum(mu + step, Given::constant(gap)) - sum(mu - step, Given::constant(gap))) / (2.0 * step);
@@ -301,29 +300,37 @@ where
 }
 
 #[test]
-fn one_may_differentiate_by_a_bases_members() {
+fn one_may_differentiate_by_included_members() {
     check_derivatives::<2>();
     check_derivatives::<3>();
 }
 
 #[test]
 fn defaults_stand_where_nothing_was_given() {
-    let data = base::<3>(0.7, Given::constant(GAP));
+    let data = contact::<3>(0.7, Given::constant(GAP));
     let constant = |source: &Source<3>| match source {
         Source::Constant(values) => values.clone(),
         _ => panic!("no constant"),
     };
     assert_eq!(constant(data.friction.source()), [0.25]);
     assert_eq!(constant(data.drift.source()), [0.0; 3]);
-    let data: loaded::Data<3> = loaded::Required { base: data }.into();
+    let flat = loaded::Required {
+        lambda: data.lambda.clone(),
+        mu: 0.7,
+        law: law(),
+        gap: Given::constant(GAP),
+        gamma0: GAMMA0,
+    };
+    let data: loaded::Data<3> = flat.into();
+    assert_eq!(constant(data.friction.source()), [0.25]);
     assert_eq!((data.force, data.weight, data.twist), ([0.0; 3], -2.5, [[0.0; 3]; 2]));
-    assert_eq!(data.base.base.mu, 0.7);
+    assert_eq!(data.mu, 0.7);
 }
 
-/// Parameters are reported by their own names, and formulas have a base's signs and documentation.
+/// Parameters are reported by their own names, and formulas have the signs and documentation of included members.
 #[test]
-fn names_and_signs_of_the_base_are_kept() {
-    let model = loaded::Model::<2>::new(extended(0.7, Given::constant(GAP)));
+fn names_and_signs_of_included_members_are_kept() {
+    let model = loaded::Model::<2>::new(loaded(0.7, Given::constant(GAP)));
     let criterion = model.criterion(Given::<[f64; 2], 2>::constant([0.0; 2]).source().clone());
     let names = &criterion.inputs().parameter_names;
     assert_eq!(names[..4], ["mu", "gamma0", "force[0]", "force[1]"]);
@@ -331,12 +338,12 @@ fn names_and_signs_of_the_base_are_kept() {
     assert!(formula.contains("g law(") && formula.contains("λ tr"), "{formula}");
 }
 
-/// The partial derivative by a base's member, against differences.
+/// The partial derivative by an included member, against differences.
 #[test]
-fn a_value_is_differentiated_by_a_bases_member() {
+fn a_value_is_differentiated_by_an_included_member() {
     let Body { mesh, u, .. } = Body::<3>::new();
     let on_facets = |mu: f64| {
-        let data = extended(mu, Given::constant(-1.0));
+        let data = loaded(mu, Given::constant(-1.0));
         let pressure = expression(&mesh, &loaded::pressure(&data, u.source()), (Entity::Facets, "boundary"));
         let slope = expression(&mesh, &loaded::slope(&data, u.source()), (Entity::Facets, "boundary"));
         (pressure.concat().iter().map(|pressure| mu * mu * pressure).collect::<Vec<f64>>(), slope.concat())
@@ -348,9 +355,40 @@ fn a_value_is_differentiated_by_a_bases_member() {
     close(&on_facets(mu).1, &differences, 1e-7);
 }
 
-/// An operator that reads members of its base asks `form!` for them.
+/// What a value of the first included data has comes along, members with a default among it; the others have their defaults.
 #[test]
-fn a_form_without_a_module_imports_what_reads_a_base() {
+fn a_value_of_the_first_included_data_is_handed_over() {
+    let given = library::contact::Data {
+        friction: Given::constant(0.5),
+        drift: Given::constant([0.1, 0.2]),
+        ..contact::<2>(0.7, Given::constant(GAP))
+    };
+    let data = loaded::Data { weight: 2.0, ..loaded::Rest {}.with(given) };
+    let constant = |source: &Source<2>| match source {
+        Source::Constant(values) => values.clone(),
+        _ => panic!("no constant"),
+    };
+    assert_eq!(constant(data.friction.source()), [0.5]);
+    assert_eq!(constant(data.drift.source()), [0.1, 0.2]);
+    assert_eq!(constant(data.gap.source()), [GAP]);
+    assert_eq!((data.mu, data.gamma0, data.force, data.weight), (0.7, GAMMA0, [0.0; 2], 2.0));
+    // `Into` takes the required members as well.
+    let elastic = elasticity::Data::<2> { lambda: lambda(), mu: 0.9, law: law() };
+    let required = library::contact::Required {
+        lambda: lambda(),
+        mu: 0.9,
+        law: law(),
+        gap: Given::constant(GAP),
+        gamma0: GAMMA0,
+    };
+    let data: loaded::Data<2> = loaded::Rest {}.with(required);
+    let other = library::contact::Rest { gap: Given::constant(GAP), gamma0: GAMMA0 }.with(elastic);
+    assert_eq!((data.mu, constant(data.friction.source())), (other.mu, vec![0.25]));
+}
+
+/// An operator that reads included members asks `form!` for them.
+#[test]
+fn a_form_without_a_module_imports_what_reads_included_data() {
     let Body { mesh, u, .. } = Body::<2>::new();
     let imported = form!(
         use library::contact::pressure;

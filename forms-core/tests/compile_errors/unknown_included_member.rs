@@ -12,7 +12,7 @@ pub mod elasticity {
 
 #[forms(crate = forms_core)]
 pub mod contact {
-    #[extends(super::elasticity::Data)]
+    #[includes(super::elasticity::Data)]
     pub struct Data {
         pub gap: Param,
     }
@@ -34,7 +34,7 @@ pub mod contact {
 pub mod importing {
     use super::contact::twice;
 
-    #[extends(super::elasticity::Data)]
+    #[includes(super::elasticity::Data)]
     pub struct Data {
         pub bulk: Param,
     }
@@ -44,8 +44,8 @@ pub mod importing {
 }
 
 fn main() {
-    let base = elasticity::Data::<2> { lambda: 1.0, shear: 1.0, density: 1.0 };
-    let data = contact::Data { base: base.clone(), gap: 1.0 };
+    let elastic = elasticity::Data::<2> { lambda: 1.0, shear: 1.0, density: 1.0 };
+    let data = contact::Rest { gap: 1.0 }.with(elastic.clone());
     drop(contact::direct(&data, &contact::Omega::on("all")));
-    drop(importing::Data { base, bulk: 1.0 });
+    drop(importing::Rest { bulk: 1.0 }.with(elastic));
 }
