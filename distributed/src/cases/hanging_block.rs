@@ -30,7 +30,7 @@ pub mod equilibrium {
 /// The form, its space and its constraints.
 pub struct HangingBlock {
     /// The balance of forces.
-    pub form: equilibrium::balance::Compiled<3>,
+    pub form: Form<3>,
     /// Of degree 2 on hexahedra.
     pub space: Arc<Space<3>>,
     /// u = 0 at the top.

@@ -55,7 +55,7 @@ impl Default for Given {
 pub struct Poisson {
     load: f64,
     /// −Δu = f.
-    pub form: forms::balance::Compiled<2>,
+    pub form: Form<2>,
     /// The space of u.
     pub space: Arc<Space<2>>,
     /// u on the boundary.
@@ -94,7 +94,7 @@ impl Poisson {
     }
 
     /// The problem, on one process so far.
-    pub fn problem(&self) -> Problem<'_, forms::balance::Compiled<2>, 2> {
+    pub fn problem(&self) -> Problem<'_, 2> {
         Problem::new(&self.form, &self.space).constrained(&self.constraints)
     }
 

@@ -143,7 +143,7 @@ impl Iterates<'_> {
         let [.., before, last] = &self.norms[..] else { return false };
         (0..last.residual.len()).all(|field| {
             let (now, before) = (last.residual[field], before.residual[field]);
-            now <= WORTH_JUDGING * self.largest_residual(field) || now > 0.5 * before || before == 0.0
+            now <= WORTH_JUDGING * self.largest_residual(field) || self.has_stalled(field) || before == 0.0
         })
     }
 

@@ -70,14 +70,14 @@ impl FreeEquations<'_> {
         if self.tangent_is_old() {
             self.problem.tangent(&self.iterates.u)?;
         }
-        let rows = self.judge_rows()?;
+        let mut rows = self.judge_rows()?;
         let is_corrected = rows.hold || self.iterates.some_field_stays() || self.some_component_vanishes();
         let correction = if is_corrected { self.correction()? } else { None };
         // If the tangent cannot be solved with, the next step reports it.
         match correction {
             None => progress.map(|()| Verdict::GoOn),
-            Some(correction) if rows.hold => self.judge_correction(progress, &rows, correction),
-            Some(correction) => self.judge_without_rows(progress, &rows, &correction),
+            Some(correction) if rows.hold => self.judge_correction(progress, &mut rows, correction),
+            Some(correction) => self.judge_without_rows(progress, &mut rows, &correction),
         }
     }
 
@@ -85,14 +85,14 @@ impl FreeEquations<'_> {
     fn judge_without_rows(
         &mut self,
         progress: Result<(), NewtonFailure>,
-        rows: &Rows,
+        rows: &mut Rows,
         correction: &[f64],
     ) -> Result<Verdict, NewtonFailure> {
         let stagnates = matches!(progress, Err(NewtonFailure::Stagnated));
         if (stagnates || self.iterates.stays()) && self.is_small_everywhere(correction)? {
             return Ok(Verdict::Solution);
         }
-        match self.without_vanishing_components(correction, &rows.forces)? {
+        match self.without_vanishing_components(correction, rows)? {
             Some(change) => Ok(Verdict::Correct(change)),
             None => progress.map(|()| Verdict::GoOn),
         }
@@ -102,7 +102,7 @@ impl FreeEquations<'_> {
     fn judge_correction(
         &mut self,
         progress: Result<(), NewtonFailure>,
-        rows: &Rows,
+        rows: &mut Rows,
         correction: Vec<f64>,
     ) -> Result<Verdict, NewtonFailure> {
         let reason = Reason::ToleranceBelowRounding;
@@ -115,11 +115,11 @@ impl FreeEquations<'_> {
             progress?;
             return Ok(Verdict::Correct(correction));
         }
-        let unsettled = self.unsettled(&correction, &rows.forces)?;
+        let unsettled = self.unsettled(&correction, rows)?;
         if unsettled.is_empty() {
             return Ok(Verdict::Solution);
         }
-        if let Some(change) = self.without_vanishing_components(&correction, &rows.forces)? {
+        if let Some(change) = self.without_vanishing_components(&correction, rows)? {
             return Ok(Verdict::Correct(change));
         }
         let stalls = self.refinement.stalls(unsettled.iter().map(|(_, size)| *size).fold(0.0, f64::max));

@@ -1,6 +1,6 @@
 //! Correction that is still to be expected, −K⁻¹R with the last tangent, next to the variation of the solution.
 
-use super::{LastChange, UNIFORM, UNKNOWN_ROUNDING, ZERO_COMPONENT};
+use super::{LastChange, Rows, UNIFORM, UNKNOWN_ROUNDING, ZERO_COMPONENT};
 use crate::assemble::{AssemblyError, Terms};
 use crate::linear_algebra::vector::norm;
 use crate::solve::newton::convergence::Component;
@@ -42,7 +42,7 @@ impl FreeEquations<'_> {
     pub(super) fn unsettled(
         &mut self,
         correction: &[f64],
-        forces: &[f64],
+        rows: &mut Rows,
     ) -> Result<Vec<(Component, f64)>, NewtonFailure> {
         let tolerance = SOFTNESS * self.iterates.options.relative_tolerance;
         let mut unsettled = Vec::new();
@@ -67,17 +67,23 @@ impl FreeEquations<'_> {
             return Ok(unsettled);
         }
         // Forces of these corrections may be rounding in all rows.
+        let forces = match rows.forces.take() {
+            Some(forces) => forces,
+            None => self.forces()?,
+        };
         let mut rest = vec![0.0; correction.len()];
         for unknown in unsettled.iter().flat_map(|(component, _)| component.unknowns()) {
             rest[unknown] = correction[unknown].abs();
         }
         let made = self.problem.products(&self.iterates.u, &rest)?.sizes;
         let negligible = |terms: &[f64]| {
-            let rows = made.iter().zip(forces).zip(terms);
+            let rows = made.iter().zip(&forces).zip(terms);
             rows.into_iter().all(|((made, force), term)| *made <= UNKNOWN_ROUNDING * (force + term))
         };
         let terms = self.problem.sizes_of_terms(&self.iterates.u, Terms::OfRows)?;
-        Ok(if negligible(terms.as_deref().unwrap_or(forces)) { vec![] } else { unsettled })
+        let is_rounding = negligible(terms.as_deref().unwrap_or(&forces));
+        rows.forces = Some(forces);
+        Ok(if is_rounding { vec![] } else { unsettled })
     }
 }
 

@@ -15,30 +15,47 @@ pub(super) struct Rows {
     pub hold: bool,
     /// They hold only because the last step was long, whose rounding the unknowns have.
     pub after_long_step: bool,
-    /// (|K| |u|)_i of all rows.
-    pub forces: Vec<f64>,
+    /// (|K| |u|)_i of all rows, once they were asked for.
+    pub forces: Option<Vec<f64>>,
 }
 
 impl FreeEquations<'_> {
-    /// Judges the free rows. Sizes of terms are computed where rounding of (|K| |u|)_i does not suffice.
+    /// Judges the free rows: by the sizes of their terms where residuals have dropped, otherwise first by the rounding of (|K| |u|)_i, whose
+    /// tangent the next step reads too.
     pub(super) fn judge_rows(&mut self) -> Result<Rows, NewtonFailure> {
+        self.worst = None;
+        let tolerance = self.iterates.options.relative_tolerance;
+        let mut terms = None;
+        if self.iterates.has_dropped_to(tolerance)
+            && let Some(sizes) = self.problem.sizes_of_terms(&self.iterates.u, Terms::OfRows)?
+        {
+            let sizes = self.elimination.reduce_amounts(&sizes)?;
+            let rows = self.residuals.reduced.iter().zip(&sizes);
+            if rows.into_iter().all(|(r, size)| r.abs() <= tolerance * size) {
+                return Ok(Rows { hold: true, after_long_step: false, forces: None });
+            }
+            terms = Some(sizes);
+        }
+        let forces = self.forces()?;
         let residual = &self.residuals.reduced;
         let reduce = |full: &[f64]| self.elimination.reduce_amounts(full);
-        let amounts = self.iterates.u.iter().map(|u| u.abs()).collect::<Vec<_>>();
-        let forces = self.problem.products(&self.iterates.u, &amounts)?.sizes;
         let mut allowed: Vec<f64> = reduce(&forces)?.iter().map(|force| ROW_ROUNDING * force).collect();
         let holds = |allowed: &[f64]| residual.iter().zip(allowed).all(|(r, allowed)| r.abs() <= *allowed);
-        self.worst = None;
         if holds(&allowed) {
-            return Ok(Rows { hold: true, after_long_step: false, forces });
+            return Ok(Rows { hold: true, after_long_step: false, forces: Some(forces) });
         }
         let add = |allowed: &mut [f64], part: f64, sizes: &[f64]| {
             allowed.iter_mut().zip(sizes).for_each(|(allowed, size)| *allowed += part * size);
         };
-        let terms = self.problem.sizes_of_terms(&self.iterates.u, Terms::OfRows)?;
-        // A problem that does not know its terms has its forces.
-        let terms = reduce(terms.as_ref().unwrap_or(&forces))?;
-        add(&mut allowed, self.iterates.options.relative_tolerance, &terms);
+        let terms = match terms {
+            Some(terms) => terms,
+            // A problem that does not know its terms has its forces.
+            None => {
+                let terms = self.problem.sizes_of_terms(&self.iterates.u, Terms::OfRows)?;
+                reduce(terms.as_ref().unwrap_or(&forces))?
+            }
+        };
+        add(&mut allowed, tolerance, &terms);
         if !holds(&allowed)
             && let Some(cells) = self.problem.sizes_of_terms(&self.iterates.u, Terms::OfCells)?
         {
@@ -57,7 +74,7 @@ impl FreeEquations<'_> {
         if !hold {
             // The row that is off by the most of its terms.
             let off = |place: usize| {
-                let scale = terms[place].max(allowed[place] / self.iterates.options.relative_tolerance);
+                let scale = terms[place].max(allowed[place] / tolerance);
                 if residual[place] == 0.0 { 0.0 } else { residual[place].abs() / scale }
             };
             let failing = (0..residual.len()).filter(|place| residual[*place].abs() > allowed[*place]);
@@ -65,6 +82,12 @@ impl FreeEquations<'_> {
             self.worst =
                 worst.map(|place| WorstEquation { unknown: self.elimination.free()[place], off: off(place) });
         }
-        Ok(Rows { hold, after_long_step, forces })
+        Ok(Rows { hold, after_long_step, forces: Some(forces) })
+    }
+
+    /// (|K| |u|)_i of all rows.
+    pub(super) fn forces(&mut self) -> Result<Vec<f64>, NewtonFailure> {
+        let amounts = self.iterates.u.iter().map(|u| u.abs()).collect::<Vec<_>>();
+        Ok(self.problem.products(&self.iterates.u, &amounts)?.sizes)
     }
 }

@@ -1,6 +1,6 @@
 //! Components that are zero but for rounding.
 
-use super::{LastChange, ROW_ROUNDING, Reason};
+use super::{LastChange, ROW_ROUNDING, Reason, Rows};
 use crate::linear_algebra::vector::largest;
 use crate::solve::newton::convergence::Component;
 use crate::solve::newton::{FreeEquations, Iterates, NewtonFailure};
@@ -45,7 +45,7 @@ impl FreeEquations<'_> {
     pub(super) fn without_vanishing_components(
         &mut self,
         correction: &[f64],
-        forces: &[f64],
+        rows: &mut Rows,
     ) -> Result<Option<Vec<f64>>, NewtonFailure> {
         if !self.refinement.allows(Reason::VanishingComponents) {
             return Ok(None);
@@ -62,10 +62,16 @@ impl FreeEquations<'_> {
         }
         self.elimination.impose(&mut zeroed)?;
         let change: Vec<f64> = zeroed.iter().zip(&self.iterates.u).map(|(zeroed, u)| zeroed - u).collect();
-        if largest(&change) == 0.0
-            || !(self.is_rounding_in_shared_rows(&vanishing, forces)?
-                || self.is_corrected_to_zero(&vanishing, correction)?)
-        {
+        if largest(&change) == 0.0 {
+            return Ok(None);
+        }
+        let forces = match rows.forces.take() {
+            Some(forces) => forces,
+            None => self.forces()?,
+        };
+        let is_rounding = self.is_rounding_in_shared_rows(&vanishing, &forces)?;
+        rows.forces = Some(forces);
+        if !(is_rounding || self.is_corrected_to_zero(&vanishing, correction)?) {
             return Ok(None);
         }
         self.refinement.enter(Reason::VanishingComponents);
