@@ -5,8 +5,8 @@ use forms_fem::contract::Form;
 use forms_fem::element::{CellShape, Lagrange};
 use thiserror::Error;
 
-use crate::forms::given::WithIntegrals;
 use crate::basix::{NodeOrder, RuleError, node_count, our_node_numbers, quadrature};
+use crate::forms::given::WithIntegrals;
 
 /// Whether a kernel is that of a residual or of its tangent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -83,10 +83,7 @@ fn von_mises<'a>(solution: &'a CylinderSolution, derived: &'a DerivedFields) -> 
 }
 
 /// Values along Γ_C from left to right, over the undeformed x.
-fn along_contact(
-    solution: &CylinderSolution,
-    expression: &Expression<2>,
-) -> Outcome<(Vec<f64>, Vec<f64>)> {
+fn along_contact(solution: &CylinderSolution, expression: &Expression<2>) -> Outcome<(Vec<f64>, Vec<f64>)> {
     let samples = solution.problem.assembler.along_facets_uniformly(expression, CONTACT, SAMPLES)?;
     let mut facets: Vec<Vec<[f64; 2]>> = samples
         .chunks(SAMPLES)

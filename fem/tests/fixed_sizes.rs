@@ -181,20 +181,74 @@ fn rows_stand_in_any_order() {
         for (name, row) in orders {
             let form = || elasticity::<2>(&data, &omega);
             let linear = [
-                ordered_results::<elasticity::Kernels, Fixed<3, 1, 3>, 2>(&form(), 2, [1, 1], triangle, 0, set, 1, row),
-                ordered_results::<elasticity::Kernels, Counted, 2>(&form(), 2, [1, 1], triangle, 0, set, 1, row),
+                ordered_results::<elasticity::Kernels, Fixed<3, 1, 3>, 2>(
+                    &form(),
+                    2,
+                    [1, 1],
+                    triangle,
+                    0,
+                    set,
+                    1,
+                    row,
+                ),
+                ordered_results::<elasticity::Kernels, Counted, 2>(
+                    &form(),
+                    2,
+                    [1, 1],
+                    triangle,
+                    0,
+                    set,
+                    1,
+                    row,
+                ),
             ];
             agree(&linear[0], &linear[1], &format!("{set}, linear, {name}"));
             let quadratic = [
-                ordered_results::<elasticity::Kernels, Fixed<6, 3, 3>, 2>(&form(), 2, [1, 2], triangle, 0, set, 2, row),
-                ordered_results::<elasticity::Kernels, Counted, 2>(&form(), 2, [1, 2], triangle, 0, set, 2, row),
+                ordered_results::<elasticity::Kernels, Fixed<6, 3, 3>, 2>(
+                    &form(),
+                    2,
+                    [1, 2],
+                    triangle,
+                    0,
+                    set,
+                    2,
+                    row,
+                ),
+                ordered_results::<elasticity::Kernels, Counted, 2>(
+                    &form(),
+                    2,
+                    [1, 2],
+                    triangle,
+                    0,
+                    set,
+                    2,
+                    row,
+                ),
             ];
             agree(&quadratic[0], &quadratic[1], &format!("{set}, quadratic, {name}"));
             // By moments.
             let quadrilateral = CellShape::Quadrilateral;
             let by_moments = [
-                ordered_results::<elasticity::Kernels, Fixed<9, 9, 4>, 2>(&form(), 2, [1, 2], quadrilateral, 0, set, 4, row),
-                ordered_results::<elasticity::Kernels, Counted, 2>(&form(), 2, [1, 2], quadrilateral, 0, set, 4, row),
+                ordered_results::<elasticity::Kernels, Fixed<9, 9, 4>, 2>(
+                    &form(),
+                    2,
+                    [1, 2],
+                    quadrilateral,
+                    0,
+                    set,
+                    4,
+                    row,
+                ),
+                ordered_results::<elasticity::Kernels, Counted, 2>(
+                    &form(),
+                    2,
+                    [1, 2],
+                    quadrilateral,
+                    0,
+                    set,
+                    4,
+                    row,
+                ),
             ];
             agree(&by_moments[0], &by_moments[1], &format!("{set}, quadrilaterals, {name}"));
         }
@@ -203,14 +257,50 @@ fn rows_stand_in_any_order() {
         for (name, row) in orders {
             let form = || diffusion::<2>(&data, &omega);
             let numbers = [
-                ordered_results::<diffusion::Kernels, Fixed<3, 1, 3>, 2>(&form(), 1, [1, 1], triangle, 0, set, 1, row),
-                ordered_results::<diffusion::Kernels, Counted, 2>(&form(), 1, [1, 1], triangle, 0, set, 1, row),
+                ordered_results::<diffusion::Kernels, Fixed<3, 1, 3>, 2>(
+                    &form(),
+                    1,
+                    [1, 1],
+                    triangle,
+                    0,
+                    set,
+                    1,
+                    row,
+                ),
+                ordered_results::<diffusion::Kernels, Counted, 2>(
+                    &form(),
+                    1,
+                    [1, 1],
+                    triangle,
+                    0,
+                    set,
+                    1,
+                    row,
+                ),
             ];
             agree(&numbers[0], &numbers[1], &format!("{set}, numbers, {name}"));
             let quadrilateral = CellShape::Quadrilateral;
             let by_moments = [
-                ordered_results::<diffusion::Kernels, Fixed<9, 9, 9>, 2>(&form(), 1, [2, 2], quadrilateral, 0, set, 4, row),
-                ordered_results::<diffusion::Kernels, Counted, 2>(&form(), 1, [2, 2], quadrilateral, 0, set, 4, row),
+                ordered_results::<diffusion::Kernels, Fixed<9, 9, 9>, 2>(
+                    &form(),
+                    1,
+                    [2, 2],
+                    quadrilateral,
+                    0,
+                    set,
+                    4,
+                    row,
+                ),
+                ordered_results::<diffusion::Kernels, Counted, 2>(
+                    &form(),
+                    1,
+                    [2, 2],
+                    quadrilateral,
+                    0,
+                    set,
+                    4,
+                    row,
+                ),
             ];
             agree(&by_moments[0], &by_moments[1], &format!("{set}, numbers on quadrilaterals, {name}"));
         }
@@ -237,7 +327,8 @@ fn lengths_that_do_not_fit_are_named() {
     let quadrature = Quadrature::Degree(2);
     let form = || elasticity::<2>(&data, &Omega::on("all"));
     type Wrong = Fixed<6, 3, 3>;
-    let error = ElementKernel::with_sizes::<elasticity::Kernels, Wrong>(&form(), layout.clone(), &quadrature).err();
+    let error =
+        ElementKernel::with_sizes::<elasticity::Kernels, Wrong>(&form(), layout.clone(), &quadrature).err();
     let message = error.expect("a triangle has three nodes").to_string();
     assert!(message.contains("there are 3 nodes, and 6 are fixed"), "{message}");
     let unlisted = ElementLayout { fields: layout.fields[..1].to_vec(), ..layout.clone() };

@@ -146,7 +146,9 @@ fn element_kernels_sum_along_axes_too() {
             fields: vec![],
             rows: (0..size).collect(),
         };
-        let mut kernel = ElementKernel::new::<poisson::Kernels>(&poisson(&data, &Omega::on("all")), layout, &rule).unwrap();
+        let mut kernel =
+            ElementKernel::new::<poisson::Kernels>(&poisson(&data, &Omega::on("all")), layout, &rule)
+                .unwrap();
         let mut matrix = vec![0.0; size * size];
         let cells = ElementCells { count: 1, coordinates: &coordinates, coefficients: &[], facet: 0 };
         kernel.matrices(&cells, &mut matrix).unwrap();

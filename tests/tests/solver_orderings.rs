@@ -85,11 +85,7 @@ fn check<const D: usize, const N: usize>(
     assert!(difference < 1e-12, "{difference:e}");
 }
 
-fn check_one<const D: usize>(
-    form: &Form<D>,
-    mesh: &Arc<Mesh<D>>,
-    constraints: &Constraints<D>,
-) {
+fn check_one<const D: usize>(form: &Form<D>, mesh: &Arc<Mesh<D>>, constraints: &Constraints<D>) {
     check(SolverPath::Cholesky, |solver, threads| {
         let assembler = Assembler::new(mesh).with_threads(threads);
         let problem = Problem::new(form, constraints.space()).assembler(&assembler).constrained(constraints);

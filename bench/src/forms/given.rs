@@ -57,11 +57,7 @@ where
 }
 
 /// [`fn@small_strain_contact::body`] with one gap \[length\] everywhere on a facet region.
-pub fn body_in_contact<const D: usize>(
-    c: &[f64],
-    region: &str,
-    gap: f64,
-) -> Form<D>
+pub fn body_in_contact<const D: usize>(c: &[f64], region: &str, gap: f64) -> Form<D>
 where
     Dim: Dimension<D>,
 {

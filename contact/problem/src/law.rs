@@ -13,7 +13,6 @@ use crate::threshold::Threshold;
     note = "name what the drivers need of its forms module: `contact_law!(module {{ direct: direct, region: gamma_c }})`"
 )]
 pub trait ContactLaw<const D: usize>: Clone + ParameterRanges {
-
     /// The direct problem with the law's data.
     fn direct(&self) -> Form<D>;
 
@@ -46,7 +45,6 @@ pub trait ContactLaw<const D: usize>: Clone + ParameterRanges {
     note = "add `indicator: name` of a scalar of u to its `contact_law!`"
 )]
 pub trait WithIndicator<const D: usize>: ContactLaw<D> {
-
     /// The indicator at a displacement.
     fn indicator(&self, u: &Field<D>) -> Expression<D>;
 }
@@ -83,7 +81,6 @@ pub trait WithTheta<const D: usize>: ContactLaw<D> {
     note = "add `theta: theta, threshold: product(elasticity, gamma0)` to its `contact_law!`: two forms and two parameters"
 )]
 pub trait WithThreshold<const D: usize>: WithTheta<D> {
-
     /// γ₀ \[stress\].
     fn gamma0(&self) -> f64;
 
@@ -113,7 +110,6 @@ pub trait WithAdjoint<const D: usize>: ContactLaw<D> {
     note = "add `shape_gradient: name` (and `diameter_gradient: name`) to its `contact_law!`"
 )]
 pub trait WithShapeGradient<const D: usize>: WithAdjoint<D> {
-
     /// The volume form of the shape derivative at a displacement and an adjoint state.
     fn shape_gradient(&self, u: &Field<D>, p: &Field<D>) -> Form<D>;
 

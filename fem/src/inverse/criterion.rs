@@ -24,8 +24,7 @@ pub(super) struct Criterion<'a, const D: usize> {
     pub curvature_of_controls: Option<CurvatureOfControls<'a>>,
 }
 
-pub(super) type EnergyAt<'a, const D: usize> =
-    Box<dyn Fn(&At<D>) -> Result<Energy<D>, ControlError> + 'a>;
+pub(super) type EnergyAt<'a, const D: usize> = Box<dyn Fn(&At<D>) -> Result<Energy<D>, ControlError> + 'a>;
 pub(super) type OfControls<'a> = Box<dyn Fn(&[f64]) -> (f64, Vec<f64>) + 'a>;
 pub(super) type CurvatureOfControls<'a> = Box<dyn Fn(&[f64], &[f64]) -> Vec<f64> + 'a>;
 

@@ -77,8 +77,7 @@ enum Reading {
     Itself,
 }
 
-type FormAt<'a, const D: usize> =
-    Box<dyn Fn(&During<D>) -> Result<Form<D>, ControlError> + 'a>;
+type FormAt<'a, const D: usize> = Box<dyn Fn(&During<D>) -> Result<Form<D>, ControlError> + 'a>;
 type RatesAt<'a, const D: usize> =
     Box<dyn Fn(&During<D>, &Field<D>, &Field<D>) -> Result<Form<D>, ControlError> + 'a>;
 type ConstraintsAt<'a, const D: usize> = Box<dyn Fn(f64) -> Result<Constraints<D>, ConstraintsError> + 'a>;

@@ -78,11 +78,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     }
 
     /// The places of a tangent's entries at a state: those that are known, unless pairs of displaced surfaces have left them.
-    fn pattern(
-        &mut self,
-        form: &Form<D>,
-        at: &Field<D>,
-    ) -> Result<Arc<BlockPattern<D>>, HistoryFailure> {
+    fn pattern(&mut self, form: &Form<D>, at: &Field<D>) -> Result<Arc<BlockPattern<D>>, HistoryFailure> {
         let (outline, at) = (Outline::of(form, Parts::ALL), [at.view()]);
         if let Some(known) = &self.pattern
             && known.covers(&outline, &at)?

@@ -14,10 +14,10 @@ use forms_core::contract::{FieldDescription, Region, Requirements, Role, Source}
 use forms_core::source::PositionFunction;
 
 use self::entities::Entities;
-use crate::contract::Function;
 use self::owned_cells::OwnedCells;
 use super::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
+use crate::contract::Function;
 use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};
 use crate::lanes::InstructionSet;

@@ -80,11 +80,7 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// As [`Assembler::at_points`].
-    pub fn at_point(
-        &self,
-        expression: &Expression<D>,
-        point: [f64; D],
-    ) -> Result<Vec<f64>, AssemblyError> {
+    pub fn at_point(&self, expression: &Expression<D>, point: [f64; D]) -> Result<Vec<f64>, AssemblyError> {
         Ok(self.at_points(expression, &[point])?.values.into_iter().flatten().collect())
     }
 
@@ -283,10 +279,7 @@ impl<const D: usize> Assembler<D> {
 
     /// The degree of the rule of the histories that a function reads, if it reads any.
     #[inline(never)]
-    pub(super) fn history_degree(
-        &self,
-        expression: &Expression<D>,
-    ) -> Result<Option<usize>, AssemblyError> {
+    pub(super) fn history_degree(&self, expression: &Expression<D>) -> Result<Option<usize>, AssemblyError> {
         Ok(self.history_read(expression)?.map(|(_, degree)| degree))
     }
 
@@ -324,18 +317,24 @@ impl<const D: usize> Assembler<D> {
             if own != shapes {
                 (buffers, shapes) = (BatchBuffers::default(), own);
             }
-            let (cells, located) = (Cells::Mesh(binding.mesh), Requirements { position: true, ..requirements });
+            let (cells, located) =
+                (Cells::Mesh(binding.mesh), Requirements { position: true, ..requirements });
             let mut batch = Batch::<f64, D>::new(&binding, group, cells, located, &[], &mut buffers)?;
             for term in expression.densities() {
                 let entities = 0..group.entities();
-                term.kernel.each_point(&mut batch, group.points(), entities, &mut |value, weight, position| {
-                    if !value.iter().all(|entry| entry.is_finite()) {
-                        let (form, position) = (binding.name, position.to_vec());
-                        return Err(AssemblyError::ValueNotFinite { form, position });
-                    }
-                    found.push((*position, weight, value.to_vec()));
-                    Ok(())
-                })?;
+                term.kernel.each_point(
+                    &mut batch,
+                    group.points(),
+                    entities,
+                    &mut |value, weight, position| {
+                        if !value.iter().all(|entry| entry.is_finite()) {
+                            let (form, position) = (binding.name, position.to_vec());
+                            return Err(AssemblyError::ValueNotFinite { form, position });
+                        }
+                        found.push((*position, weight, value.to_vec()));
+                        Ok(())
+                    },
+                )?;
             }
         }
         Ok(found)

@@ -16,7 +16,9 @@ use crate::solve::CommunicationError;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum AssemblyError {
     /// A product without a matrix of a form that has no kernels for it.
-    #[error("`{form}` has no kernels for products without a matrix; write `#[forms(matrix_free)]` on its module")]
+    #[error(
+        "`{form}` has no kernels for products without a matrix; write `#[forms(matrix_free)]` on its module"
+    )]
     NoAction {
         /// The form.
         form: &'static str,

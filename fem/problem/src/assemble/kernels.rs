@@ -6,7 +6,8 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use forms_core::contract::{
-    Backend, BilinearConstants, BilinearKernel, ExpressionConstants, ExpressionKernel, LinearConstants, LinearKernel,
+    Backend, BilinearConstants, BilinearKernel, ExpressionConstants, ExpressionKernel, LinearConstants,
+    LinearKernel,
 };
 
 use super::AssemblyError;

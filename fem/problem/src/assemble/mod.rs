@@ -63,8 +63,8 @@ pub use walk::pair_reports::RegionPairs;
 pub use walk::positive_parts::PositivePart;
 
 use self::binding::Binding;
-use crate::contract::Function;
 use self::binding::owned_cells::OwnedCells;
+use crate::contract::Function;
 use crate::field::FieldView;
 use crate::lanes::InstructionSet;
 use crate::mesh::Mesh;

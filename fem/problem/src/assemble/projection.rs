@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use forms_core::contract::{Entity};
 use crate::contract::Expression;
+use forms_core::contract::Entity;
 
 use self::loads::{Systems, systems};
 use self::mass::MassByCells;

@@ -7,10 +7,10 @@ use forms_core::contract::{Role, Term};
 use super::batch::Cells;
 use super::binding::Binding;
 use super::kernel_calls::vectors::ElementVectors;
+use super::kernels::VectorKernel;
 use super::scatter::VectorScatter;
 use super::walk::groups;
 use super::{Assembler, AssemblyError, Parts};
-use super::kernels::VectorKernel;
 use crate::assemble::scatter::group_nodes::GroupNodes;
 use crate::compiled_here::compiled_here;
 use crate::contract::{Form, Function};
@@ -25,11 +25,7 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// As [`Assembler::residual`].
-    pub fn linear_form(
-        &self,
-        form: &Form<D>,
-        space: &Arc<Space<D>>,
-    ) -> Result<Vec<f64>, AssemblyError> {
+    pub fn linear_form(&self, form: &Form<D>, space: &Arc<Space<D>>) -> Result<Vec<f64>, AssemblyError> {
         self.residual(form, &[], &[space])
     }
 
@@ -121,9 +117,8 @@ impl<const D: usize> Assembler<D> {
         let binding = self.bind(form, &unknowns)?;
         let parts = Parts::LINEAR_AND_CONSTANT;
         let terms = form.residual().iter();
-        let terms: Vec<_> = terms
-            .filter(|term| parts.contain(term.integral.dependence) && !term.integral.vanishes)
-            .collect();
+        let terms: Vec<_> =
+            terms.filter(|term| parts.contain(term.integral.dependence) && !term.integral.vanishes).collect();
         self.sum_of_terms(binding, tests, &terms, Added::Vectors)
     }
 

@@ -7,8 +7,8 @@ use forms_core::contract::{Integral, Role, Side, Term};
 use super::batch::Cells;
 use super::binding::Binding;
 use super::kernel_calls::matrices::ElementMatrices;
-use super::scatter::MatrixScatter;
 use super::kernels::MatrixKernel;
+use super::scatter::MatrixScatter;
 use super::walk::{Group, groups};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::assemble::binding::outline::Outline;
@@ -264,12 +264,20 @@ impl<const D: usize> TangentIntegrals<'_, D> {
             let nodes = task.nodes();
             let size = nodes[0] * nodes[1] * height * width;
             match &mut self.target {
-                Target::Elements(found) => term.kernel.compute(&task, set, 0..group.entities(), &mut |first, matrices| {
-                    for (number, matrix) in matrices.chunks_exact(size).enumerate() {
-                        found.push(element_matrix(integral, &group, first + number, (test, trial), matrix));
-                    }
-                    Ok(())
-                })?,
+                Target::Elements(found) => {
+                    term.kernel.compute(&task, set, 0..group.entities(), &mut |first, matrices| {
+                        for (number, matrix) in matrices.chunks_exact(size).enumerate() {
+                            found.push(element_matrix(
+                                integral,
+                                &group,
+                                first + number,
+                                (test, trial),
+                                matrix,
+                            ));
+                        }
+                        Ok(())
+                    })?
+                }
                 Target::Matrix { pattern, values, zeros, written } => {
                     let at = |space, k: usize| {
                         let nodes = GroupNodes::new(space, &group.sides[sides[k]]);

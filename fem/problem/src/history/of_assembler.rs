@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::{Entity, History, Pairing, QuadratureValues, Source};
 use crate::contract::Expression;
+use forms_core::contract::{Entity, History, Pairing, QuadratureValues, Source};
 use forms_core::source::FieldValue;
 
 use super::{HistoryMismatch, PointStorage};

@@ -119,8 +119,12 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
             return Ok(known);
         }
         let spaces = self.spaces.each_ref();
-        let pattern =
-            BlockPattern::for_cells_of(&Outline::of(&self.form, Parts::ALL), &spaces, &spaces, &self.assembler)?;
+        let pattern = BlockPattern::for_cells_of(
+            &Outline::of(&self.form, Parts::ALL),
+            &spaces,
+            &spaces,
+            &self.assembler,
+        )?;
         Ok(self.pattern.get_or_init(|| Arc::new(pattern)))
     }
 
@@ -368,7 +372,8 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         let before = if overwrites { ValuesBefore::Vanish } else { ValuesBefore::Count };
         let (arguments, pattern) = ((&views[..], &spaces[..]), self.pattern()?);
         let matrix = &mut assembled.matrix;
-        let written = assembler.write_tangent(&self.form, arguments, Parts::NONLINEAR, pattern, matrix, before);
+        let written =
+            assembler.write_tangent(&self.form, arguments, Parts::NONLINEAR, pattern, matrix, before);
         assembled.iterate = Some(u.to_vec());
         written
     }

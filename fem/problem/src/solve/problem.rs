@@ -15,9 +15,9 @@ use std::cell::OnceCell;
 use std::ops::Range;
 use std::sync::Arc;
 
-use self::solution::{EachStep, Solver};
 #[doc(hidden)]
 pub use self::solution::StepMemory;
+use self::solution::{EachStep, Solver};
 use super::communicator::Communicator;
 use super::linear_and_nonlinear::SplitSystem;
 use super::linear_part::{Assembled, System};

@@ -5,8 +5,8 @@
 
 use super::MotionHistory;
 use crate::assemble::Parts;
-use crate::contract::Form;
 use crate::constraints::Constraints;
+use crate::contract::Form;
 use crate::field::Field;
 use crate::inverse::error::HistoryFailure;
 use crate::inverse::interval::Interval;

@@ -190,8 +190,7 @@ impl<const D: usize> ElementKernel<D> {
         let constants = form.inputs().constants();
         let joined = I::joined_residual::<Standalone<S>>(constants);
         let places: Vec<_> = joined.iter().map(|term| term.integral).collect();
-        let is_apart =
-            |term: &Term<_>| !places.iter().any(|place| is_on_same_points(place, term.integral));
+        let is_apart = |term: &Term<_>| !places.iter().any(|place| is_on_same_points(place, term.integral));
         let residual = joined.into_iter().chain(apart(I::residual::<Standalone<S>>(constants), is_apart));
         let prepared = |terms: &mut dyn Iterator<Item = Term<Box<dyn ElementIntegral<D>>>>| {
             let one = |Term { integral, kernel }| prepare(form, &tables, quadrature, integral, kernel);

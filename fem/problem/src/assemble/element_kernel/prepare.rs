@@ -1,13 +1,12 @@
 //! The integrals of an element kernel, each prepared once: with loops of fixed lengths, or with those that count them.
 
-use std::any::Any;
 use std::marker::PhantomData;
 
 use forms_core::contract::{
     Backend, BilinearConstants, BilinearKernel, ExpressionKernel, Integral, LinearKernel, Requirements, Role,
 };
 
-use super::run::{Counted, run_matrices, run_vectors};
+use super::run::{Counted, Kept, run_matrices, run_vectors};
 
 use super::tables::ElementTables;
 use crate::assemble::AssemblyError;
@@ -17,9 +16,6 @@ use crate::assemble::kernel_calls::matrices::{along_axes, by_moments};
 use crate::assemble::walk::{Group, groups};
 use crate::contract::Form;
 use crate::quadrature::Quadrature;
-
-/// Memory of the loops, whose types are known inside them.
-pub(super) type Kept = Option<Box<dyn Any + Send>>;
 
 /// An integral: of one group on cells, or of one per local facet.
 pub(super) enum Prepared<const D: usize> {

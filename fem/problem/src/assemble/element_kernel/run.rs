@@ -1,9 +1,10 @@
 //! Calls of integrals that have loops which count their lengths.
 
+use std::any::Any;
+
 use forms_core::contract::{BilinearConstants, BilinearKernel, LinearConstants, LinearKernel};
 
 use super::ElementCells;
-use super::prepare::Kept;
 use super::tables::ElementTables;
 use crate::assemble::AssemblyError;
 use crate::assemble::kernel_calls::matrices::{ElementMatrices, MatrixBuffers};
@@ -13,6 +14,9 @@ use crate::assemble::kernel_calls::{BilinearCalls, Factors, LinearCalls};
 use crate::assemble::walk::Group;
 use crate::contract::Form;
 use crate::lanes::{LaneWork, Order, SimdLane};
+
+/// Memory of the loops, whose types are known inside them.
+pub(super) type Kept = Option<Box<dyn Any + Send>>;
 
 /// One call, on the cells or on the facet that was asked for.
 pub(super) struct Counted<'a, const D: usize> {

@@ -28,7 +28,8 @@ fn a_listed_cell_that_is_inverted_is_named() {
     };
     let form = listed::mass(&listed::Omega::on("all"));
     let kernel: ElementKernel<2> =
-        ElementKernel::new::<listed::mass::Kernels>(&form, layout, &Quadrature::Degree(2)).expect("the layout fits");
+        ElementKernel::new::<listed::mass::Kernels>(&form, layout, &Quadrature::Degree(2))
+            .expect("the layout fits");
     let square = [0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0];
     let dart = [0.0, 0.0, 1.0, 0.0, 0.2, 0.2, 0.0, 1.0];
     let cells = |coordinates: &[f64], count| {

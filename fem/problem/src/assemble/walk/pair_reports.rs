@@ -7,9 +7,9 @@ use forms_core::contract::{Entity, FieldDescription, Integral, Pairing, Requirem
 
 use super::degrees::Estimate;
 use crate::assemble::binding::Binding;
-use crate::contract::Function;
 use crate::assemble::{Assembler, AssemblyError};
 use crate::compiled_here::compiled_here;
+use crate::contract::Function;
 use crate::field::{Field, FieldView};
 use crate::pairs::{FollowedMotion, Follower, PairError, PairReport, Pairs};
 use crate::quadrature::Quadrature;

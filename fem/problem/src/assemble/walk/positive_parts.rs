@@ -107,10 +107,7 @@ impl<const D: usize> Assembler<D> {
         Ok(facets)
     }
 
-    pub(in crate::assemble) fn expect_scalar(
-        &self,
-        expression: &Expression<D>,
-    ) -> Result<(), AssemblyError> {
+    pub(in crate::assemble) fn expect_scalar(&self, expression: &Expression<D>) -> Result<(), AssemblyError> {
         match expression.shape().iter().product() {
             1 => Ok(()),
             found => {

@@ -1,7 +1,7 @@
 //! A load step of a problem: Newton's method from a predicted state, then from the last one, and the motion between followed.
 
-use super::SolveError;
 use super::Problem;
+use super::SolveError;
 use super::solution::Found;
 use crate::constraints::Constraints;
 use crate::solve::{Elimination, LinearSolver, NewtonFailure};

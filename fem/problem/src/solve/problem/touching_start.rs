@@ -4,8 +4,8 @@
 //! step would press one body through the other as if nothing held it, and with friction the next ones would start from surfaces
 //! that slip everywhere. A trace of overlap, along the normal, has the derivative of bodies that press and stick.
 
-use super::SolveError;
 use super::Problem;
+use super::SolveError;
 use crate::assemble::FoundPairs;
 use crate::mesh::{Facet, Mesh};
 use crate::pairs::PairGroup;

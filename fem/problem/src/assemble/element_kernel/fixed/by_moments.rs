@@ -12,8 +12,8 @@ use super::store;
 use super::tables::MOST_NUMBERS;
 use crate::assemble::element_kernel::sizes::{Array, Sizes};
 use crate::assemble::kernel_calls::matrices::by_moments;
-use crate::assemble::kernel_calls::sum_factorisation::{Derivatives, Moments, unit};
 use crate::assemble::kernel_calls::no_products;
+use crate::assemble::kernel_calls::sum_factorisation::{Derivatives, Moments, unit};
 use crate::assemble::walk::Group;
 use crate::lanes::{Order, Ordered, SimdLane};
 

@@ -9,10 +9,10 @@
 
 use forms_core::contract::{Basis, BilinearKernel, PointGeometry, Requirements};
 
-use forms_core::contract::BilinearConstants;
 use crate::assemble::kernel_calls::block_sink::BlockSink;
 use crate::assemble::walk::GroupSide;
 use crate::lanes::SimdLane;
+use forms_core::contract::BilinearConstants;
 
 /// Axes of the reference cell, and the value: directions in which a basis function is known.
 pub(super) const fn directions<const D: usize>(kernel: &BilinearConstants) -> usize {
