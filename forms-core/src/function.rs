@@ -184,7 +184,7 @@ macro_rules! value {
         pub struct $name<const D: usize, B: Backend<D>>(Arc<Function<D, B>>);
 
         impl<const D: usize, B: Backend<D>> $name<D, B> {
-            /// Takes the kernels of a compiled function; emitted constructors call it.
+            /// Value with the kernels of a compiled function; emitted constructors call it.
             #[doc(hidden)]
             pub fn of<I: Integrals<D>>(
                 name: &'static str,
@@ -234,7 +234,7 @@ value! {
 pub struct Energy<const D: usize, B: Backend<D>>(Form<D, B>);
 
 impl<const D: usize, B: Backend<D>> Energy<D, B> {
-    /// Takes the kernels of a compiled energy; emitted constructors call it.
+    /// Value with the kernels of a compiled energy; emitted constructors call it.
     #[doc(hidden)]
     pub fn of<I: Integrals<D>>(name: &'static str, formula: &'static Formula, inputs: Inputs<D>) -> Self {
         Energy(Form::of::<I>(name, formula, inputs))

@@ -14,7 +14,7 @@ pub struct LinearConstants {
 }
 
 impl LinearConstants {
-    /// Those of a kernel type.
+    /// Constants of a kernel type.
     pub const fn of<K: LinearKernel<D>, const D: usize>() -> Self {
         LinearConstants {
             requirements: const { &K::REQUIREMENTS },
@@ -42,7 +42,7 @@ pub struct BilinearConstants {
 }
 
 impl BilinearConstants {
-    /// Those of a kernel type.
+    /// Constants of a kernel type.
     pub const fn of<K: BilinearKernel<D>, const D: usize>() -> Self {
         BilinearConstants {
             requirements: const { &K::REQUIREMENTS },
@@ -75,7 +75,7 @@ pub struct ExpressionConstants {
 }
 
 impl ExpressionConstants {
-    /// Those of a kernel type.
+    /// Constants of a kernel type.
     pub const fn of<K: ExpressionKernel<D>, const D: usize>() -> Self {
         ExpressionConstants { requirements: const { &K::REQUIREMENTS }, shape: K::SHAPE }
     }

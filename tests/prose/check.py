@@ -38,10 +38,10 @@ LONG_SENTENCES = (6, 20)
 DOCUMENTED = ("fem/*.rs", "contact/*.rs", "forms-core/*.rs")
 NOT_DOCUMENTED = ("/tests/", "/tests.rs", "/benches/", "/examples/")
 ITEM_LIMITS = {
-    "first line refers or asks": 4,
+    "first line refers or asks": 0,
     "verb first, no function": 1,
     "verb first, functions": 162,
-    "Result without # Errors": 13,
+    "Result without # Errors": 0,
 }
 
 # Lines of all user pages (docs without decisions and the book's table of contents): a ratchet.

@@ -13,5 +13,5 @@ pub type Energy<const D: usize> = function::Energy<D, Lanes>;
 pub type Functional<const D: usize> = function::Functional<D, Lanes>;
 /// A derived field: a function of a forms module, evaluated where the user asks.
 pub type Expression<const D: usize> = function::Expression<D, Lanes>;
-/// What forms, energies, functionals and expressions have in common.
+/// Compiled function of any kind: the common part of forms, energies, functionals and expressions.
 pub type Function<const D: usize> = function::Function<D, Lanes>;

@@ -237,6 +237,9 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
     }
 
     /// Moves to the q-th point: geometry, basis functions, fields.
+    ///
+    /// # Errors
+    /// A Jacobian determinant that is not positive, or a value that is not finite.
     #[inline(always)]
     pub fn point(&mut self, q: usize) -> Result<(), AssemblyError> {
         L::call(Point { batch: self, q })

@@ -317,6 +317,9 @@ impl<'a, const D: usize> Binding<'a, D> {
     }
 
     /// A history that a kernel reads and the degree of its rule, which all of them share.
+    ///
+    /// # Errors
+    /// [`AssemblyError::History`]: histories with different rules.
     #[inline(never)]
     pub fn history_degree(
         &self,

@@ -70,6 +70,9 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// [`Assembler::active_set`] at coefficients that need not be those of a field.
+    ///
+    /// # Errors
+    /// As there.
     #[doc(hidden)]
     #[inline(never)]
     pub fn active_set_of(

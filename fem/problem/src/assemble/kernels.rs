@@ -53,7 +53,7 @@ pub struct MatrixKernel<const D: usize>(Arc<dyn MatrixCalls<D>>);
 pub struct PointKernel<const D: usize>(Arc<dyn PointCalls<D>>);
 
 impl<const D: usize> VectorKernel<D> {
-    /// Its constants.
+    /// Constants of the kernel.
     pub fn constants(&self) -> LinearConstants {
         self.0.constants()
     }
@@ -71,7 +71,7 @@ impl<const D: usize> VectorKernel<D> {
 }
 
 impl<const D: usize> MatrixKernel<D> {
-    /// Its constants.
+    /// Constants of the kernel.
     pub fn constants(&self) -> BilinearConstants {
         self.0.constants()
     }
@@ -89,7 +89,7 @@ impl<const D: usize> MatrixKernel<D> {
 }
 
 impl<const D: usize> PointKernel<D> {
-    /// Its constants.
+    /// Constants of the kernel.
     pub fn constants(&self) -> ExpressionConstants {
         self.0.constants()
     }

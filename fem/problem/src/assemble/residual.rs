@@ -57,6 +57,9 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// [`Assembler::residual_parts`] at coefficients that need not be those of a field.
+    ///
+    /// # Errors
+    /// As there.
     #[doc(hidden)]
     #[inline(never)]
     pub fn residual_of(

@@ -80,7 +80,7 @@ impl<const D: usize> Assembler<D> {
         self.write_tangent(form, arguments, parts, pattern, matrix, ValuesBefore::Count)
     }
 
-    /// Writes the tangent of some of the integrals to a matrix on the pattern.
+    /// Tangent of some of the integrals, written to a matrix on the pattern.
     ///
     /// # Errors
     /// As [`Assembler::tangent`].
@@ -171,7 +171,7 @@ impl<const D: usize> Assembler<D> {
     }
 }
 
-/// What becomes of the values that a matrix has.
+/// Treatment of the values that a matrix has.
 #[derive(Clone, Copy, PartialEq)]
 #[doc(hidden)]
 pub enum ValuesBefore {

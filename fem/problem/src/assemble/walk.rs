@@ -80,6 +80,9 @@ pub(super) fn reads_hessians(requirements: &Requirements) -> bool {
 
 impl<const D: usize> Group<D> {
     /// A group of cells of one shape; weights may be of any kind.
+    ///
+    /// # Errors
+    /// An element that is not known on the shape.
     #[inline(never)]
     pub fn new(
         binding: &Binding<D>,

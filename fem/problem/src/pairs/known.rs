@@ -69,6 +69,9 @@ impl<const D: usize> Sought<D> {
 impl<const D: usize> KnownPairs<D> {
     /// The pairs of the mesh, always the same one, with the rules of a choice of quadrature; `estimated` is the degree
     /// where the choice is the compiler's estimate.
+    ///
+    /// # Errors
+    /// Those of the search.
     #[inline(never)]
     pub fn find(
         &self,

@@ -91,6 +91,9 @@ pub(super) struct Search<'s, 'm, const D: usize> {
 
 impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
     /// The search on surfaces that may be displaced, with the candidates of an earlier one.
+    ///
+    /// # Errors
+    /// A surface that does not exist, or that cannot be searched.
     pub fn new(
         mesh: &'m Mesh<D>,
         pairing: &Pairing,

@@ -47,6 +47,9 @@ impl SurfaceNodes {
     }
 
     /// The values of the fields that displace a pairing's surfaces at the nodes there, each with its degree and family as numbers.
+    ///
+    /// # Errors
+    /// A field that is not known on a surface.
     pub fn values<const D: usize>(
         &self,
         mesh: &Mesh<D>,

@@ -44,6 +44,9 @@ pub(super) fn names(pairing: &Pairing) -> Vec<&str> {
 
 impl<'m, const D: usize> Surfaces<'m, D> {
     /// The surfaces of a pairing, displaced, from what is known of them at rest.
+    ///
+    /// # Errors
+    /// A surface that does not exist, or displacements that fold it.
     pub fn new(
         mesh: &'m Mesh<D>,
         pairing: &Pairing,

@@ -142,7 +142,7 @@ impl<'a, const D: usize, const N: usize> Eigenproblem<'a, D, N> {
         self
     }
 
-    /// Another assembler than the default one: for its quadrature, its threads.
+    /// The assembler, in place of the default one: for its quadrature, its threads.
     pub fn assembler(mut self, assembler: &'a Assembler<D>) -> Self {
         self.stiffness.system.assembler = Cow::Borrowed(assembler);
         self.other.system.assembler = Cow::Borrowed(assembler);

@@ -138,7 +138,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         self
     }
 
-    /// Another assembler than the default one: for its quadrature, its threads, its cells.
+    /// The assembler, in place of the default one: for its quadrature, its threads, its cells.
     pub fn assembler(mut self, assembler: impl Into<Cow<'a, Assembler<D>>>) -> Self {
         self.system.assembler = assembler.into();
         self
@@ -181,7 +181,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         self
     }
 
-    /// Another linear solver than a [`TangentSolver`](super::TangentSolver) of the problem's own. It keeps the last matrix and what it factored,
+    /// The linear solver, in place of a [`TangentSolver`](super::TangentSolver) of the problem's own. It keeps the last matrix and what it factored,
     /// for adjoint problems as well.
     pub fn solver(mut self, solver: &'a mut dyn LinearSolver) -> Self {
         self.solver = Solver::Lent(solver);
@@ -254,6 +254,9 @@ pub struct OwnedForm<'a, const D: usize> {
 }
 
 /// The solution of a form, for those who make one form after the other.
+///
+/// # Errors
+/// As [`Problem::solve`].
 #[doc(hidden)]
 pub fn solve_owned<const D: usize>(
     owned: OwnedForm<'_, D>,

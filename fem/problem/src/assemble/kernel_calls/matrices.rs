@@ -116,6 +116,9 @@ impl<const D: usize> ElementMatrices<'_, D> {
 
     /// The loops. The entries of an element matrix come out in the order that [`block_order`] gives to
     /// the computed blocks, or any other.
+    ///
+    /// # Errors
+    /// Errors of the form's data, or of the sink.
     #[inline(never)]
     pub fn compute_in_lanes<L: SimdLane>(
         &self,

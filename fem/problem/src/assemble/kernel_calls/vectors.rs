@@ -89,6 +89,9 @@ impl<const D: usize> ElementVectors<'_, D> {
 
     /// The loops. Where sums go along the axes, the kernel is asked at each point for the functions whose value, or whose
     /// derivative along one axis of the reference cell, is one. With an `order`, entry k of a vector is the `order[k]`-th of `[node][component]`.
+    ///
+    /// # Errors
+    /// Errors of the form's data, or of the sink.
     #[inline(never)]
     pub fn compute_in_lanes<L: SimdLane>(
         &self,

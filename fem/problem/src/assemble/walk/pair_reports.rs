@@ -162,6 +162,9 @@ compiled_here!(
 impl<const D: usize> Assembler<D> {
     /// The contact pairs of a form at some unknowns, in the order of its integrals. Pairs that were assembled on are not searched
     /// for again.
+    ///
+    /// # Errors
+    /// Those of the search for contact pairs.
     #[doc(hidden)]
     #[inline(never)]
     pub fn pairs_of_form(

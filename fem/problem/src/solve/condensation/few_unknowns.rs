@@ -1,5 +1,5 @@
-//! Small nonlinear problem on the condensed unknowns c: S x_c + N_c(x) = L_c y_c, with the iterates of all unknowns, of which only
-//! those that the nonlinearity reads are computed.
+//! Small nonlinear problem on the condensed unknowns c: S x_c + N_c(x) = L_c y_c, with the iterates of all unknowns, computed only where
+//! the nonlinearity reads them.
 
 use std::sync::Arc;
 
@@ -44,6 +44,9 @@ struct Condensed {
 
 impl<'c, 'a> FewUnknowns<'c, 'a> {
     /// The equations at the first iterate, whose residual on all unknowns is given.
+    ///
+    /// # Errors
+    /// If assembly or the linear solver fails.
     pub fn new(
         problem: &'c mut dyn PartlyLinear,
         elimination: &'c mut Elimination,
@@ -105,6 +108,9 @@ impl<'c, 'a> FewUnknowns<'c, 'a> {
     }
 
     /// u = u₀ + x on all free unknowns, by the factor of the condensed system. False: there was none, and u is complete.
+    ///
+    /// # Errors
+    /// If the linear solver fails, or its solution is not finite.
     pub fn complete(&mut self) -> Result<bool, NewtonFailure> {
         let Some(Condensed { system, x_c }) = self.condensed.take() else { return Ok(false) };
         let x = self.solver.complete(system, &x_c)?;

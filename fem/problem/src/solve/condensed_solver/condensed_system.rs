@@ -53,6 +53,9 @@ impl CondensedSystem {
     }
 
     /// Brings the entries of x that N reads up to date with x_c.
+    ///
+    /// # Errors
+    /// Vectors of other sizes.
     pub fn update(&mut self, x_c: &[f64], x: &mut [f64]) -> Result<(), SolverError> {
         let first = self.y.len() - x_c.len();
         self.y[first..].copy_from_slice(&self.condensation.shifted(x_c));

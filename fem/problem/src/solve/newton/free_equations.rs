@@ -82,14 +82,20 @@ impl<'a> FreeEquations<'a> {
         (self.iterates, self.residuals.full, self.worst)
     }
 
-    /// Imposes the prescribed values on the start, and returns it as it was given.
+    /// Start with the prescribed values imposed on it; the one that was given is returned.
+    ///
+    /// # Errors
+    /// Constraints that do not fit the start.
     pub fn impose(&mut self) -> Result<Vec<f64>, NewtonFailure> {
         let given = self.iterates.u.clone();
         self.elimination.impose(&mut self.iterates.u)?;
         Ok(given)
     }
 
-    /// Enters the first iterate, with the prescribed values imposed on it as it was given.
+    /// Entry of the first iterate, with the prescribed values imposed on it as it was given.
+    ///
+    /// # Errors
+    /// If assembly fails.
     pub fn enter_start(&mut self, given: &[f64]) -> Result<(), NewtonFailure> {
         self.residuals = self.residuals_at_last()?;
         if !norm(&self.residuals.reduced).is_finite()
@@ -101,6 +107,9 @@ impl<'a> FreeEquations<'a> {
     }
 
     /// The residual at the last iterate.
+    ///
+    /// # Errors
+    /// If assembly fails.
     pub fn residuals_at_last(&mut self) -> Result<Residuals, NewtonFailure> {
         Residuals::at(self.problem, &self.elimination, &self.iterates.u)
     }
@@ -115,6 +124,9 @@ impl<'a> FreeEquations<'a> {
     }
 
     /// −K⁻¹R with the tangent that the solver has.
+    ///
+    /// # Errors
+    /// If the linear solver fails.
     pub fn change_by_solver(&mut self) -> Result<Change, NewtonFailure> {
         let load: Vec<f64> = self.residuals.reduced.iter().map(|value| -value).collect();
         let found = self.solver.solve(&load, self.iterates.linear_target())?;

@@ -55,7 +55,7 @@ impl<'a> Iterates<'a> {
         LINEAR_ACCURACY * self.history.last().map_or(smallest, |last| smallest.min(last.residual))
     }
 
-    /// Enters an iterate into the history.
+    /// Entry of an iterate into the history.
     pub fn record(&mut self, residual: f64, norms: Norms, active: Option<ActivePoints>, step: Step) {
         let first = self.history.first().map_or(residual, |start| start.residual);
         let before = self.active.last().copied().flatten();
@@ -77,7 +77,7 @@ impl<'a> Iterates<'a> {
         self.history.push(step);
     }
 
-    /// Replaces the residual of the last iterate, of which only a part was known.
+    /// New residual of the last iterate, which was known in part.
     pub fn replace_last_residual(&mut self, elimination: &Elimination, reduced: &[f64]) {
         let first = self.history.first().map_or(0.0, |start| start.residual);
         let (residual, found) = (norm(reduced), self.norms_at(elimination, reduced));
