@@ -89,13 +89,13 @@ pub mod loaded {
 mod private {
     use forms_core::forms;
 
-    #[forms(crate = forms_core)]
+    #[forms(crate = toy_backend)]
     pub mod stiffness {
         struct Data {
             mu: Param,
         }
     }
-    #[forms(crate = forms_core)]
+    #[forms(crate = toy_backend)]
     pub mod doubled {
         #[includes(super::stiffness::Data)]
         pub struct Data {}
@@ -111,8 +111,7 @@ mod private {
 fn private_data_are_included() {
     use private::doubled;
     let mesh = Mesh::<2>::cube(&mut Random(3));
-    let value =
-        |mu| functional(&mesh, &doubled::twice(&doubled::Data { mu }, &doubled::Rest::on("all")), &[]);
+    let value = |mu| functional(&mesh, &doubled::twice(&doubled::Data { mu }, &doubled::Rest::on("all")));
     assert!(value(1.0) > 0.0 && (value(3.0) - 3.0 * value(1.0)).abs() < 1e-13);
 }
 

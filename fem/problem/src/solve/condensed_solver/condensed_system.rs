@@ -1,4 +1,4 @@
-//! Condensed system: K x + N(x) = b on the condensed unknowns c alone, for Newton's method. With y = L⁻¹ b,
+//! Condensed system: K x + N(x) = b on only the condensed unknowns c, for Newton's method. With y = L⁻¹ b,
 //!
 //!   R_c(x) = S x_c + N_c(x) − L_c y_c,   (S + dN) δ_c = −R_c,   x = L⁻ᵀ (y_f, L_cᵀ x_c).
 //!

@@ -34,7 +34,7 @@ impl CondensedSolver {
 }
 
 impl CondensedSolver {
-    /// Tells the symmetric part K that the coming matrices share: each is K plus entries on few unknowns.
+    /// Takes the symmetric part K that the coming matrices share: each is K plus entries on few unknowns.
     pub(in crate::solve) fn set_linear_part(
         &mut self,
         linear_part: &Arc<CsrMatrix>,
@@ -82,7 +82,7 @@ impl CondensedSolver {
         condensed
     }
 
-    /// Tells which entries of the linear part the coming matrices are likely to change, by those of one of them. It
+    /// Names the entries of the linear part that the coming matrices are likely to change, by those of one of them. The guess
     /// may be wrong; it may save a factorisation.
     pub(in crate::solve) fn expect_changed(
         &mut self,

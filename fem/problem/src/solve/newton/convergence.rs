@@ -97,7 +97,7 @@ impl Fields {
         self.free.iter().map(|range| norm(&reduced[range.clone()])).collect()
     }
 
-    /// Norms over some free unknowns alone, given by their reduced numbers in ascending order.
+    /// Norms over only some free unknowns, given by their reduced numbers in ascending order.
     pub fn norms_over(&self, places: &[u32], value: impl Fn(usize) -> f64) -> Vec<f64> {
         let within = |range: &Range<usize>| {
             let place = |end: usize| places.partition_point(|place| (*place as usize) < end);

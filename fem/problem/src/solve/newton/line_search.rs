@@ -61,7 +61,7 @@ const FLAT: f64 = 0.5;
 /// A tangent with a larger asymmetry has no potential.
 const SYMMETRIC: f64 = 1e-9;
 
-/// Most evaluations along a step: bisection alone comes down to 10⁻⁹ of it.
+/// Most evaluations along a step: bisection reaches 10⁻⁹ of it.
 const EVALUATIONS: usize = 30;
 
 /// The last step that was taken although the residual rose.

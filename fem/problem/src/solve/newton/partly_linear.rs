@@ -20,8 +20,8 @@ pub trait PartlyLinear: NonlinearProblem {
     fn nonlinear_residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError>;
 
     /// The derivative of N at u in a matrix of its own, where the positions of its entries follow the iterate. The tangent is the
-    /// sum of K and this matrix. None where the positions are fixed: then the tangent tells its places that differ from K
-    /// ([`Tangent::changed`](super::Tangent::changed)).
+    /// sum of K and this matrix. None where the positions are fixed: then [`Tangent::changed`](super::Tangent::changed) names
+    /// the places where the tangent differs from K.
     ///
     /// # Errors
     /// If assembly fails.
