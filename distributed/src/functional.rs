@@ -15,10 +15,10 @@ use crate::world::World;
 ///
 /// # Errors
 /// Data that do not fit, on any process; [`PetscError::Different`] where the processes have different meshes.
-pub fn distributed_functional<G: Functional<D>, const D: usize>(
+pub fn distributed_functional<const D: usize>(
     world: &World,
     assembler: &Assembler<D>,
-    functional: &G,
+    functional: &Functional<D>,
 ) -> Result<f64, DistributedError<AssemblyError>> {
     let cells = world.own_cells(assembler.mesh());
     let own = assembler.clone().on_owned_cells(cells).map_err(|source| AssemblyError::Region {

@@ -2,7 +2,7 @@
 
 use forms_fem::prelude::*;
 
-#[forms(dimension = 2)]
+#[forms(dimension = 2, matrix_free)]
 mod forms_of_all_kinds {
     pub struct Data {
         mu: Param,

@@ -7,7 +7,7 @@ use forms_fem::solve::NonlinearProblem;
 
 use crate::several_shapes::patchwork;
 
-#[forms]
+#[forms(matrix_free)]
 mod terms {
     #[cells]
     pub struct Omega;

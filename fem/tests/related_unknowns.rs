@@ -4,7 +4,7 @@ use forms_fem::constraints::RigidMap;
 use forms_fem::prelude::*;
 use forms_fem::solve::{Elimination, NonlinearProblem};
 
-#[forms(dimension = 2)]
+#[forms(dimension = 2, matrix_free)]
 mod bodies {
     #[cells]
     pub struct Omega;

@@ -6,7 +6,7 @@ use forms_fem::element::Lagrange;
 use forms_fem::prelude::*;
 use forms_fem::quadrature::{QuadratureRule, cell_rule, facet_reference_rule};
 
-#[forms]
+#[forms(matrix_free)]
 mod products {
     pub struct Data {
         wind: Param<Vector>,

@@ -3,7 +3,7 @@
 use forms_fem::prelude::*;
 
 /// Isotropic linear elasticity.
-#[forms]
+#[forms(matrix_free)]
 pub mod linear_elastic {
     /// The two moduli.
     pub struct Data {

@@ -153,5 +153,5 @@ fn it_says_why_it_ends() {
     // A parameter out of its range.
     let wrong = layer.problem(model(data(Friction::Coulomb(-0.1), 0.0, YOUNG), multiplier()), 0.0, 0.01);
     let error = solve_by_uzawa(&wrong, &start, UzawaOptions::default(), |_| ()).unwrap_err().to_string();
-    assert!(error.contains("base.friction"), "{error}");
+    assert!(error.contains("the parameter `friction`"), "{error}");
 }

@@ -9,7 +9,7 @@ use forms_fem::verification;
 
 use super::{cubes, squares, together};
 
-#[forms]
+#[forms(matrix_free)]
 mod loaded {
     pub struct Data {
         wanted: Given<Scalar>,
@@ -33,7 +33,7 @@ mod loaded {
     }
 }
 
-#[forms]
+#[forms(matrix_free)]
 mod springs {
     #[pairs]
     pub struct Touch;

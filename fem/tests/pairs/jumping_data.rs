@@ -4,7 +4,7 @@ use forms_fem::prelude::*;
 
 use super::{cubes, squares};
 
-#[forms]
+#[forms(matrix_free)]
 mod springs {
     pub struct Data {
         modulus: Given<Scalar>,

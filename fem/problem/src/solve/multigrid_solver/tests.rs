@@ -7,7 +7,7 @@ use crate::mesh::OctreeMesh;
 use crate::prelude::*;
 use crate::solve::{Elimination, NonlinearProblem};
 
-#[forms(dimension = 3)]
+#[forms(dimension = 3, matrix_free)]
 mod body {
     pub struct Data {
         /// Unsymmetric part.
