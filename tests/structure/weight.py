@@ -12,11 +12,11 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 # Name, pattern, whether tests count, limit.
 COUNTS = [
     ("visitors of a form", r"\b(?:trait|for) \w*Visitor\b(?!.*syn)", False, 0),
-    ("signatures generic over a form", r"\b\w+: (?:contract::)?(?:Form|Functional|Expression|Integrals|WithIntegrals)<", False, 14),
-    ("#[inline(never)]", r"#\[inline\(never\)\]", False, 229),
+    ("signatures generic over a form", r"[<,(] ?(?:[A-Z]\w*|\w+: &?impl) ?:? (?:contract::)?(?:Form|Functional|Expression|Integrals|Compiled|WithIntegrals)<", False, 12),
+    ("#[inline(never)]", r"#\[inline\(never\)\]", False, 242),
     ("compiled_here! blocks", r"^\s*compiled_here!\(", False, 80),
 ]
-LINES = [("lines of Rust without tests", False, 107_000), ("lines of Rust", True, 184_000)]
+LINES = [("lines of Rust without tests", False, 133_000), ("lines of Rust", True, 183_500)]
 
 
 def sources():

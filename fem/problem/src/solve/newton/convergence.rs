@@ -141,7 +141,8 @@ impl Iterates<'_> {
     /// Whether it is worth while to judge the last iterate. It decides nothing: it spares work at iterates that are far off.
     pub fn is_worth_judging(&self) -> bool {
         let [.., before, last] = &self.norms[..] else { return false };
-        let is_higher = |steps: &[Norms], field: usize| steps[1].residual[field] > 0.5 * steps[0].residual[field];
+        let is_higher =
+            |steps: &[Norms], field: usize| steps[1].residual[field] > 0.5 * steps[0].residual[field];
         (0..last.residual.len()).all(|field| {
             let steps = self.norms[self.norms.len().saturating_sub(3)..].windows(2);
             last.residual[field] <= WORTH_JUDGING * self.largest_residual(field)

@@ -123,6 +123,17 @@ impl<'a> FreeEquations<'a> {
         Ok(())
     }
 
+    /// Tangent at the last iterate, handed to the solver.
+    ///
+    /// # Errors
+    /// If assembly or the linear solver fails.
+    pub fn set_tangent(&mut self) -> Result<(), NewtonFailure> {
+        let tangent = checked_tangent(self.problem, &mut self.elimination, &self.iterates)?;
+        let reduced = self.elimination.reduce_matrix(&tangent.matrix)?;
+        drop(tangent);
+        Ok(self.solver.set_matrix(reduced)?)
+    }
+
     /// −K⁻¹R with the tangent that the solver has.
     ///
     /// # Errors
@@ -145,10 +156,7 @@ impl Equations for FreeEquations<'_> {
     }
 
     fn newton_change(&mut self) -> Result<Change, NewtonFailure> {
-        let tangent = checked_tangent(self.problem, &mut self.elimination, &self.iterates)?;
-        let reduced = self.elimination.reduce_matrix(&tangent.matrix)?;
-        drop(tangent);
-        self.solver.set_matrix(reduced)?;
+        self.set_tangent()?;
         self.change_by_solver()
     }
 

@@ -55,6 +55,11 @@ impl<'a> Iterates<'a> {
         LINEAR_ACCURACY * self.history.last().map_or(smallest, |last| smallest.min(last.residual))
     }
 
+    /// Whether the last step changed the active set.
+    pub fn switched(&self) -> bool {
+        self.history.last().is_some_and(|last| last.active_set_changed == Some(true))
+    }
+
     /// Entry of an iterate into the history.
     pub fn record(&mut self, residual: f64, norms: Norms, active: Option<ActivePoints>, step: Step) {
         let first = self.history.first().map_or(residual, |start| start.residual);

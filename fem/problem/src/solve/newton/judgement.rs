@@ -67,7 +67,13 @@ impl FreeEquations<'_> {
         if is_first || !(progress.is_err() || self.iterates.is_worth_judging()) {
             return progress.map(|()| Verdict::GoOn);
         }
-        if self.tangent_is_old() {
+        // A correction by a tangent from before a switch says nothing of the equations after it.
+        if self.iterates.switched() {
+            if progress.is_ok() {
+                return Ok(Verdict::GoOn);
+            }
+            self.set_tangent()?;
+        } else if self.tangent_is_old() {
             self.problem.tangent(&self.iterates.u)?;
         }
         let mut rows = self.judge_rows()?;

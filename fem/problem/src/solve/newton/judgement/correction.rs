@@ -17,14 +17,13 @@ const SHORT_STEP: f64 = 1e-3;
 const ZERO_PART: f64 = 1e-10;
 
 impl FreeEquations<'_> {
-    /// Whether the last tangent is far from the one at the last iterate: a switch changed, or the step was long.
+    /// Whether the last tangent is far from the one at the last iterate, because the step was long.
     pub(super) fn tangent_is_old(&self) -> bool {
-        let changed = self.iterates.history.last().is_some_and(|last| last.active_set_changed == Some(true));
         let Some(LastChange { values: step, .. }) = &self.last_change else { return true };
         let long = |component: &Component| {
             component.largest(step) > SHORT_STEP * component.largest(&self.iterates.u)
         };
-        changed || self.iterates.fields.components.iter().any(long)
+        self.iterates.fields.components.iter().any(long)
     }
 
     /// −K⁻¹R with the last tangent, on all unknowns; none where it cannot be computed.
