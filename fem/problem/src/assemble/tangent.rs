@@ -166,8 +166,8 @@ impl<const D: usize> Assembler<D> {
             target,
             set: self.instructions,
         };
-        let asked = form.tangent().iter().filter(|term| parts.contain(term.integral.dependence));
-        asked.map(|term| tangent.integrate(term)).collect()
+        let mut asked = form.tangent().iter().filter(|term| parts.contain(term.integral.dependence));
+        asked.try_for_each(|term| tangent.integrate(term))
     }
 }
 
