@@ -108,7 +108,7 @@ pub enum EigenproblemError {
 
 impl<'a, const D: usize, const N: usize> Eigenproblem<'a, D, N> {
     /// K x = λ M x of a form and its mass, which is positive, or zero on some unknowns; spaces as for a
-    /// [`Problem`](super::Problem).
+    /// [`Problem`].
     pub fn vibration<'s>(
         stiffness: &Form<D>,
         mass: &Form<D>,
