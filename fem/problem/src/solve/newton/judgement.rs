@@ -69,9 +69,6 @@ impl FreeEquations<'_> {
         }
         // A correction by a tangent from before a switch says nothing of the equations after it.
         if self.iterates.switched() {
-            if progress.is_ok() {
-                return Ok(Verdict::GoOn);
-            }
             self.set_tangent()?;
         } else if self.tangent_is_old() {
             self.problem.tangent(&self.iterates.u)?;
