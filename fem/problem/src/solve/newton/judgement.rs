@@ -4,7 +4,7 @@
 //! 1. *Rows.* |R_i| ≤ τ S_i + floor_i in every free row i. S_i is the sum of the amounts that cells and facets contribute to the
 //!    row, each integral by itself. floor_i is what rounding may leave: 10³ε (|K| |u|)_i (Arioli, Demmel and Duff 1989), and the same
 //!    small multiple of what was computed inside of cells.
-//! 2. *Correction.* The simplified Newton correction δ = −K⁻¹R, with the last tangent, is at most 100 τ of the variation of each
+//! 2. *Correction.* The simplified Newton correction δ = −K⁻¹R, with the last tangent (after a switch, with the iterate's own), is at most 100 τ of the variation of each
 //!    component of u. It is an error in the unit of u (Deuflhard 2011), so that a row whose large terms cancel, or a direction in which
 //!    the body is soft, cannot hide one.
 //!
@@ -67,7 +67,7 @@ impl FreeEquations<'_> {
         if is_first || !(progress.is_err() || self.iterates.is_worth_judging()) {
             return progress.map(|()| Verdict::GoOn);
         }
-        // A correction by a tangent from before a switch says nothing of the equations after it.
+        // A tangent from before a switch is not that of the equations after it.
         if self.iterates.switched() {
             self.set_tangent()?;
         } else if self.tangent_is_old() {
