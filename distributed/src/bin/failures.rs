@@ -104,7 +104,8 @@ fn main() -> ExitCode {
     match by_hand() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            // In one write, as `World::run` does: what the others write does not come between.
+            tell(format_args!("error: {error}"));
             ExitCode::FAILURE
         }
     }
