@@ -93,7 +93,14 @@ impl FreeEquations<'_> {
     ) -> Result<Verdict, NewtonFailure> {
         let stagnates = matches!(progress, Err(NewtonFailure::Stagnated));
         if (stagnates || self.iterates.stays()) && self.is_small_everywhere(correction)? {
-            return Ok(Verdict::Solution);
+            if !self.iterates.switched() || self.is_rounding(correction) {
+                return Ok(Verdict::Solution);
+            }
+            // The correction is a step of Newton's method, and may switch points back.
+            if self.refinement.allows(Reason::Switch) {
+                self.refinement.enter(Reason::Switch);
+                return Ok(Verdict::Correct(correction.to_vec()));
+            }
         }
         match self.without_vanishing_components(correction, rows)? {
             Some(change) => Ok(Verdict::Correct(change)),

@@ -8,6 +8,9 @@ const SHORTER: f64 = 0.5;
 /// Most times that components are made zero.
 const ZEROINGS: usize = 3;
 
+/// Most corrections of iterates that switched.
+const SWITCHES: usize = 20;
+
 /// The last change of all unknowns.
 pub(in crate::solve::newton) struct LastChange {
     pub values: Vec<f64>,
@@ -23,6 +26,8 @@ pub(super) enum Reason {
     LongStep,
     /// Components are zero but for rounding.
     VanishingComponents,
+    /// Points switched with the last step, so that the correction is a step of Newton's method.
+    Switch,
 }
 
 impl Reason {
@@ -31,6 +36,7 @@ impl Reason {
         match self {
             Reason::ToleranceBelowRounding | Reason::LongStep => 1,
             Reason::VanishingComponents => ZEROINGS,
+            Reason::Switch => SWITCHES,
         }
     }
 }

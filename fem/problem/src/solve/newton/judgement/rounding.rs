@@ -39,6 +39,13 @@ impl FreeEquations<'_> {
         Ok(true)
     }
 
+    /// Whether a correction is below the rounding of each field.
+    pub(super) fn is_rounding(&self, correction: &[f64]) -> bool {
+        let components = self.iterates.fields.components.iter();
+        let allowed = |component: &Component| UNKNOWN_ROUNDING * component.largest_in_field(&self.iterates.u);
+        components.into_iter().all(|component| component.largest(correction) <= allowed(component))
+    }
+
     /// None if corrections that do not become shorter are rounding of the solution; otherwise their part of it.
     pub(super) fn judge_rounding(
         &mut self,
