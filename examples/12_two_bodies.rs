@@ -20,8 +20,8 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use forms_contact::ContactProblem;
-use forms_contact::laws::sliding_bodies::sliding_bodies as law;
-use forms_contact::laws::two_bodies::two_bodies::Required;
+use forms_contact::laws::sliding_bodies as law;
+use forms_contact::laws::two_bodies::Required;
 use forms_fem::mesh::structured;
 use forms_fem::output::picture::{Curve, FieldMap, LinePlot, Picture, Scale, Shown};
 use forms_fem::output::{StandardOutput, program};

@@ -12,8 +12,8 @@ use std::f64::consts::PI;
 use std::process::ExitCode;
 
 use forms_contact::ContactProblem;
-use forms_contact::laws::sliding_bodies::sliding_bodies as law;
-use forms_contact::laws::two_bodies::two_bodies::Required;
+use forms_contact::laws::sliding_bodies as law;
+use forms_contact::laws::two_bodies::Required;
 use forms_examples::die_forces::{self, DieForces};
 use forms_fem::mesh::structured;
 use forms_fem::output::picture::{FieldMap, Picture, Shown};

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use std::process::ExitCode;
 
 use forms_contact::forms;
-use forms_contact::laws::frictional_nitsche::frictional_nitsche as friction;
+use forms_contact::laws::frictional_nitsche as friction;
 use forms_fem::inverse::{Bounds, Controls, LoadHistory, Minimise, Observations};
 use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
@@ -17,16 +17,16 @@ use forms_fem::prelude::*;
 /// Coulomb's law by Nitsche's method, with the rates of a step by what is before it, by κ and by Young's modulus.
 #[forms(dimension = 2)]
 mod rubbed {
-    pub use forms_contact::laws::frictional_nitsche::frictional_nitsche::{GammaC, GammaN, Omega, direct};
+    pub use forms_contact::laws::frictional_nitsche::{GammaC, GammaN, Omega, direct};
 
-    #[includes(forms_contact::laws::frictional_nitsche::frictional_nitsche::Data)]
+    #[includes(forms_contact::laws::frictional_nitsche::Data)]
     pub struct Data {
         /// λ and μ of the true Young's modulus; the control is a multiple of it.
         pub true_lambda: Param,
         pub true_mu: Param,
     }
 
-    pub fn rates(
+    pub fn sensitivities(
         u: State<Vector>,
         p: State<Vector>,
         by_before: Test<Vector>,
@@ -101,10 +101,10 @@ impl Block {
                     .model([at.number("young")?, at.number("friction")?], at.step(), at.before()?)
                     .direct())
             })
-            .rates(|at, u, p| {
+            .sensitivities(|at, u, p| {
                 Ok(self
                     .model([at.number("young")?, at.number("friction")?], at.step(), at.before()?)
-                    .rates(u, p))
+                    .sensitivities(u, p))
             })
             .assembler(&self.assembler)
             .constrained(&self.held)

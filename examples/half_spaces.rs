@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use forms_contact::ContactProblem;
 use forms_contact::half_spaces::{HalfSpaces, StickSlip, Traction, Tractions, balls, cylinders};
 use forms_contact::hertz::{Hertz, RADIUS};
-use forms_contact::laws::two_bodies::two_bodies as law;
+use forms_contact::laws::two_bodies as law;
 use forms_fem::output::picture::{Curve, LinePlot, Marker, Picture, Scale};
 use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;

@@ -15,7 +15,7 @@ use std::error::Error;
 use std::f64::consts::PI;
 use std::process::ExitCode;
 
-use forms_contact::laws::two_bodies::two_bodies::Required;
+use forms_contact::laws::two_bodies::Required;
 use forms_fem::constraints::RigidMap;
 use forms_fem::mesh::{RigidSurface, structured};
 use forms_fem::output::picture::{Colour, Curve, FieldMap, LinePlot, Picture, Scale, Shown};
@@ -39,7 +39,7 @@ const DEGREE: usize = 4;
 /// The form: `sliding_bodies` with tools whose whole integral is the ring's, and walls that share theirs.
 #[forms]
 mod ring {
-    pub use forms_contact::laws::sliding_bodies::sliding_bodies::{Data, Omega, Touch, opposite_traction};
+    pub use forms_contact::laws::sliding_bodies::{Data, Omega, Touch, opposite_traction};
     use forms_contact::operators::neo_hookean::{energy_density, first_piola};
 
     /// The inner walls, which may touch each other.

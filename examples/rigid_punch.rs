@@ -9,8 +9,8 @@ use std::fmt::Write;
 use std::process::ExitCode;
 
 use forms_contact::ContactProblem;
-use forms_contact::laws::sliding_bodies::sliding_bodies as law;
-use forms_contact::laws::two_bodies::two_bodies::{Data, Required};
+use forms_contact::laws::sliding_bodies as law;
+use forms_contact::laws::two_bodies::{Data, Required};
 use forms_fem::constraints::RigidMap;
 use forms_fem::mesh::RigidSurface;
 use forms_fem::output::picture::{Colour, Curve, FieldMap, LinePlot, Picture, Scale, Shown};

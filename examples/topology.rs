@@ -39,7 +39,7 @@ mod cantilever {
     pub fn compliance(u: Unknown<Vector>) -> Energy {
         integral(Right, dot(traction, u))
     }
-    pub fn rates(u: State<Vector>, p: State<Vector>, by_density: Test<Scalar>) -> Form {
+    pub fn sensitivities(u: State<Vector>, p: State<Vector>, by_density: Test<Scalar>) -> Form {
         derivative(balance(u, p), density, by_density)
     }
 }
@@ -58,7 +58,7 @@ mod filter {
     pub fn smoothing(s: Unknown<Scalar>, w: Test<Scalar>) -> Form {
         integral(Omega, sqr(radius) * dot(grad(s), grad(w)) + (s - density) * w)
     }
-    pub fn rates(s: State<Scalar>, p: State<Scalar>, by_density: Test<Scalar>) -> Form {
+    pub fn sensitivities(s: State<Scalar>, p: State<Scalar>, by_density: Test<Scalar>) -> Form {
         derivative(smoothing(s, p), density, by_density)
     }
 }
@@ -107,7 +107,7 @@ impl<'a> Filtered<'a> {
 
     fn pulled_back(&mut self, smooth: &Field<2>, slope: &[f64]) -> Result<Vec<f64>, HistoryFailure> {
         let adjoint = self.solve(slope)?;
-        let rates = smoothing(Given::constant(0.0)).rates(smooth, &adjoint);
+        let rates = smoothing(Given::constant(0.0)).sensitivities(smooth, &adjoint);
         Ok(self.assembler.residual(&rates, &[], &[&self.cells])?)
     }
 }
@@ -165,7 +165,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let half = Field::interpolate(&smooth, |_| PART)?;
     let behind = LoadHistory::new(&displacements, 1, Controls::new().field("density", &half))
         .step(|at| Ok(model(at.field("density")?).balance()))
-        .rates(|at, u, p| Ok(model(at.field("density")?).rates(u, p)))
+        .sensitivities(|at, u, p| Ok(model(at.field("density")?).sensitivities(u, p)))
         .criterion(|at| Ok(model(at.field("density")?).compliance()))
         .assembler(&assembler)
         .constrained(&held);

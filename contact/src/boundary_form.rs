@@ -7,7 +7,7 @@ use forms_fem::forms;
 /// Θ moves the boundary; only Θ·n counts. κ is div n. u and p are the displacement and an adjoint state.
 #[forms]
 pub mod boundary_form {
-    use crate::nitsche::nitsche::{
+    use crate::nitsche::{
         boundary_criterion, boundary_slope, cell_criterion, contact_indicator, contact_pressure,
         normal_stress,
     };
@@ -15,7 +15,7 @@ pub mod boundary_form {
     use crate::operators::obstacle::{gamma, normal_displacement, penetration};
 
     /// u_D, in addition to the data of [`crate::forms`].
-    #[includes(crate::nitsche::nitsche::Data)]
+    #[includes(crate::nitsche::Data)]
     pub struct Data {
         /// u_D, as a function of position near the clamped boundary.
         #[doc(alias = "u_D")]

@@ -21,7 +21,7 @@ use self::grading::Grading;
 pub use self::tractions::{Traction, Tractions};
 use crate::contact_problem::ContactProblem;
 use crate::hertz::{Hertz, HertzError, POISSON, YOUNG, modulus};
-use crate::laws::two_bodies::two_bodies as law;
+use crate::laws::two_bodies as law;
 
 /// Names of the surfaces that may touch.
 pub const SURFACES: [&str; 2] = ["lower contact", "upper contact"];

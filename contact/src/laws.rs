@@ -1,4 +1,4 @@
-//! Contact laws with friction, one per file. They read one [`Data`](frictional_nitsche::frictional_nitsche::Data), so that a
+//! Contact laws with friction, one per file. They read one [`Data`](frictional_nitsche::Data), so that a
 //! program changes the formulation by the module's name; those with an obstacle that moves
 //! extend [`moving_obstacle`]'s, and those between bodies have their own.
 //!

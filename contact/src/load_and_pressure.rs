@@ -6,11 +6,11 @@ use forms_fem::forms;
 /// J(u) = load ℓ(u) + ∫_ΓC (square \[·\]₋² + linear \[·\]₋), with the contact pressure \[σ_n − γ(u_n − g)\]₋.
 #[forms]
 pub mod load_and_pressure {
-    pub use crate::nitsche::nitsche::{GammaC, GammaN, Omega};
-    use crate::nitsche::nitsche::{contact_pressure, direct};
+    pub use crate::nitsche::{GammaC, GammaN, Omega};
+    use crate::nitsche::{contact_pressure, direct};
 
     /// The weights of J, in addition to the data of the direct problem of [`crate::forms`].
-    #[includes(crate::nitsche::nitsche::Data)]
+    #[includes(crate::nitsche::Data)]
     pub struct Data {
         /// Weight of ℓ(u).
         pub load: Param,

@@ -9,8 +9,8 @@ use forms_fem::forms;
 /// Without friction: T = −\[σ_n − γ(u_n − g)\]₋ n_y, so that the last term is h‖σ_t‖² + h‖σ_n + \[σ_n − γ(u_n − g)\]₋‖².
 #[forms]
 pub mod frictionless {
-    pub use crate::nitsche::nitsche::Data;
-    use crate::nitsche::nitsche::{contact_pressure, stress};
+    pub use crate::nitsche::Data;
+    use crate::nitsche::{contact_pressure, stress};
 
     /// Ω.
     #[cells]
@@ -47,8 +47,8 @@ pub mod frictionless {
 pub mod frictional {
     use super::frictionless::equilibrium;
     pub use super::frictionless::{GammaC, GammaN, Interior, Omega};
-    pub use crate::laws::frictional_nitsche::frictional_nitsche::Data;
-    use crate::laws::frictional_nitsche::frictional_nitsche::{obstacle_traction, stress};
+    pub use crate::laws::frictional_nitsche::Data;
+    use crate::laws::frictional_nitsche::{obstacle_traction, stress};
 
     /// η_T².
     pub fn squared(u: State<Vector>, q: Test<Scalar>) -> Form {
@@ -62,8 +62,8 @@ pub mod frictional {
 #[forms]
 pub mod consistent_adjoint {
     pub use super::frictionless::{GammaC, GammaN, Interior, Omega};
-    pub use crate::nitsche::nitsche::Data;
-    use crate::nitsche::nitsche::{contact_indicator, normal_stress, stress};
+    pub use crate::nitsche::Data;
+    use crate::nitsche::{contact_indicator, normal_stress, stress};
     use crate::operators::obstacle::{gamma, normal_displacement};
 
     /// η_T².
@@ -84,8 +84,8 @@ pub mod consistent_adjoint {
 /// [`ErrorEstimate::dual_weighted`](forms_fem::adaptivity::ErrorEstimate::dual_weighted) takes for a goal of contact.
 #[forms]
 pub mod dual_weighted {
-    use crate::nitsche::nitsche::direct;
-    pub use crate::nitsche::nitsche::{Data, GammaC, GammaN, Omega};
+    use crate::nitsche::direct;
+    pub use crate::nitsche::{Data, GammaC, GammaN, Omega};
 
     /// R(u; q z).
     pub fn localised(u: State<Vector>, z: State<Vector>, q: Test<Scalar>) -> Form {
@@ -98,8 +98,8 @@ pub mod dual_weighted {
 /// Moduli are constant in each cell. Points without an opposite one belong to no term.
 #[forms]
 pub mod two_bodies {
-    pub use crate::laws::two_bodies::two_bodies::{Data, GammaN, Omega, Touch};
-    use crate::laws::two_bodies::two_bodies::{opposite_traction, stress};
+    pub use crate::laws::two_bodies::{Data, GammaN, Omega, Touch};
+    use crate::laws::two_bodies::{opposite_traction, stress};
 
     /// The facets between cells of one body.
     #[interior_facets]

@@ -7,7 +7,7 @@ use forms_fem::solve::SolveError;
 use thiserror::Error;
 
 use crate::contact_problem::ContactProblem;
-use crate::laws::uzawa::uzawa;
+use crate::laws::uzawa;
 
 /// The ends of the iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 
 use forms_contact::ContactProblem;
-use forms_contact::nitsche::nitsche as law;
+use forms_contact::nitsche as law;
 use forms_fem::adaptivity::{Adaptation, AdaptiveSolution, ErrorEstimate};
 use forms_fem::mesh::structured;
 use forms_fem::prelude::*;
@@ -17,10 +17,10 @@ type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 /// The goal, its adjoint and the localised residual.
 #[forms(dimension = 2)]
 mod hole {
-    use forms_contact::nitsche::nitsche::direct;
-    pub use forms_contact::nitsche::nitsche::{GammaC, GammaN, Omega};
+    use forms_contact::nitsche::direct;
+    pub use forms_contact::nitsche::{GammaC, GammaN, Omega};
 
-    #[includes(forms_contact::nitsche::nitsche::Data)]
+    #[includes(forms_contact::nitsche::Data)]
     pub struct Data {}
     /// The hole's boundary.
     #[facets]

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::time::Instant;
 
 use forms_contact::forms;
-use forms_contact::laws::frictional_nitsche::frictional_nitsche as friction;
+use forms_contact::laws::frictional_nitsche as friction;
 use forms_fem::inverse::{Controls, LoadHistory, ReducedProblem, taylor_test};
 use forms_fem::prelude::*;
 
@@ -12,9 +12,9 @@ use forms_fem::prelude::*;
 /// the load.
 #[forms(dimension = 2)]
 mod rubbed {
-    pub use forms_contact::laws::frictional_nitsche::frictional_nitsche::{GammaC, GammaN, Omega, direct};
+    pub use forms_contact::laws::frictional_nitsche::{GammaC, GammaN, Omega, direct};
 
-    #[includes(forms_contact::laws::frictional_nitsche::frictional_nitsche::Data)]
+    #[includes(forms_contact::laws::frictional_nitsche::Data)]
     pub struct Data {
         /// The load of amplitude one on Γ_N \[stress\].
         pub pull: Param<Vector>,
@@ -24,7 +24,7 @@ mod rubbed {
         integral(Omega, dot(u, u) / 2 + dot(criterion_force, u)) + integral(GammaC, sqr(u[0]))
     }
 
-    pub fn rates(
+    pub fn sensitivities(
         u: State<Vector>,
         p: State<Vector>,
         by_before: Test<Vector>,
@@ -92,8 +92,8 @@ impl Block {
         let controls = Controls::new().number("friction", 0.3).per_step("load", &loads);
         LoadHistory::new(&self.space, self.steps, controls)
             .step(|at| Ok(self.model(at.number("friction")?, at.number("load")?, at.before()?).direct()))
-            .rates(|at, u, p| {
-                Ok(self.model(at.number("friction")?, at.number("load")?, at.before()?).rates(u, p))
+            .sensitivities(|at, u, p| {
+                Ok(self.model(at.number("friction")?, at.number("load")?, at.before()?).sensitivities(u, p))
             })
             .criterion(|at| {
                 Ok(self.model(at.number("friction")?, 0.0, &Field::zero(&self.space)).criterion())

@@ -3,7 +3,8 @@
 
 use forms_contact::impact::impact;
 use forms_fem::inverse::{
-    ControlError, Controls, During, HistoryError, MotionHistory, Observations, ReducedProblem, taylor_test,
+    ControlError, Controls, HistoryError, MotionHistory, Observations, ReducedProblem, StepContext,
+    taylor_test,
 };
 use forms_fem::prelude::*;
 use forms_fem::time::GeneralisedAlpha;
@@ -59,7 +60,7 @@ const STEPS: usize = 60;
 const SIZE: f64 = 0.05;
 const GAP: f64 = 0.02;
 
-fn model(during: &During<2>) -> Result<thrown::Model<2>, ControlError> {
+fn model(during: &StepContext<2>) -> Result<thrown::Model<2>, ControlError> {
     let data = impact::Rest {
         rho: Given::constant(during.number("density")?),
         lambda: 0.0,
@@ -129,12 +130,12 @@ fn gradients_go_through_an_impact() {
     let conserving = bar
         .history()
         .motion(|during| Ok(model(during)?.conserving(during.before())))
-        .rates(|during, u, p| Ok(model(during)?.conserving_rates(u, p, during.before())));
+        .sensitivities(|during, u, p| Ok(model(during)?.conserving_rates(u, p, during.before())));
     check("conserving", conserving);
     let hybrid = bar
         .history()
         .motion(|during| Ok(model(during)?.hybrid(during.before())))
-        .rates(|during, u, p| Ok(model(during)?.hybrid_rates(u, p, during.before())));
+        .sensitivities(|during, u, p| Ok(model(during)?.hybrid_rates(u, p, during.before())));
     check("hybrid", hybrid);
 }
 
@@ -144,7 +145,7 @@ fn a_derivative_by_the_value_before_is_asked_for() {
     let mut history = bar
         .history()
         .motion(|during| Ok(model(during)?.hybrid(during.before())))
-        .rates(|during, u, p| Ok(model(during)?.forgetful_rates(u, p, during.before())));
+        .sensitivities(|during, u, p| Ok(model(during)?.forgetful_rates(u, p, during.before())));
     let m = history.start();
     let error: HistoryError = history.gradient(&m).map(|_| ()).unwrap_err();
     assert!(error.to_string().contains("no test function `by_before`"), "{error}");
@@ -152,7 +153,7 @@ fn a_derivative_by_the_value_before_is_asked_for() {
     let scheme = GeneralisedAlpha::trapezoidal();
     let mut history = MotionHistory::new(&bar.space, (STEPS, SIZE), scheme, bar.controls.clone())
         .motion(|during| Ok(model(during)?.hybrid(during.before())))
-        .rates(|during, u, p| Ok(model(during)?.hybrid_rates(u, p, during.before())))
+        .sensitivities(|during, u, p| Ok(model(during)?.hybrid_rates(u, p, during.before())))
         .observed(STEPS - 1, Observations::new(&bar.space).at_point(&[0.0; 2], &[0.0; 2], 1.0).unwrap())
         .constrained(&bar.along);
     let error = history.gradient(&m).map(|_| ()).unwrap_err();

@@ -2,7 +2,7 @@
 //! and each violation has its own amount.
 
 use forms_contact::forms;
-use forms_contact::laws::frictional_nitsche::frictional_nitsche;
+use forms_contact::laws::frictional_nitsche;
 use forms_contact::residual_estimator::{consistent_adjoint, frictional, frictionless};
 use forms_fem::adaptivity::{ErrorEstimate, EstimateError};
 use forms_fem::prelude::*;
@@ -216,7 +216,7 @@ mod sliding {
 
     use forms_contact::ContactProblem;
     use forms_contact::law::ContactLaw;
-    use forms_contact::laws::two_bodies::two_bodies as bodies;
+    use forms_contact::laws::two_bodies as bodies;
     use forms_contact::residual_estimator::two_bodies;
     use forms_fem::norms::errors;
 

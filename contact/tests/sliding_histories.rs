@@ -3,9 +3,10 @@
 
 use std::f64::consts::TAU;
 
-use forms_contact::laws::two_bodies::two_bodies::{Data, Required};
+use forms_contact::laws::two_bodies::{Data, Required};
 use forms_fem::inverse::{
-    At, ControlError, Controls, LoadHistory, MotionHistory, Observations, ReducedProblem, taylor_test,
+    ControlError, ControlValues, Controls, LoadHistory, MotionHistory, Observations, ReducedProblem,
+    taylor_test,
 };
 use forms_fem::prelude::*;
 use forms_fem::time::OneStepTheta;
@@ -13,10 +14,10 @@ use forms_fem::time::OneStepTheta;
 /// Large sliding with friction by Nitsche's method, with a criterion of bodies and contact.
 #[forms(dimension = 2)]
 mod drawn {
-    pub use forms_contact::laws::sliding_bodies::sliding_bodies::{
+    pub use forms_contact::laws::sliding_bodies::{
         Data, GammaN, Omega, Touch, contact_pressure, direct, first_piola, loads,
     };
-    use forms_contact::laws::two_bodies::two_bodies::slip_limit;
+    use forms_contact::laws::two_bodies::slip_limit;
     use forms_contact::operators::friction::{augmented_traction, contact_traction};
 
     pub fn criterion(u: Unknown<Vector>) -> Energy {
@@ -24,7 +25,7 @@ mod drawn {
             + integral(Touch(u), share * (sqr(contact_pressure(u)) / 500 + gap))
     }
 
-    pub fn rates(
+    pub fn sensitivities(
         u: State<Vector>,
         p: State<Vector>,
         by_before: Test<Vector>,
@@ -115,7 +116,11 @@ impl Bodies {
         Controls::new().number("friction", 0.3).field("shear_modulus", &modulus).per_step("load", &loads)
     }
 
-    fn model(&self, at: &At<2>, before: Given<[f64; 2], 2>) -> Result<drawn::Model<2>, ControlError> {
+    fn model(
+        &self,
+        at: &ControlValues<2>,
+        before: Given<[f64; 2], 2>,
+    ) -> Result<drawn::Model<2>, ControlError> {
         let (friction, load) = (at.number("friction")?, at.number("load")?);
         Ok(self.model_of(friction, load, at.field("shear_modulus")?, before))
     }
@@ -150,7 +155,9 @@ impl Bodies {
     fn history(&self) -> LoadHistory<'_, 2> {
         LoadHistory::new(&self.space, self.steps, self.controls())
             .step(|at| Ok(self.model(at, Given::field(at.before()?))?.direct()))
-            .rates(|at, u, p| Ok(self.model(at, Given::field(at.before()?))?.rates(u, p, &self.pull)))
+            .sensitivities(|at, u, p| {
+                Ok(self.model(at, Given::field(at.before()?))?.sensitivities(u, p, &self.pull))
+            })
             .criterion(|at| Ok(self.model(at, Given::constant([0.0; 2]))?.criterion()))
             .assembler(&self.assembler)
             .constrained_at(|step| Ok(self.held(step)))
@@ -162,7 +169,9 @@ impl Bodies {
         let none = || Given::constant([0.0; 2]);
         LoadHistory::new(&self.space, self.steps, self.controls())
             .step(move |at| Ok(self.model(at, none())?.lagged(at.before()?)))
-            .rates(move |at, u, p| Ok(self.model(at, none())?.lagged_rates(u, at.before()?, p, &self.pull)))
+            .sensitivities(move |at, u, p| {
+                Ok(self.model(at, none())?.lagged_rates(u, at.before()?, p, &self.pull))
+            })
             .criterion(move |at| Ok(self.model(at, none())?.size()))
             .assembler(&self.assembler)
             .constrained_at(|step| Ok(self.held(step)))

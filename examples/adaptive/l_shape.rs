@@ -48,7 +48,7 @@ pub fn goal(unknowns: usize) -> Outcome<Study> {
         let solved = Problem::new(&direct, &space).constrained(&held(&space)?).solve()?;
         let u = solved.field();
         let adjoint = model.adjoint(u);
-        let p = Problem::new(&adjoint, &higher).vanishing(&held(&higher)?).solve()?.into_field();
+        let p = Problem::new(&adjoint, &higher).homogeneous(&held(&higher)?).solve()?.into_field();
         let localised = |z: &Field<2>| model.localised(u, z);
         let estimate = ErrorEstimate::dual_weighted(&Assembler::new(mesh), &p, &space, localised)?;
         let goal = solved.functional(&model.goal(u))?;

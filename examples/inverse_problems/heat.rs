@@ -38,7 +38,7 @@ mod conduction {
         integral(Right, flux * T)
     }
 
-    pub fn rates(T: State<Scalar>, p: State<Scalar>, by_density: Test<Scalar>) -> Form {
+    pub fn sensitivities(T: State<Scalar>, p: State<Scalar>, by_density: Test<Scalar>) -> Form {
         derivative(balance(T, p), density, by_density)
     }
 }
@@ -78,7 +78,9 @@ impl Slab {
         let controls = Controls::new().field("density", density);
         LoadHistory::new(&self.temperatures, 1, controls)
             .step(|at| Ok(self.model(at.field("density")?).balance()))
-            .rates(|at, temperature, p| Ok(self.model(at.field("density")?).rates(temperature, p)))
+            .sensitivities(|at, temperature, p| {
+                Ok(self.model(at.field("density")?).sensitivities(temperature, p))
+            })
             .constrained(&self.held)
     }
 

@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::time::Instant;
 
-use forms_fem::inverse::{ControlError, Controls, During, MotionHistory, ReducedProblem};
+use forms_fem::inverse::{ControlError, Controls, MotionHistory, ReducedProblem, StepContext};
 use forms_fem::output::StandardOutput;
 use forms_fem::prelude::*;
 use forms_fem::time::{BackwardDifferences, CentralDifferences, GeneralisedAlpha, Mass, Scheme};
@@ -38,7 +38,7 @@ mod swinging {
     }
 
     /// By the controls, and by what is known before the step.
-    pub fn rates(
+    pub fn sensitivities(
         u: State<Vector>,
         p: State<Vector>,
         by_value: Test<Vector>,
@@ -61,7 +61,7 @@ mod swinging {
 /// Times; the shortest counts.
 const REPETITIONS: usize = 7;
 
-fn model(during: &During<2>) -> Result<swinging::Model<2>, ControlError> {
+fn model(during: &StepContext<2>) -> Result<swinging::Model<2>, ControlError> {
     Ok(swinging::Model::new(
         swinging::Rest {
             density: during.number("density")?,
@@ -105,7 +105,7 @@ pub fn costs(cells: usize, steps: usize, out: &mut StandardOutput) -> Result<(),
         let mut history = MotionHistory::new(&space, (steps, size), scheme, controls.clone())
             .mass(mass)
             .motion(|during| Ok(model(during)?.motion()))
-            .rates(|during, u, p| Ok(model(during)?.rates(u, p)))
+            .sensitivities(|during, u, p| Ok(model(during)?.sensitivities(u, p)))
             .criterion(|_| Ok(criterion.misfit()))
             .constrained(&held);
         let m = history.start();

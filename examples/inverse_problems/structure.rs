@@ -43,7 +43,7 @@ mod solid {
         integral(Right, dot(traction, u))
     }
 
-    pub fn rates(u: State<Vector>, p: State<Vector>, by_density: Test<Scalar>) -> Form {
+    pub fn sensitivities(u: State<Vector>, p: State<Vector>, by_density: Test<Scalar>) -> Form {
         derivative(balance(u, p), density, by_density)
     }
 }
@@ -105,7 +105,7 @@ impl Cantilever {
         let controls = Controls::new().field("density", &half);
         Ok(LoadHistory::new(&self.displacements, 1, controls)
             .step(|at| Ok(self.model(at.field("density")?).balance()))
-            .rates(|at, u, p| Ok(self.model(at.field("density")?).rates(u, p)))
+            .sensitivities(|at, u, p| Ok(self.model(at.field("density")?).sensitivities(u, p)))
             .criterion(|at| Ok(self.model(at.field("density")?).compliance()))
             .with_cost_of_controls(|densities| {
                 let count = densities.len() as f64;

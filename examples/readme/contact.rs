@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let solved = Problem::new(&direct, &space).assembler(&assembler).constrained(&constraints).solve()?;
     let u = solved.field();
     let adjoint = model.adjoint(u);
-    let p = Problem::new(&adjoint, &space).assembler(&assembler).vanishing(&constraints).solve()?;
+    let p = Problem::new(&adjoint, &space).assembler(&assembler).homogeneous(&constraints).solve()?;
     println!("energy {:.4}, Newton steps {}", solved.functional(&model.energy(u))?, solved.iterations());
     println!("p in the middle of the contact {:?}", p.field().evaluate(&[1.0, 0.0])?);
     Ok(())

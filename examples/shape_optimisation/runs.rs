@@ -9,7 +9,7 @@ use forms_contact::shape_problem::{ContactShape, ContactState, Criterion};
 use forms_fem::output::tell;
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::{
-    Descent, DescentState, Finish, Logbook, Remesh, Remeshed, Report, Rotations, ShapeProblem, Wall,
+    Descent, DescentState, Logbook, Remesh, Remeshed, Report, Rotations, ShapeProblem, StopReason, Wall,
 };
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -111,12 +111,12 @@ pub fn table(runs: &[Run]) -> String {
     for Run { number, state, seconds, start, end, wall, .. } in runs {
         let [Some(first), Some(last)] = [state.history.first(), state.history.last()] else { continue };
         let finish = match &state.finish {
-            Some(Finish::Converged) => "the derivative vanishes",
-            Some(Finish::Stalled) => "hardly any decrease",
-            Some(Finish::Iterations) => "steps",
-            Some(Finish::NoStep(_)) => "no decrease along the direction",
-            Some(Finish::MeshQuality) => "the cells",
-            Some(Finish::NoNewMesh(why)) => why,
+            Some(StopReason::Converged) => "the derivative vanishes",
+            Some(StopReason::Stalled) => "hardly any decrease",
+            Some(StopReason::Iterations) => "steps",
+            Some(StopReason::NoStep(_)) => "no decrease along the direction",
+            Some(StopReason::MeshQuality) => "the cells",
+            Some(StopReason::NoNewMesh(why)) => why,
             None => "",
         };
         // Writing to a string cannot fail.

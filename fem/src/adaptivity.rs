@@ -38,7 +38,7 @@
 //! let model = heat::Model::default();
 //! let solved = Problem::new(&model.direct(), &space).constrained(&held(&space)?).solve()?;
 //! let u = solved.field();
-//! let p = Problem::new(&model.adjoint(u), &higher).vanishing(&held(&higher)?).solve()?.into_field();
+//! let p = Problem::new(&model.adjoint(u), &higher).homogeneous(&held(&higher)?).solve()?.into_field();
 //!
 //! let estimate = ErrorEstimate::dual_weighted(&Assembler::new(&mesh), &p, &space, |z| model.localised(u, z))?;
 //! // The mean over the unit square is 0.0351442537 (series).

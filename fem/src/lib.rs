@@ -53,7 +53,7 @@
 extern crate self as forms_fem;
 
 pub mod adaptivity;
-mod compiled_here;
+mod instantiate;
 pub mod inverse;
 #[cfg(feature = "shape-optimisation")]
 pub mod shape_optimisation;

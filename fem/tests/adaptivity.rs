@@ -56,7 +56,7 @@ where
     let solved = Problem::new(&direct, &space).constrained(&held(&space, regions)?).solve()?;
     let u = solved.field();
     let adjoint = model.adjoint(u);
-    let p = Problem::new(&adjoint, &higher).vanishing(&held(&higher, regions)?).solve()?.into_field();
+    let p = Problem::new(&adjoint, &higher).homogeneous(&held(&higher, regions)?).solve()?.into_field();
     let localised = |z: &Field<D>| model.localised(u, z);
     let estimate = ErrorEstimate::dual_weighted(&Assembler::new(mesh), &p, &space, localised)?;
     let goal = solved.functional(&model.goal(u))?;

@@ -1,8 +1,8 @@
 //! Adjoints of histories: gradients of steps of loads and of steps in time, by all kinds of controls; what does not fit is named.
 
 use forms_fem::inverse::{
-    At, ControlError, Controls, During, HistoryError, LoadHistory, MotionHistory, Observations,
-    ReducedProblem, taylor_test,
+    ControlError, ControlValues, Controls, HistoryError, LoadHistory, MotionHistory, Observations,
+    ReducedProblem, StepContext, taylor_test,
 };
 use forms_fem::prelude::*;
 use forms_fem::time::{
@@ -27,7 +27,7 @@ mod heated {
         let w = value(u);
         integral(Omega, rate(u) * v + conductivity * (1 + bent * sqr(w)) * dot(grad(w), grad(v)) - v)
     }
-    pub fn rates(u: State<Scalar>, p: State<Scalar>, by_conductivity: Test<Scalar>) -> Form {
+    pub fn sensitivities(u: State<Scalar>, p: State<Scalar>, by_conductivity: Test<Scalar>) -> Form {
         derivative(balance(u, p), conductivity, by_conductivity)
     }
     /// The same without a test function of its control.
@@ -52,7 +52,7 @@ mod remembering {
     pub fn size(u: Unknown<Scalar>) -> Energy {
         integral(Omega, u * u / 2)
     }
-    pub fn rates(u: State<Scalar>, p: State<Scalar>, by_stiffness: Test<Scalar>) -> Form {
+    pub fn sensitivities(u: State<Scalar>, p: State<Scalar>, by_stiffness: Test<Scalar>) -> Form {
         derivative(balance(u, p), stiffness, by_stiffness)
     }
 }
@@ -63,7 +63,7 @@ fn values_at_quadrature_points_are_refused() {
     let space = Space::scalar(&mesh, 1).unwrap();
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(2));
     let rest = assembler.history(Entity::Cells, "all", 2, 1.0).unwrap();
-    let model = |at: &At<2>| -> Result<_, ControlError> {
+    let model = |at: &ControlValues<2>| -> Result<_, ControlError> {
         Ok(remembering::Model::new(remembering::Data {
             stiffness: at.number("stiffness")?,
             rest: rest.clone(),
@@ -71,7 +71,7 @@ fn values_at_quadrature_points_are_refused() {
     };
     let mut history = LoadHistory::new(&space, 2, Controls::new().number("stiffness", 2.0))
         .step(|at| Ok(model(at)?.balance()))
-        .rates(|at, u, p| Ok(model(at)?.rates(u, p)))
+        .sensitivities(|at, u, p| Ok(model(at)?.sensitivities(u, p)))
         .criterion(|at| Ok(model(at)?.size()))
         .assembler(&assembler);
     let error = history.gradient(&[2.0]).map(|_| ()).unwrap_err().to_string();
@@ -147,7 +147,7 @@ impl Scheme for Uneven {
     }
 }
 
-fn heat(during: &During<2>, bent: f64) -> Result<heated::Model<2>, ControlError> {
+fn heat(during: &StepContext<2>, bent: f64) -> Result<heated::Model<2>, ControlError> {
     let conductivity = during.number("conductivity")?;
     Ok(heated::Model::new(heated::Rest { conductivity, bent }.with(during)))
 }
@@ -175,7 +175,7 @@ fn adjoints_of_diffusion() {
             let mut solver = TangentSolver::default();
             let mut diffusion = MotionHistory::new(&space, (8, 0.05), scheme, controls)
                 .motion(|during| Ok(heat(during, bent)?.balance()))
-                .rates(|during, u, p| Ok(heat(during, bent)?.rates(u, p)))
+                .sensitivities(|during, u, p| Ok(heat(during, bent)?.sensitivities(u, p)))
                 .observed(3, Observations::new(&space).at_nodes(&measured, 0.5).unwrap())
                 .observed(7, Observations::new(&space).at_nodes(&measured, 1.0).unwrap())
                 .with_cost_of_controls(|m| {
@@ -211,7 +211,7 @@ fn what_does_not_fit_is_named() {
     ) -> MotionHistory<'a, 2> {
         MotionHistory::new(space, (2, 0.1), scheme, controls)
             .motion(|during| Ok(heat(during, 0.0)?.balance()))
-            .rates(|during, u, p| Ok(heat(during, 0.0)?.rates(u, p)))
+            .sensitivities(|during, u, p| Ok(heat(during, 0.0)?.sensitivities(u, p)))
     }
     let euler = OneStepTheta::implicit_euler();
     let one = || Controls::new().number("conductivity", 0.4);
@@ -234,7 +234,7 @@ fn what_does_not_fit_is_named() {
         ("untested", ready(one().number("more", 1.0)), vec![1.0; 2], "no test function `by_more`"),
         (
             "other test",
-            ready(one()).rates(|during, u, p| Ok(heat(during, 0.0)?.untested(u, p))),
+            ready(one()).sensitivities(|during, u, p| Ok(heat(during, 0.0)?.untested(u, p))),
             vec![0.4],
             "the test function `by_bent` of `untested` belongs to no control",
         ),

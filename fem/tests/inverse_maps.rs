@@ -2,8 +2,8 @@
 //! observations of the same, and with checkpointing; what does not fit is named.
 
 use forms_fem::inverse::{
-    ControlError, ControlledEvolution, Controls, CriterionMap, DifferentiableMap, During, LoadHistory,
-    MapError, MotionHistory, Observations, Part, Readings, ReadingsMap, ReducedProblem,
+    ControlError, ControlledEvolution, Controls, CriterionMap, DifferentiableMap, LoadHistory, MapError,
+    MotionHistory, Observations, Part, Readings, ReadingsMap, ReducedProblem, StepContext,
 };
 use forms_fem::prelude::*;
 use forms_fem::time::GeneralisedAlpha;
@@ -20,7 +20,7 @@ mod creeping {
     pub fn step(u: Unknown<Scalar>, v: Test<Scalar>, before: State<Scalar>) -> Form {
         integral(Omega, (u - before) * v + conductivity * (1 + sqr(u)) * dot(grad(u), grad(v)) - source * v)
     }
-    pub fn rates(
+    pub fn sensitivities(
         u: State<Scalar>,
         before: State<Scalar>,
         p: State<Scalar>,
@@ -50,7 +50,7 @@ mod swinging {
         let w = value(u);
         integral(Omega, second_rate(u) * v + stiffness * (dot(grad(w), grad(v)) + pow(w, 3) * v) - v)
     }
-    pub fn rates(u: State<Scalar>, p: State<Scalar>, by_stiffness: Test<Scalar>) -> Form {
+    pub fn sensitivities(u: State<Scalar>, p: State<Scalar>, by_stiffness: Test<Scalar>) -> Form {
         derivative(motion(u, p), stiffness, by_stiffness)
     }
 }
@@ -83,19 +83,19 @@ impl Plate {
         let controls = Controls::new()
             .field("conductivity", &self.conductivity)
             .per_step("source", &[0.5, 0.7, 0.2, 0.4, 0.9, 0.1]);
-        let model = |at: &forms_fem::inverse::At<2>| -> Result<_, ControlError> {
+        let model = |at: &forms_fem::inverse::ControlValues<2>| -> Result<_, ControlError> {
             let conductivity = Given::field(&at.field("conductivity")?);
             Ok(creeping::Model::new(creeping::Data { conductivity, source: at.number("source")? }))
         };
         LoadHistory::new(&self.space, STEPS, controls)
             .step(move |at| Ok(model(at)?.step(at.before()?)))
-            .rates(move |at, u, p| Ok(model(at)?.rates(u, at.before()?, p)))
+            .sensitivities(move |at, u, p| Ok(model(at)?.sensitivities(u, at.before()?, p)))
             .constrained(&self.held)
             .options(Plate::options())
     }
 
     fn swing(&self) -> MotionHistory<'static, 2> {
-        let model = |during: &During<2>| -> Result<_, ControlError> {
+        let model = |during: &StepContext<2>| -> Result<_, ControlError> {
             let stiffness = during.number("stiffness")?;
             Ok(swinging::Model::new(swinging::Rest { stiffness }.with(during)))
         };
@@ -103,7 +103,7 @@ impl Plate {
         let controls = Controls::new().number("stiffness", 0.8).start("start", &start);
         MotionHistory::new(&self.space, (STEPS, 0.1), GeneralisedAlpha::trapezoidal(), controls)
             .motion(move |during| Ok(model(during)?.motion()))
-            .rates(move |during, u, p| Ok(model(during)?.rates(u, p)))
+            .sensitivities(move |during, u, p| Ok(model(during)?.sensitivities(u, p)))
             .constrained(&self.held)
             .options(Plate::options())
     }

@@ -1,7 +1,7 @@
 //! Adjoints of motions by schemes that read several states, and by explicit ones: compared with adjoints of one degree of freedom that are written
 //! out by hand, with the loop over the same steps, with differences.
 
-use forms_fem::inverse::{ControlError, Controls, During, MotionHistory, Observations, ReducedProblem};
+use forms_fem::inverse::{ControlError, Controls, MotionHistory, Observations, ReducedProblem, StepContext};
 use forms_fem::prelude::*;
 use forms_fem::time::{
     BackwardDifferences, CentralDifferences, GeneralisedAlpha, Mass, Scheme, State, Step, TimeLoop,
@@ -27,7 +27,7 @@ mod oscillator {
     pub fn motion(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
         integral(Omega, (mass * second_rate(u) + damping * rate(u) + stiffness * value(u) - load) * v)
     }
-    pub fn rates(
+    pub fn sensitivities(
         u: State<Scalar>,
         p: State<Scalar>,
         by_mass: Test<Scalar>,
@@ -100,7 +100,7 @@ fn of_library(scheme: impl Scheme, mass: Mass) -> (f64, Vec<f64>) {
         .per_step("load", &loads)
         .start("start", &constant(u))
         .start_rate("start_rate", &constant(rate));
-    let model = |during: &During<2>| -> Result<_, ControlError> {
+    let model = |during: &StepContext<2>| -> Result<_, ControlError> {
         Ok(oscillator::Model::new(
             oscillator::Rest {
                 mass: during.number("mass")?,
@@ -114,7 +114,7 @@ fn of_library(scheme: impl Scheme, mass: Mass) -> (f64, Vec<f64>) {
     let mut history = MotionHistory::new(&space, &SIZES[..], scheme, controls)
         .mass(mass)
         .motion(|during| Ok(model(during)?.motion()))
-        .rates(|during, u, p| Ok(model(during)?.rates(u, p)));
+        .sensitivities(|during, u, p| Ok(model(during)?.sensitivities(u, p)));
     for step in 0..SIZES.len() {
         let target = [0.1 * step as f64];
         history =
@@ -270,7 +270,7 @@ fn gradients_beside_differences() {
     let direction = body.direction(1.0);
     for (tangents, given) in motions(&body).into_iter().zip(motions(&body)) {
         let ((name, mut tangents), (_, given)) = (tangents, given);
-        let mut given = given.rates(|during, u, p| Ok(swung(during, None)?.all_rates(u, p)));
+        let mut given = given.sensitivities(|during, u, p| Ok(swung(during, None)?.all_rates(u, p)));
         let m = tangents.start();
         let (all, few) = (tangents.gradient(&m).unwrap(), given.gradient(&m).unwrap());
         let largest = all.gradient.iter().fold(0.0_f64, |largest, slope| largest.max(slope.abs()));

@@ -2,7 +2,9 @@
 
 use std::convert::Infallible;
 
-use forms_fem::inverse::{Bounds, ConstrainedMinimum, Finish, Inequality, MovingAsymptotes, ReducedProblem};
+use forms_fem::inverse::{
+    Bounds, ConstrainedMinimum, Inequality, MovingAsymptotes, ReducedProblem, StopReason,
+};
 use forms_fem::verification::Sample;
 
 type Function = fn(&[f64]) -> (f64, Vec<f64>);
@@ -46,7 +48,7 @@ fn a_beam_of_five_elements() {
         (value, of.iter().zip(x).map(|(a, x)| -3.0 * a / x.powi(4)).collect::<Vec<_>>())
     };
     let found = solved(&[5.0; 5], weight, &Bounds::between(5, 1.0, 10.0), &[deflection]);
-    assert_eq!(found.finish, Finish::Tolerance, "{:?}", found.history.last());
+    assert_eq!(found.finish, StopReason::Tolerance, "{:?}", found.history.last());
     // By Lagrange's conditions x_i is a multiple of a_i^¼.
     let roots: Vec<f64> = [61.0_f64, 37.0, 19.0, 7.0, 1.0].iter().map(|a| a.powf(0.25)).collect();
     let factor = roots.iter().sum::<f64>().cbrt();
@@ -72,7 +74,7 @@ fn a_truss_of_two_bars() {
     };
     let bounds = Bounds::each(vec![0.2, 0.1], vec![4.0, 1.6]);
     let found = solved(&[1.5, 0.5], weight, &bounds, &[|x| stress(x, 1.0), |x| stress(x, -1.0)]);
-    assert_eq!(found.finish, Finish::Tolerance, "{:?}", found.history.last());
+    assert_eq!(found.finish, StopReason::Tolerance, "{:?}", found.history.last());
     assert!((found.value - 1.51).abs() < 5e-3, "{found:?}");
     assert!((found.controls[0] - 1.41).abs() < 5e-3 && (found.controls[1] - 0.38).abs() < 5e-3, "{found:?}");
     assert!(found.multipliers[0] > 0.1 && found.multipliers[1] == 0.0, "{:?}", found.multipliers);

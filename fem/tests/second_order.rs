@@ -2,7 +2,7 @@
 #![allow(clippy::too_many_arguments, reason = "constructors of second rates take six states")]
 
 use forms_fem::inverse::{
-    At, ControlError, Controls, LoadHistory, Observations, ReducedProblem, SecondOrderState,
+    ControlError, ControlValues, Controls, LoadHistory, Observations, ReducedProblem, SecondOrderState,
     TwiceDifferentiable, second_order_taylor_test,
 };
 use forms_fem::prelude::*;
@@ -32,7 +32,7 @@ mod creep {
     pub fn misfit(u: Unknown<Scalar>) -> Energy {
         integral(Omega, conductivity * pow(u - x[0], 4) + sqr(u))
     }
-    pub fn rates(
+    pub fn sensitivities(
         u: State<Scalar>,
         before: State<Scalar>,
         p: State<Scalar>,
@@ -48,7 +48,7 @@ mod creep {
             + derivative(work, stiffness, by_stiffness)
             + derivative(misfit(u), conductivity, by_conductivity)
     }
-    pub fn second_rates(
+    pub fn second_sensitivities(
         u: State<Scalar>,
         before: State<Scalar>,
         p: State<Scalar>,
@@ -81,7 +81,7 @@ mod creep {
     }
 }
 
-fn crept(at: &At<2>, along: Option<&At<2>>) -> Result<creep::Model<2>, ControlError> {
+fn crept(at: &ControlValues<2>, along: Option<&ControlValues<2>>) -> Result<creep::Model<2>, ControlError> {
     let data = creep::Data {
         conductivity: at.number("conductivity")?,
         load: at.number("load")?,
@@ -125,10 +125,10 @@ fn history(parts: &Parts) -> LoadHistory<'static, 2> {
     let observed = Observations::new(&parts.space).at_point(&[0.7, 0.4], &[0.1], 2.0).unwrap();
     LoadHistory::new(&parts.space, STEPS, parts.controls.clone())
         .step(|at| Ok(crept(at, None)?.step(at.before()?)))
-        .rates(|at, u, p| Ok(crept(at, None)?.rates(u, at.before()?, p)))
-        .second_rates(|at, states: &SecondOrderState<2>| {
+        .sensitivities(|at, u, p| Ok(crept(at, None)?.sensitivities(u, at.before()?, p)))
+        .second_sensitivities(|at, states: &SecondOrderState<2>| {
             let &SecondOrderState { u, p, du, dbefore, dp, along } = states;
-            Ok(crept(at, Some(&along))?.second_rates(u, at.before()?, p, du, dbefore, dp))
+            Ok(crept(at, Some(&along))?.second_sensitivities(u, at.before()?, p, du, dbefore, dp))
         })
         .criterion(|at| Ok(crept(at, None)?.misfit()))
         .observed(2, observed)
@@ -205,14 +205,17 @@ fn what_second_derivatives_lack_is_told_by_name() {
     let bare = || {
         LoadHistory::new(&parts.space, STEPS, parts.controls.clone())
             .step(|at| Ok(crept(at, None)?.step(at.before()?)))
-            .rates(|at, u, p| Ok(crept(at, None)?.rates(u, at.before()?, p)))
+            .sensitivities(|at, u, p| Ok(crept(at, None)?.sensitivities(u, at.before()?, p)))
             .criterion(|at| Ok(crept(at, None)?.misfit()))
     };
     assert!(told(bare()).contains("the history has no second_rates"), "{}", told(bare()));
-    let first_again =
-        || bare().second_rates(|at, states| Ok(crept(at, None)?.rates(states.u, at.before()?, states.p)));
+    let first_again = || {
+        bare().second_sensitivities(|at, states| {
+            Ok(crept(at, None)?.sensitivities(states.u, at.before()?, states.p))
+        })
+    };
     assert!(
-        told(first_again()).contains("`rates` has no test function `by_state`"),
+        told(first_again()).contains("`sensitivities` has no test function `by_state`"),
         "{}",
         told(first_again())
     );
@@ -220,9 +223,9 @@ fn what_second_derivatives_lack_is_told_by_name() {
     let short = history(&parts).hessian(m, &m[1..]).map(|_| ()).unwrap_err().to_string();
     assert!(short.contains("were given"), "{short}");
     let uncurved = bare()
-        .second_rates(|at, states: &SecondOrderState<2>| {
+        .second_sensitivities(|at, states: &SecondOrderState<2>| {
             let &SecondOrderState { u, p, du, dbefore, dp, along } = states;
-            Ok(crept(at, Some(&along))?.second_rates(u, at.before()?, p, du, dbefore, dp))
+            Ok(crept(at, Some(&along))?.second_sensitivities(u, at.before()?, p, du, dbefore, dp))
         })
         .with_cost_of_controls(|m| (0.0, vec![0.0; m.len()]));
     assert!(told(uncurved).contains("with_curvature_of_controls"));

@@ -1,7 +1,7 @@
 //! Hessians of motions: Taylor tests of order three, symmetry, checkpointing, by all kinds of controls; what is missing is named.
 
 use forms_fem::inverse::{
-    ControlError, Controls, During, MotionHistory, Observations, ReducedProblem, SecondOrderMotion,
+    ControlError, Controls, MotionHistory, Observations, ReducedProblem, SecondOrderMotion, StepContext,
     second_order_taylor_test,
 };
 use forms_fem::prelude::*;
@@ -25,10 +25,10 @@ mod heated {
         let w = value(u);
         integral(Omega, rate(u) * v + exp(conductivity) * (1 + sqr(w)) * dot(grad(w), grad(v)) - v)
     }
-    pub fn rates(u: State<Scalar>, p: State<Scalar>, by_conductivity: Test<Scalar>) -> Form {
+    pub fn sensitivities(u: State<Scalar>, p: State<Scalar>, by_conductivity: Test<Scalar>) -> Form {
         derivative(balance(u, p), conductivity, by_conductivity)
     }
-    pub fn second_rates(
+    pub fn second_sensitivities(
         u: State<Scalar>,
         p: State<Scalar>,
         dvalue: State<Scalar>,
@@ -129,7 +129,10 @@ fn hessians_are_symmetric_with_all_states_and_with_few() {
     }
 }
 
-fn heat(during: &During<2>, states: Option<&SecondOrderMotion<2>>) -> Result<heated::Model<2>, ControlError> {
+fn heat(
+    during: &StepContext<2>,
+    states: Option<&SecondOrderMotion<2>>,
+) -> Result<heated::Model<2>, ControlError> {
     let d_conductivity = states.map_or(Ok(0.0), |states| states.along.number("conductivity"))?;
     let conductivity = during.number("conductivity")?;
     Ok(heated::Model::new(heated::Rest { conductivity, d_conductivity }.with(during)))
@@ -148,14 +151,14 @@ fn hessians_of_diffusion_and_what_is_missing() {
         let controls = Controls::new().number("conductivity", -0.5).start("start", &start);
         MotionHistory::new(&space, (5, 0.05), OneStepTheta::crank_nicolson(), controls)
             .motion(|during| Ok(heat(during, None)?.balance()))
-            .rates(|during, u, p| Ok(heat(during, None)?.rates(u, p)))
+            .sensitivities(|during, u, p| Ok(heat(during, None)?.sensitivities(u, p)))
             .observed(4, Observations::new(&space).at_nodes(&measured, 1.0).unwrap())
             .constrained(&held)
             .options(NewtonOptions { relative_tolerance: 1e-13, ..NewtonOptions::default() })
     };
-    let mut history = bare().second_rates(|during, states| {
+    let mut history = bare().second_sensitivities(|during, states| {
         let &SecondOrderMotion { u, p, changes: [dvalue, drate, _], dp, .. } = states;
-        Ok(heat(during, Some(states))?.second_rates(u, p, dvalue, drate, dp))
+        Ok(heat(during, Some(states))?.second_sensitivities(u, p, dvalue, drate, dp))
     });
     let m = history.start();
     let d: Vec<f64> = (0..m.len()).map(|k| 0.2 * (1.0 + 1.7 * k as f64).sin()).collect();
@@ -163,7 +166,7 @@ fn hessians_of_diffusion_and_what_is_missing() {
     assert!((gradient.second_order().unwrap() - 2.0).abs() < 0.05, "{gradient}");
     assert!((hessian.third_order().unwrap() - 3.0).abs() < 0.1, "{hessian}");
 
-    let mut rateless = bare().second_rates(|during, states| {
+    let mut rateless = bare().second_sensitivities(|during, states| {
         let &SecondOrderMotion { u, p, changes: [dvalue, ..], dp, .. } = states;
         Ok(heat(during, Some(states))?.rateless(u, p, dvalue, dp))
     });

@@ -3,7 +3,7 @@
 #![allow(clippy::too_many_arguments, reason = "constructors of second rates take six states")]
 
 use forms_fem::inverse::{
-    ControlError, Controls, During, MotionHistory, Observations, SecondOrderMotion, StepSizes,
+    ControlError, Controls, MotionHistory, Observations, SecondOrderMotion, StepContext, StepSizes,
 };
 use forms_fem::prelude::*;
 use forms_fem::time::Scheme;
@@ -40,7 +40,7 @@ pub mod swinging {
     pub fn misfit(u: Unknown<Vector>) -> Energy {
         integral(Omega, pow(u[1] - 0.1 * x[0], 4) + sqr(u[0]))
     }
-    pub fn rates(
+    pub fn sensitivities(
         u: State<Vector>,
         p: State<Vector>,
         by_density: Test<Scalar>,
@@ -64,12 +64,12 @@ pub mod swinging {
         by_pull: Test<Scalar>,
     ) -> Form {
         let work = motion(u, p);
-        rates(u, p, by_density, by_stiffness, by_pull)
+        sensitivities(u, p, by_density, by_stiffness, by_pull)
             + derivative(work, known_value, by_value)
             + derivative(work, known_rate, by_rate)
             + derivative(work, known_second_rate, by_second_rate)
     }
-    pub fn second_rates(
+    pub fn second_sensitivities(
         u: State<Vector>,
         p: State<Vector>,
         dvalue: State<Vector>,
@@ -103,7 +103,7 @@ pub mod swinging {
 }
 
 pub fn swung(
-    during: &During<2>,
+    during: &StepContext<2>,
     states: Option<&SecondOrderMotion<2>>,
 ) -> Result<swinging::Model<2>, ControlError> {
     let along = states.map(|states| states.along);
@@ -172,11 +172,11 @@ impl Body {
         let observed = Observations::new(&self.space).at_point(&[0.7, 0.2], &[0.0, 0.1], 2.0).unwrap();
         MotionHistory::new(&self.space, sizes, scheme, self.controls.clone())
             .motion(|during| Ok(swung(during, None)?.motion()))
-            .rates(|during, u, p| Ok(swung(during, None)?.rates(u, p)))
-            .second_rates(|during, states| {
+            .sensitivities(|during, u, p| Ok(swung(during, None)?.sensitivities(u, p)))
+            .second_sensitivities(|during, states| {
                 let [dvalue, drate, dsecond_rate] = states.changes;
                 let (u, p, dp) = (states.u, states.p, states.dp);
-                Ok(swung(during, Some(states))?.second_rates(u, p, dvalue, drate, dsecond_rate, dp))
+                Ok(swung(during, Some(states))?.second_sensitivities(u, p, dvalue, drate, dsecond_rate, dp))
             })
             .criterion(|_| Ok(self.criterion.misfit()))
             .observed(2, observed)

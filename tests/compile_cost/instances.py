@@ -6,7 +6,7 @@
     python3 tests/compile_cost/instances.py 01_poisson.ll [--at-most 2000]
 
 The argument is what rustc hands to LLVM. Its functions are the program's own and the instances of generic ones: kernels in
-the assembler's loops, and what is generic in libraries and not compiled there (fem/problem/src/compiled_here.rs).
+the assembler's loops, and what is generic in libraries and not compiled there (fem/problem/src/instantiate.rs).
 """
 
 import argparse

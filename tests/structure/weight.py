@@ -14,7 +14,7 @@ COUNTS = [
     ("visitors of a form", r"\b(?:trait|for) \w*Visitor\b(?!.*syn)", False, 0),
     ("signatures generic over a form", r"[<,(] ?(?:[A-Z]\w*|\w+: &?impl) ?:? (?:contract::)?(?:Form|Functional|Expression|Integrals|Compiled|WithIntegrals)<", False, 12),
     ("#[inline(never)]", r"#\[inline\(never\)\]", False, 242),
-    ("compiled_here! blocks", r"^\s*compiled_here!\(", False, 80),
+    ("instantiate! blocks", r"^\s*instantiate!\(", False, 80),
 ]
 LINES = [("lines of Rust without tests", False, 133_000), ("lines of Rust", True, 183_500)]
 

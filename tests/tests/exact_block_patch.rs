@@ -234,7 +234,7 @@ fn the_shape_gradient_of_the_block_is_exact() {
             let adjoint = stored::adjoint(&data, &omega, &gamma_n, &gamma_c, &u);
             let p = Problem::new(&adjoint, &space)
                 .assembler(&assembler)
-                .vanishing(&constraints)
+                .homogeneous(&constraints)
                 .solver(&mut solver)
                 .solve()
                 .unwrap()

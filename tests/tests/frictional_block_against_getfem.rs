@@ -3,7 +3,7 @@
 
 use forms_contact::ContactProblem;
 use forms_contact::forms;
-use forms_contact::laws::frictional_nitsche::frictional_nitsche as law;
+use forms_contact::laws::frictional_nitsche as law;
 use forms_fem::norms::norms;
 use forms_fem::prelude::*;
 use serde_json::Value;

@@ -3,7 +3,7 @@
 
 use forms_contact::forms;
 use forms_contact::hollow_cylinder::{CONTACT_CELLS, Settings, hollow_cylinder};
-use forms_contact::laws::frictional_nitsche::frictional_nitsche;
+use forms_contact::laws::frictional_nitsche;
 use forms_contact::threshold::required_gamma0;
 use forms_contact::{Adjoint, ContactProblem};
 use forms_fem::prelude::*;

@@ -4,7 +4,8 @@ use std::error::Error;
 
 use forms_bindings::Parameters;
 use forms_fem::inverse::{
-    At, ControlError, Controls, CriterionMap, DifferentiableMap, LoadHistory, Readings, ReadingsMap,
+    ControlError, ControlValues, Controls, CriterionMap, DifferentiableMap, LoadHistory, Readings,
+    ReadingsMap,
 };
 use forms_fem::prelude::*;
 
@@ -41,7 +42,12 @@ pub mod beam {
         integral(Top, sqr(u[1]) / 2)
     }
 
-    pub fn rates(u: State<Vector>, p: State<Vector>, by_gap: Test<Scalar>, by_load: Test<Scalar>) -> Form {
+    pub fn sensitivities(
+        u: State<Vector>,
+        p: State<Vector>,
+        by_gap: Test<Scalar>,
+        by_load: Test<Scalar>,
+    ) -> Form {
         derivative(balance(u, p), gap, by_gap) + derivative(balance(u, p), load, by_load)
     }
 
@@ -82,7 +88,7 @@ impl Setting {
     }
 }
 
-fn model(at: &At<2>, load: f64) -> Result<beam::Model<2>, ControlError> {
+fn model(at: &ControlValues<2>, load: f64) -> Result<beam::Model<2>, ControlError> {
     let (young, poisson) = (1.0, 0.3);
     let data = beam::Data {
         lambda: young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)),
@@ -106,7 +112,7 @@ pub fn level(parameters: &mut Parameters) -> Result<impl DifferentiableMap + use
     let problem = setting
         .problem(Controls::new().field("gap", &setting.gap))
         .step(move |at| Ok(model(at, load)?.balance()))
-        .rates(move |at, u, p| Ok(model(at, load)?.rates_by_gap(u, p)))
+        .sensitivities(move |at, u, p| Ok(model(at, load)?.rates_by_gap(u, p)))
         .criterion(move |at| Ok(model(at, load)?.unevenness()));
     Ok(CriterionMap::new(problem))
 }
@@ -121,7 +127,7 @@ pub fn deflection(parameters: &mut Parameters) -> Result<impl DifferentiableMap 
     let problem = setting
         .problem(Controls::new().field("gap", &setting.gap).number("load", 1e-3))
         .step(|at| Ok(model(at, at.number("load")?)?.balance()))
-        .rates(|at, u, p| Ok(model(at, at.number("load")?)?.rates(u, p)));
+        .sensitivities(|at, u, p| Ok(model(at, at.number("load")?)?.sensitivities(u, p)));
     let mut readings = Readings::new(&setting.space);
     for k in 1..=points {
         readings = readings.at_point(&[2.0 * k as f64 / points as f64, 0.25])?;

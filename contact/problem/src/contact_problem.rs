@@ -195,7 +195,7 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
     ) -> Result<Problem<'_, D>, AssemblyError> {
         self.law.check(form.name())?;
         let problem = Problem::new(&form, &self.space).assembler(assembler);
-        Ok(self.on_pattern(problem.vanishing(&self.constraints)))
+        Ok(self.on_pattern(problem.homogeneous(&self.constraints)))
     }
 
     fn on_pattern<'p>(&self, problem: Problem<'p, D>) -> Problem<'p, D> {

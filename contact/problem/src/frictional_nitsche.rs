@@ -5,6 +5,9 @@ use forms_fem::forms;
 
 use crate::contact_law;
 
+#[doc(inline)]
+pub use self::frictional_nitsche::*;
+
 /// Linear elasticity in contact with friction. With P_n = σ_n − γ (u_n − g) and P_t = σ_t − γ (u − u₀)_t the traction of the
 /// obstacle on the body is T = −\[P_n\]₋ n_y + Π_s(P_t), s = s₀ + κ \[P_n\]₋.
 ///
@@ -12,7 +15,7 @@ use crate::contact_law;
 /// solutions differ unless θ = 0.
 #[forms]
 pub mod frictional_nitsche {
-    pub use crate::nitsche::nitsche::{
+    pub use crate::nitsche::{
         Boundary, GammaC, GammaN, Omega, boundary_slope, contact_force, contact_indicator, contact_length,
         contact_pressure, criterion, current_gap, elasticity, stress,
     };
@@ -24,11 +27,7 @@ pub mod frictional_nitsche {
     use crate::operators::obstacle::gamma;
 
     /// Data of all laws of friction with a flat. The slip is counted from u = 0 unless `displacement_before` is given.
-    #[includes(
-        crate::nitsche::nitsche::Data,
-        crate::operators::friction::Data,
-        crate::operators::resultant::Data
-    )]
+    #[includes(crate::nitsche::Data, crate::operators::friction::Data, crate::operators::resultant::Data)]
     pub struct Data {}
 
     /// P of a traction on Γ_C at the displacement w.

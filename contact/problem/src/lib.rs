@@ -32,7 +32,7 @@ pub mod theta_path;
 pub mod threshold;
 
 pub use contact_problem::ContactProblem;
-pub use nitsche::nitsche as forms;
+pub use nitsche as forms;
 pub use paper_law::Adjoint;
 
 /// Paths for [`contact_law!`].

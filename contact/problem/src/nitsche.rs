@@ -2,6 +2,9 @@
 
 use forms_fem::forms;
 
+#[doc(inline)]
+pub use self::nitsche::*;
+
 /// Linear elasticity in frictionless contact with a rigid obstacle, by Nitsche's method.
 ///
 /// Signs: n_y points into the obstacle; the gap g = n_y·(y − x) is positive when apart; a normal stress

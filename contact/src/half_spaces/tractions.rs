@@ -4,7 +4,7 @@ use forms_fem::prelude::*;
 
 use crate::contact_problem::ContactProblem;
 use crate::hertz::Hertz;
-use crate::laws::two_bodies::two_bodies as law;
+use crate::laws::two_bodies as law;
 
 /// Tractions at a point of one of the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]

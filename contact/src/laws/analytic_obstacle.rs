@@ -5,6 +5,9 @@ use forms_fem::forms;
 
 use crate::contact_law;
 
+#[doc(inline)]
+pub use self::analytic_obstacle::*;
+
 /// Contact with the obstacle y = c + Q ŷ, φ(ŷ) ≤ 0, where φ is the distance from a box with round edges: g = φ(Qᵀ(x + u − c)) and
 /// n_y = −∇g turn with u, exactly, although strains are small. With P_n = σ_n + γ g, P_t = (σn − γ slip)_t
 ///
@@ -22,8 +25,8 @@ use crate::contact_law;
 /// |∇φ| ≠ 1 is divided by its slope there.
 #[forms]
 pub mod analytic_obstacle {
-    pub use super::super::frictional_nitsche::frictional_nitsche::{elasticity, traction_product};
-    use super::super::moving_obstacle::moving_obstacle::{in_own_axes, slip};
+    pub use super::super::frictional_nitsche::{elasticity, traction_product};
+    use super::super::moving_obstacle::{in_own_axes, slip};
     pub use crate::operators::linear_criterion::criterion;
     pub use crate::operators::linear_elastic::stress;
     use crate::operators::loads::loads;
@@ -34,7 +37,7 @@ pub mod analytic_obstacle {
 
     /// Data of the body, the method, the obstacle's motion and its shape, and of the loads.
     #[includes(
-        crate::laws::moving_obstacle::moving_obstacle::Data,
+        crate::laws::moving_obstacle::Data,
         crate::operators::variant::Data,
         crate::operators::loads::Data
     )]

@@ -7,6 +7,9 @@ use forms_fem::prelude::*;
 use crate::parameter_ranges;
 use crate::parameter_ranges::ParameterRanges;
 
+#[doc(inline)]
+pub use self::augmented_lagrangian::*;
+
 /// The multiplier λ is the traction of the obstacle on the body, T(λ) = −\[P_n\]₋ n_y + Π_s(P_t) with
 /// P = λ − γ ((u_n − g) n_y + (u − u₀)_t). Where the equation λ = T(λ) holds the conditions of contact and friction do, for any
 /// γ = γ₀/h_T, without a threshold. θ is not read.
@@ -15,10 +18,8 @@ use crate::parameter_ranges::ParameterRanges;
 /// it, on `[&displacements, &multipliers]`.
 #[forms]
 pub mod augmented_lagrangian {
-    pub use super::super::frictional_nitsche::frictional_nitsche::{
-        Boundary, Data, GammaC, GammaN, Omega, criterion,
-    };
-    use super::super::frictional_nitsche::frictional_nitsche::{augmented, elasticity, law, loads};
+    pub use super::super::frictional_nitsche::{Boundary, Data, GammaC, GammaN, Omega, criterion};
+    use super::super::frictional_nitsche::{augmented, elasticity, law, loads};
     use crate::operators::obstacle::gamma;
 
     /// T(λ): the projection of the augmented multiplier onto what contact and friction allow.

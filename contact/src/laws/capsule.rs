@@ -8,6 +8,9 @@ use crate::contact_law;
 use crate::material_threshold::{NitscheContact, material_threshold};
 use crate::threshold::Threshold;
 
+#[doc(inline)]
+pub use self::capsule::*;
+
 /// Signed distance \[length\] of a point, positive outside, to a capsule around the origin: all points within `radius` of the
 /// segment from −`half_length` to `half_length` along the first axis. It is a disk or a ball where the segment is a point, in
 /// the plane a punch with rounded edges otherwise, in space a cylinder with round ends.
@@ -30,7 +33,7 @@ pub fn capsule_distance<R: Real, const D: usize>(y: [R; D], half_length: R, radi
 /// For an obstacle of another shape copy this module with another function φ: it needs |∇φ| = 1 for g to be a distance.
 #[forms]
 pub mod capsule {
-    use super::super::moving_obstacle::moving_obstacle::{in_own_axes, slip};
+    use super::super::moving_obstacle::{in_own_axes, slip};
     use crate::operators::friction::{augmented_traction, contact_traction, slip_limit};
     pub use crate::operators::linear_criterion::criterion;
     pub use crate::operators::neo_hookean::first_piola;
@@ -40,7 +43,7 @@ pub mod capsule {
     }
 
     /// Data of the body, the method, the obstacle's motion and its shape.
-    #[includes(crate::laws::moving_obstacle::moving_obstacle::Data)]
+    #[includes(crate::laws::moving_obstacle::Data)]
     pub struct Data {
         /// Half the length of the capsule's segment \[length\].
         #[default(0)]

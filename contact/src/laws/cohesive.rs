@@ -8,6 +8,9 @@ use crate::material_threshold::{NitscheContact, Traction, material_threshold};
 use crate::parameter_ranges::{ParameterRanges, Range};
 use crate::threshold::Threshold;
 
+#[doc(inline)]
+pub use self::cohesive::*;
+
 /// Bodies that are glued together by a bilinear law of traction and separation (after Camacho and Ortiz 1996, Alfano and
 /// Crisfield 2001). With Δ = u(Y) − u(X), Δ_n = Δ·n_y and the effective opening δ = √(\[Δ_n\]₊² + β² |Δ_t|²),
 ///
@@ -22,7 +25,7 @@ use crate::threshold::Threshold;
 /// is less than the slope of the softening, separation jumps, and no small load step follows it.
 #[forms]
 pub mod cohesive {
-    pub use super::super::two_bodies::two_bodies::{GammaN, Omega, Touch};
+    pub use super::super::two_bodies::{GammaN, Omega, Touch};
     use crate::operators::bodies::{own_gamma, own_traction, present_gap};
     use crate::operators::cohesion::{
         bilinear_dissipation, bilinear_stiffness, opening, separation_traction,

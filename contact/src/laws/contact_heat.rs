@@ -6,6 +6,9 @@ use forms_fem::prelude::*;
 use crate::parameter_ranges;
 use crate::parameter_ranges::ParameterRanges;
 
+#[doc(inline)]
+pub use self::contact_heat::*;
+
 /// Conduction in two bodies whose displacement u is known, ϑ the temperature:
 ///
 /// ∫ k ∇ϑ·∇ϕ + Σ ½ ∫ { h_c(p) ⟦ϑ⟧ ⟦ϕ⟧ − D (r ϕ(X) + (1 − r) ϕ(Y)) } = ∫ f ϕ + ∫ q ϕ,
@@ -19,13 +22,11 @@ use crate::parameter_ranges::ParameterRanges;
 /// at where u is solved for.
 #[forms]
 pub mod contact_heat {
-    pub use super::super::two_bodies::two_bodies::{
-        GammaN, Omega, Touch, contact_pressure, friction_traction,
-    };
+    pub use super::super::two_bodies::{GammaN, Omega, Touch, contact_pressure, friction_traction};
     use crate::operators::friction::tangential;
 
     /// Data of bodies, contact and heat.
-    #[includes(crate::laws::two_bodies::two_bodies::Data)]
+    #[includes(crate::laws::two_bodies::Data)]
     pub struct Data {
         /// k, conductivity \[power/(length temperature)\].
         #[doc(alias = "k")]

@@ -7,15 +7,16 @@ use crate::contact_law;
 use crate::material_threshold::{NitscheContact, material_threshold};
 use crate::threshold::Threshold;
 
+#[doc(inline)]
+pub use self::finite_nitsche::*;
+
 /// ∫ P(u):∇v − ∫ T(u)·v = ℓ(v), where tractions are forces per reference area: P(u)n replaces σn in T. γ, h_T and areas
 /// are those of the reference configuration, and so are the loads. θ is not read: other variants than θ = 0 would need second
 /// derivatives of the stress.
 #[forms]
 pub mod finite_nitsche {
-    pub use super::super::frictional_nitsche::frictional_nitsche::{
-        Boundary, Data, GammaC, GammaN, Omega, criterion,
-    };
-    use super::super::frictional_nitsche::frictional_nitsche::{augmented, law, loads};
+    pub use super::super::frictional_nitsche::{Boundary, Data, GammaC, GammaN, Omega, criterion};
+    use super::super::frictional_nitsche::{augmented, law, loads};
     pub use crate::operators::neo_hookean::{cauchy_stress, first_piola};
 
     /// T(u), the traction of the obstacle on the body, per reference area.

@@ -4,15 +4,16 @@ use forms_fem::forms;
 
 use crate::contact_law;
 
+#[doc(inline)]
+pub use self::frictional_penalty::*;
+
 /// T = −\[P_n\]₋ n_y + Π_s(P_t) with P = −γ ((u_n − g) n_y + (u − u₀)_t): springs of stiffness γ = γ₀/h_T, whose
 /// tangential ones slide. The error is of the order 1/γ. θ is not read. T has no stress in it, so that the law is monotone without
 /// a threshold of γ₀.
 #[forms]
 pub mod frictional_penalty {
-    pub use super::super::frictional_nitsche::frictional_nitsche::{
-        Boundary, Data, GammaC, GammaN, Omega, criterion,
-    };
-    use super::super::frictional_nitsche::frictional_nitsche::{augmented, elasticity, law, loads};
+    pub use super::super::frictional_nitsche::{Boundary, Data, GammaC, GammaN, Omega, criterion};
+    use super::super::frictional_nitsche::{augmented, elasticity, law, loads};
 
     /// T(u), the traction of the obstacle on the body.
     pub fn obstacle_traction(w: Vector) -> Vector {

@@ -2,6 +2,9 @@
 
 use forms_fem::forms;
 
+#[doc(inline)]
+pub use self::moving_obstacle::*;
+
 /// An obstacle whose own point ŷ is at y = c + Q ŷ, and was at c₀ + Q₀ ŷ at the last step. A law with an obstacle of its own shape includes these
 /// data, imports these operators and brings φ(ŷ): [`capsule`](super::capsule) in Rust,
 /// [`analytic_obstacle`](super::analytic_obstacle) in the language.

@@ -8,6 +8,9 @@ use crate::contact_law;
 use crate::material_threshold::{NitscheContact, material_threshold};
 use crate::threshold::Threshold;
 
+#[doc(inline)]
+pub use self::sliding_bodies::*;
+
 /// ∫ P:∇v − Σ ½ ∫ T·(v(X) − v(Y)) dA = ℓ(v). Opposite points lie on rays along the deformed normal and move with u; the slip
 /// counts the rotation of that normal, so that turning both bodies together is no slip, whatever the gap. Also self contact:
 /// bind `Touch` to one surface.
@@ -21,9 +24,7 @@ use crate::threshold::Threshold;
 /// [`two_bodies`](super::two_bodies) on pieces has none.
 #[forms]
 pub mod sliding_bodies {
-    pub use super::super::two_bodies::two_bodies::{
-        Data, GammaN, Omega, Touch, criterion, loads, slip_limit,
-    };
+    pub use super::super::two_bodies::{Data, GammaN, Omega, Touch, criterion, loads, slip_limit};
     use crate::operators::friction::{augmented_traction, contact_traction, deformed_normal};
     pub use crate::operators::neo_hookean::{cauchy_stress, first_piola};
 

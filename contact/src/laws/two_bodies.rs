@@ -7,6 +7,9 @@ use crate::contact_law;
 use crate::material_threshold::{NitscheContact, material_threshold};
 use crate::threshold::Threshold;
 
+#[doc(inline)]
+pub use self::two_bodies::*;
+
 /// Σ a_i(u,v) + Σ ½ ∫ { −(θ/γ) σ(u)n·σ(v)n + (1/γ) T·(θ σ(v)n − γ ⟦v⟧) } = ℓ(v) over the surfaces of both bodies: unbiased. Each
 /// surface takes its own body's σ, h and γ. T acts on X and −T on Y in one integral, so that forces balance at any quadrature.
 ///

@@ -5,6 +5,9 @@ use forms_fem::forms;
 
 use crate::contact_law;
 
+#[doc(inline)]
+pub use self::uzawa::*;
+
 /// a(u,v) − ∫ T(λ, u)·v = ℓ(v) for a given multiplier λ, T = −\[P_n\]₋ n_y + Π_s(P_t) with P = λ − γ ((u_n − g) n_y + (u − u₀)_t):
 /// the penalty method, shifted by λ. [`solve_by_uzawa`](crate::uzawa::solve_by_uzawa) repeats λ ← T(λ, u); where λ = T(λ, u)
 /// holds at each point the conditions of contact and friction do, for any γ = γ₀/h_T, without a threshold. λ is a
@@ -15,13 +18,11 @@ use crate::contact_law;
 /// linear displacements take one point per facet.
 #[forms]
 pub mod uzawa {
-    pub use super::super::frictional_nitsche::frictional_nitsche::{
-        Boundary, GammaC, GammaN, Omega, criterion,
-    };
-    use super::super::frictional_nitsche::frictional_nitsche::{augmented, elasticity, law, loads};
+    pub use super::super::frictional_nitsche::{Boundary, GammaC, GammaN, Omega, criterion};
+    use super::super::frictional_nitsche::{augmented, elasticity, law, loads};
 
     /// Data of the body and of friction, with the multiplier.
-    #[includes(crate::laws::frictional_nitsche::frictional_nitsche::Data)]
+    #[includes(crate::laws::frictional_nitsche::Data)]
     pub struct Data {
         /// λ, the traction of the obstacle on the body as far as it is known \[stress\].
         #[doc(alias = "λ")]

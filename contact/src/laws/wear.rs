@@ -4,6 +4,9 @@ use forms_fem::forms;
 
 use crate::contact_law;
 
+#[doc(inline)]
+pub use self::wear::*;
+
 /// Contact with friction as in [`frictional_nitsche`](super::frictional_nitsche) on a surface that has worn by the depth w, and
 /// on an obstacle that has slid by S since the last step:
 ///
@@ -15,16 +18,16 @@ use crate::contact_law;
 /// length is below one. The surface wears along n_y; its normal and its area stay those of the mesh.
 #[forms]
 pub mod wear {
-    pub use super::super::frictional_nitsche::frictional_nitsche::{
+    pub use super::super::frictional_nitsche::{
         Boundary, GammaC, GammaN, Omega, criterion, elasticity, stress, traction_product,
     };
-    use super::super::frictional_nitsche::frictional_nitsche::{law, loads};
+    use super::super::frictional_nitsche::{law, loads};
     use crate::operators::friction::{augmented_traction, tangential};
     use crate::operators::obstacle::{current_gap, gamma};
     use crate::operators::signed_distance::nitsche_density;
 
     /// Data of the body, of friction and of wear.
-    #[includes(crate::laws::frictional_nitsche::frictional_nitsche::Data)]
+    #[includes(crate::laws::frictional_nitsche::Data)]
     pub struct Data {
         /// k_w, worn depth per pressure and distance slid \[1/stress\]: Archard's coefficient over the hardness.
         #[doc(alias = "k_w")]

@@ -3,10 +3,10 @@
 
 use forms_contact::contact_law;
 use forms_contact::law::WithFriction;
-use forms_contact::laws::analytic_obstacle::analytic_obstacle as law;
-use forms_contact::laws::capsule::capsule;
-use forms_contact::laws::frictional_nitsche::frictional_nitsche as flat;
-use forms_contact::laws::moving_obstacle::moving_obstacle;
+use forms_contact::laws::analytic_obstacle as law;
+use forms_contact::laws::capsule;
+use forms_contact::laws::frictional_nitsche as flat;
+use forms_contact::laws::moving_obstacle;
 use forms_fem::prelude::*;
 
 use crate::block::{Block, plane_block, solid_block};
@@ -202,7 +202,7 @@ fn tangents_and_adjoint_gradients() {
 /// A law of a user's own: a wavy ground as a level set, which is no distance.
 #[forms]
 pub mod waves {
-    use forms_contact::laws::frictional_nitsche::frictional_nitsche::elasticity;
+    use forms_contact::laws::frictional_nitsche::elasticity;
     use forms_contact::operators::linear_elastic::stress;
     use forms_contact::operators::obstacle::gamma;
     use forms_contact::operators::signed_distance::{

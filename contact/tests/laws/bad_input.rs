@@ -3,9 +3,9 @@
 
 use forms_contact::ContactProblem;
 use forms_contact::law::ContactLaw;
-use forms_contact::laws::finite_nitsche::finite_nitsche;
-use forms_contact::laws::sliding_bodies::sliding_bodies as sliding;
-use forms_contact::laws::two_bodies::two_bodies as law;
+use forms_contact::laws::finite_nitsche;
+use forms_contact::laws::sliding_bodies as sliding;
+use forms_contact::laws::two_bodies as law;
 use forms_fem::constraints::RigidMap;
 use forms_fem::mesh::RigidSurface;
 use forms_fem::prelude::*;

@@ -2,19 +2,19 @@
 
 use forms_contact::ContactProblem;
 use forms_contact::law::ContactLaw;
-use forms_contact::laws::analytic_obstacle::analytic_obstacle;
+use forms_contact::laws::analytic_obstacle;
 use forms_contact::laws::augmented_lagrangian::{augmented_lagrangian, multiplier_problem};
-use forms_contact::laws::capsule::capsule;
-use forms_contact::laws::cohesive::cohesive;
+use forms_contact::laws::capsule;
+use forms_contact::laws::cohesive;
 use forms_contact::laws::contact_heat::{contact_heat, heat_problem};
-use forms_contact::laws::finite_nitsche::finite_nitsche;
-use forms_contact::laws::frictional_nitsche::frictional_nitsche;
-use forms_contact::laws::frictional_penalty::frictional_penalty;
-use forms_contact::laws::moving_obstacle::moving_obstacle;
-use forms_contact::laws::sliding_bodies::sliding_bodies;
-use forms_contact::laws::two_bodies::two_bodies;
-use forms_contact::laws::uzawa::uzawa;
-use forms_contact::laws::wear::wear;
+use forms_contact::laws::finite_nitsche;
+use forms_contact::laws::frictional_nitsche;
+use forms_contact::laws::frictional_penalty;
+use forms_contact::laws::moving_obstacle;
+use forms_contact::laws::sliding_bodies;
+use forms_contact::laws::two_bodies;
+use forms_contact::laws::uzawa;
+use forms_contact::laws::wear;
 use forms_contact::parameter_ranges::ParameterRanges;
 use forms_fem::prelude::*;
 

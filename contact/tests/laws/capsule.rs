@@ -2,7 +2,7 @@
 
 use forms_contact::ContactProblem;
 use forms_contact::laws::capsule::{capsule as law, capsule_distance};
-use forms_contact::laws::moving_obstacle::moving_obstacle;
+use forms_contact::laws::moving_obstacle;
 use forms_fem::prelude::*;
 
 use crate::block::{Block, plane_block, solid_block};

@@ -2,7 +2,7 @@
 //! sliding, tangents, adjoints and data out of range.
 
 use forms_contact::ContactProblem;
-use forms_contact::laws::cohesive::cohesive as law;
+use forms_contact::laws::cohesive as law;
 use forms_fem::prelude::*;
 
 use crate::setting::{LAMBDA, MU, YOUNG, check_tangent, close};

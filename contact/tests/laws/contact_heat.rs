@@ -3,7 +3,7 @@
 
 use forms_contact::ContactProblem;
 use forms_contact::laws::contact_heat::{contact_heat as law, heat_problem};
-use forms_contact::laws::two_bodies::two_bodies as mechanics;
+use forms_contact::laws::two_bodies as mechanics;
 use forms_fem::prelude::*;
 
 use crate::setting::{LAMBDA, MU, YOUNG};

@@ -2,7 +2,7 @@
 
 use forms_contact::hollow_cylinder::{CylinderSolution, Friction, Settings, solve};
 use forms_contact::law::ContactLaw;
-use forms_contact::laws::frictional_nitsche::frictional_nitsche;
+use forms_contact::laws::frictional_nitsche;
 use forms_fem::prelude::*;
 
 /// All load steps of all settings converge, and friction stays in its bounds. FORMS_SWEEPS=1: three meshes, two γ₀, more

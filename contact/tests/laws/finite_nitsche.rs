@@ -1,6 +1,6 @@
 //! Nitsche's method with friction at finite strains.
 
-use forms_contact::laws::finite_nitsche::finite_nitsche as law;
+use forms_contact::laws::finite_nitsche as law;
 use forms_fem::prelude::*;
 
 use crate::gradients::{Moves, check_law};

@@ -1,6 +1,6 @@
 //! Nitsche's method with friction, every θ.
 
-use forms_contact::laws::frictional_nitsche::frictional_nitsche as law;
+use forms_contact::laws::frictional_nitsche as law;
 use forms_contact::theta_path::ThetaPath;
 use forms_fem::prelude::*;
 use forms_fem::verification;

@@ -1,6 +1,6 @@
 //! The penalty method with friction.
 
-use forms_contact::laws::frictional_penalty::frictional_penalty as law;
+use forms_contact::laws::frictional_penalty as law;
 use forms_fem::prelude::*;
 
 use crate::gradients::{Moves, check_law};

@@ -2,7 +2,7 @@
 
 use forms_contact::ContactProblem;
 use forms_contact::law::{WithAdjoint, WithFriction};
-use forms_contact::laws::frictional_nitsche::frictional_nitsche::Data;
+use forms_contact::laws::frictional_nitsche::Data;
 use forms_fem::contract::Functional;
 use forms_fem::prelude::*;
 

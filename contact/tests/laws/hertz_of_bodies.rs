@@ -3,7 +3,7 @@
 use forms_contact::ContactProblem;
 use forms_contact::half_spaces::{HalfSpaces, Tractions, balls, cylinders};
 use forms_contact::hertz::{Hertz, RADIUS};
-use forms_contact::laws::two_bodies::two_bodies as law;
+use forms_contact::laws::two_bodies as law;
 use forms_fem::prelude::*;
 
 use crate::setting::close;

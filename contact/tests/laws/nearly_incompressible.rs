@@ -5,11 +5,11 @@ use std::f64::consts::PI;
 
 use forms_contact::ContactProblem;
 use forms_contact::law::ContactLaw;
-use forms_contact::laws::finite_nitsche::finite_nitsche;
-use forms_contact::laws::frictional_nitsche::frictional_nitsche;
-use forms_contact::laws::sliding_bodies::sliding_bodies;
-use forms_contact::laws::two_bodies::two_bodies;
-use forms_contact::nitsche::nitsche;
+use forms_contact::laws::finite_nitsche;
+use forms_contact::laws::frictional_nitsche;
+use forms_contact::laws::sliding_bodies;
+use forms_contact::laws::two_bodies;
+use forms_contact::nitsche;
 use forms_contact::threshold::usual_gamma0;
 use forms_fem::prelude::*;
 

@@ -8,10 +8,10 @@ mod obstacles;
 
 use std::fmt::Debug;
 
-use forms_contact::laws::augmented_lagrangian::augmented_lagrangian;
-use forms_contact::laws::finite_nitsche::finite_nitsche;
-use forms_contact::laws::frictional_nitsche::frictional_nitsche;
-use forms_contact::laws::frictional_penalty::frictional_penalty;
+use forms_contact::laws::augmented_lagrangian;
+use forms_contact::laws::finite_nitsche;
+use forms_contact::laws::frictional_nitsche;
+use forms_contact::laws::frictional_penalty;
 use forms_contact::{ContactProblem, law::ContactLaw};
 use forms_fem::contract::Expression;
 use forms_fem::prelude::*;

@@ -1,8 +1,8 @@
 //! Layers on a rigid flat: answers in closed form, whatever the facets of the flat.
 
 use forms_contact::ContactProblem;
-use forms_contact::laws::sliding_bodies::sliding_bodies as sliding;
-use forms_contact::laws::two_bodies::two_bodies as law;
+use forms_contact::laws::sliding_bodies as sliding;
+use forms_contact::laws::two_bodies as law;
 use forms_fem::constraints::RigidMap;
 use forms_fem::mesh::{RigidSurface, structured};
 use forms_fem::prelude::*;

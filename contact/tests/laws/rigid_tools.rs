@@ -2,10 +2,10 @@
 //! presses.
 
 use forms_contact::ContactProblem;
-use forms_contact::laws::capsule::capsule as round;
-use forms_contact::laws::moving_obstacle::moving_obstacle;
-use forms_contact::laws::sliding_bodies::sliding_bodies as sliding;
-use forms_contact::laws::two_bodies::two_bodies as law;
+use forms_contact::laws::capsule as round;
+use forms_contact::laws::moving_obstacle;
+use forms_contact::laws::sliding_bodies as sliding;
+use forms_contact::laws::two_bodies as law;
 use forms_fem::constraints::RigidMap;
 use forms_fem::mesh::{RigidSurface, structured};
 use forms_fem::prelude::*;
@@ -134,9 +134,9 @@ fn a_tool_is_a_body_of_which_all_nodes_are_prescribed() {
 
 #[forms]
 mod moment {
-    use forms_contact::laws::sliding_bodies::sliding_bodies::opposite_traction;
+    use forms_contact::laws::sliding_bodies::opposite_traction;
 
-    #[includes(forms_contact::laws::two_bodies::two_bodies::Data)]
+    #[includes(forms_contact::laws::two_bodies::Data)]
     pub struct Data {
         /// A quarter turn.
         pub turn: Param<Tensor>,

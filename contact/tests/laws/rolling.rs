@@ -2,16 +2,16 @@
 //! core's force and moment are those of the tractions of the flat.
 
 use forms_contact::ContactProblem;
-use forms_contact::laws::finite_nitsche::finite_nitsche as law;
+use forms_contact::laws::finite_nitsche as law;
 use forms_fem::prelude::*;
 
 use crate::setting::{Friction, YOUNG, data};
 
 #[forms(dimension = 2)]
 mod rolled {
-    use forms_contact::laws::finite_nitsche::finite_nitsche::obstacle_traction;
-    pub use forms_contact::laws::finite_nitsche::finite_nitsche::{Data, GammaC};
-    use forms_contact::laws::frictional_nitsche::frictional_nitsche::{augmented, slip_limit};
+    use forms_contact::laws::finite_nitsche::obstacle_traction;
+    pub use forms_contact::laws::finite_nitsche::{Data, GammaC};
+    use forms_contact::laws::frictional_nitsche::{augmented, slip_limit};
     use forms_contact::operators::friction::tangential;
     use forms_contact::operators::neo_hookean::first_piola;
 

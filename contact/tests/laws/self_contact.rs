@@ -4,8 +4,8 @@
 use std::f64::consts::TAU;
 
 use forms_contact::ContactProblem;
-use forms_contact::laws::sliding_bodies::sliding_bodies as law;
-use forms_contact::laws::two_bodies::two_bodies::Required;
+use forms_contact::laws::sliding_bodies as law;
+use forms_contact::laws::two_bodies::Required;
 use forms_fem::mesh::structured;
 use forms_fem::prelude::*;
 

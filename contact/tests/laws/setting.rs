@@ -1,7 +1,7 @@
 //! Materials, data and small checks that the laws' tests share.
 
 use forms_contact::forms;
-use forms_contact::laws::frictional_nitsche::frictional_nitsche as law;
+use forms_contact::laws::frictional_nitsche as law;
 use forms_fem::assemble::AssemblyError;
 use forms_fem::prelude::*;
 use forms_fem::verification;

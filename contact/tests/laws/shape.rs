@@ -2,7 +2,7 @@
 //! again on moved meshes.
 
 use forms_contact::ContactProblem;
-use forms_contact::laws::frictional_nitsche::frictional_nitsche as law;
+use forms_contact::laws::frictional_nitsche as law;
 use forms_contact::shape_problem::{LawShape, LawState, VolumeRule};
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::{Failure, ShapeProblem, Values, Volume, measured_volume};

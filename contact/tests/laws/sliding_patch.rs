@@ -2,8 +2,8 @@
 //! Nitsche's method with and without the stresses of open points.
 
 use forms_contact::ContactProblem;
-use forms_contact::laws::sliding_bodies::sliding_bodies as sliding;
-use forms_contact::laws::two_bodies::two_bodies as fixed;
+use forms_contact::laws::sliding_bodies as sliding;
+use forms_contact::laws::two_bodies as fixed;
 use forms_fem::prelude::*;
 
 use crate::setting::{LAMBDA, MU};
@@ -72,8 +72,8 @@ fn sliding_pairs_break_the_patch_test_on_meshes_that_do_not_match() {
 /// The law of two bodies with −(θ/γ) σ(u)n·σ(v)n on all of the own surfaces, and not only where points have a partner.
 #[forms(dimension = 2)]
 mod keeping {
-    pub use forms_contact::laws::two_bodies::two_bodies::{Data, GammaN, Omega, Touch};
-    use forms_contact::laws::two_bodies::two_bodies::{direct, stress};
+    pub use forms_contact::laws::two_bodies::{Data, GammaN, Omega, Touch};
+    use forms_contact::laws::two_bodies::{direct, stress};
     use forms_contact::operators::bodies::{own_gamma, own_traction};
 
     /// The surfaces that are integrated over.

@@ -2,7 +2,7 @@
 //! piecewise affine displacement, with one stress in each body, is reproduced by pieces in the plane and in space.
 
 use forms_contact::ContactProblem;
-use forms_contact::laws::two_bodies::two_bodies as law;
+use forms_contact::laws::two_bodies as law;
 use forms_fem::mesh::structured;
 use forms_fem::prelude::*;
 

@@ -4,10 +4,10 @@
 use forms_contact::ContactProblem;
 use forms_contact::hollow_cylinder::{CONTACT, CONTACT_CELLS, Settings, hollow_cylinder};
 use forms_contact::law::ContactLaw;
-use forms_contact::laws::finite_nitsche::finite_nitsche;
-use forms_contact::laws::frictional_nitsche::frictional_nitsche;
-use forms_contact::laws::frictional_penalty::frictional_penalty;
-use forms_contact::laws::two_bodies::two_bodies;
+use forms_contact::laws::finite_nitsche;
+use forms_contact::laws::frictional_nitsche;
+use forms_contact::laws::frictional_penalty;
+use forms_contact::laws::two_bodies;
 use forms_contact::threshold::required_gamma0;
 use forms_fem::prelude::*;
 

@@ -2,8 +2,8 @@
 //! steps that follow the motion halve it, and end where small steps end.
 
 use forms_contact::ContactProblem;
-use forms_contact::laws::sliding_bodies::sliding_bodies as law;
-use forms_contact::laws::two_bodies::two_bodies::Required;
+use forms_contact::laws::sliding_bodies as law;
+use forms_contact::laws::two_bodies::Required;
 use forms_fem::pairs::PairError;
 use forms_fem::prelude::*;
 use forms_fem::solve::LoadPath;

@@ -2,8 +2,8 @@
 //! meshes that do not match; tangents and adjoints.
 
 use forms_contact::ContactProblem;
-use forms_contact::laws::sliding_bodies::sliding_bodies as sliding;
-use forms_contact::laws::two_bodies::two_bodies as law;
+use forms_contact::laws::sliding_bodies as sliding;
+use forms_contact::laws::two_bodies as law;
 use forms_fem::constraints::RigidMap;
 use forms_fem::mesh::structured;
 use forms_fem::prelude::*;

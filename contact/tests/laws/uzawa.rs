@@ -2,9 +2,9 @@
 //! discrete solution, and why it ends.
 
 use forms_contact::ContactProblem;
-use forms_contact::laws::augmented_lagrangian::augmented_lagrangian;
-use forms_contact::laws::frictional_nitsche::frictional_nitsche as flat;
-use forms_contact::laws::uzawa::uzawa as law;
+use forms_contact::laws::augmented_lagrangian;
+use forms_contact::laws::frictional_nitsche as flat;
+use forms_contact::laws::uzawa as law;
 use forms_contact::uzawa::{UzawaError, UzawaOptions, solve_by_uzawa};
 use forms_fem::prelude::*;
 

@@ -1,8 +1,8 @@
 //! Wear of a layer under a given displacement, compared with its own recursion and with the exponential that it tends to with
 //! shorter steps; tangents.
 
-use forms_contact::laws::frictional_nitsche::frictional_nitsche as flat;
-use forms_contact::laws::wear::wear as law;
+use forms_contact::laws::frictional_nitsche as flat;
+use forms_contact::laws::wear as law;
 use forms_fem::prelude::*;
 
 use crate::block::{Block, plane_block, solid_block};

@@ -4,8 +4,8 @@
 use std::error::Error;
 
 use forms_contact::ContactProblem;
-use forms_contact::laws::sliding_bodies::sliding_bodies;
-use forms_contact::laws::two_bodies::two_bodies;
+use forms_contact::laws::sliding_bodies;
+use forms_contact::laws::two_bodies;
 use forms_fem::prelude::*;
 use forms_fem::solve::LoadPath;
 

@@ -5,11 +5,11 @@
 
 #![allow(unsafe_code)]
 
-mod supply;
+mod prefaulted_array;
 
 use std::ops::Range;
 
-pub(crate) use supply::{Filling, Supply};
+pub(crate) use prefaulted_array::{Filling, PrefaultedArray};
 
 /// Arrays below this size \[byte\] have nothing to gain.
 const SMALLEST: usize = 1 << 21;
@@ -37,7 +37,7 @@ fn ask<T>(values: &Vec<T>) {
     if bytes >= SMALLEST {
         let pages = pages_in(begin.addr(), bytes);
         let rest = (pages.start + TRIED).min(pages.end)..pages.end;
-        if Supply::of(bytes).come_quickly(begin, pages.start..rest.start) {
+        if PrefaultedArray::of(bytes).is_fast(begin, pages.start..rest.start) {
             advise(begin, &rest, Advice::Large);
         }
     }

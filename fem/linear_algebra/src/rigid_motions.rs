@@ -50,23 +50,23 @@ pub fn rigid_motions<const D: usize>(positions: &[[f64; D]]) -> Vec<Vec<f64>> {
 const NOTHING: f64 = 1e-11;
 
 /// A function that makes one vector of a motion and of its forces; see [`free_motions`].
-pub type Hindrance<'a> = dyn Fn(&[f64], &[f64]) -> Result<Vec<f64>, LinearAlgebraError> + 'a;
+pub type Resistance<'a> = dyn Fn(&[f64], &[f64]) -> Result<Vec<f64>, LinearAlgebraError> + 'a;
 
 /// The rigid motions that a matrix does not resist and that constraints allow, each in words:
 /// "translation along x", "rotation about (0, 0, 1) through (0.5, 0.5, 0)". The unknowns of the nodes at `positions`
-/// start at `offset` of the matrix, which has all rows and columns. `hindrance` makes one vector of a motion and of its forces (relative to the
+/// start at `offset` of the matrix, which has all rows and columns. `resistance` makes one vector of a motion and of its forces (relative to the
 /// largest entry of the matrix), linear in them and zero if constraints allow the motion and nothing free resists it.
 ///
 /// # Errors
-/// If the matrix is smaller than the unknowns, or those of `hindrance`.
+/// If the matrix is smaller than the unknowns, or those of `resistance`.
 pub fn free_motions<const D: usize>(
     matrix: &BlockMatrix,
     offset: usize,
     positions: &[[f64; D]],
-    hindrance: &Hindrance<'_>,
+    resistance: &Resistance<'_>,
 ) -> Result<Vec<String>, LinearAlgebraError> {
     let nodes: Vec<u32> = (0..positions.len() as u32).collect();
-    free_motions_of_body(matrix, offset, positions, &nodes, hindrance)
+    free_motions_of_body(matrix, offset, positions, &nodes, resistance)
 }
 
 /// Free motions of one of several bodies, the one with these nodes: the others stay where they are.
@@ -79,7 +79,7 @@ pub fn free_motions_of_body<const D: usize>(
     offset: usize,
     positions: &[[f64; D]],
     nodes: &[u32],
-    hindrance: &Hindrance<'_>,
+    resistance: &Resistance<'_>,
 ) -> Result<Vec<String>, LinearAlgebraError> {
     let scale = super::vector::largest(matrix.values());
     if D < 2 || nodes.is_empty() || !scale.is_finite() {
@@ -91,7 +91,7 @@ pub fn free_motions_of_body<const D: usize>(
         return Err(LinearAlgebraError::SizeMismatch { what, expected, found });
     }
     let own: Vec<[f64; D]> = nodes.iter().map(|node| positions[*node as usize]).collect();
-    let mut hindrances = Vec::new();
+    let mut resistances = Vec::new();
     for motion in rigid_motions(&own) {
         let mut all = vec![0.0; matrix.columns()];
         for (node, value) in nodes.iter().zip(motion.chunks_exact(D)) {
@@ -100,9 +100,9 @@ pub fn free_motions_of_body<const D: usize>(
         }
         let mut forces = matrix.multiply(&all)?;
         forces.iter_mut().for_each(|force| *force /= scale.max(f64::MIN_POSITIVE));
-        hindrances.push(hindrance(&all, &forces)?);
+        resistances.push(resistance(&all, &forces)?);
     }
-    let null = null_combinations(hindrances, nodes.len());
+    let null = null_combinations(resistances, nodes.len());
     let (centre, size) = frame(&own);
     Ok(simplest(null, D).iter().map(|motion| in_words(motion, &centre, size)).collect())
 }
@@ -110,24 +110,24 @@ pub fn free_motions_of_body<const D: usize>(
 /// Sweeps over all pairs of motions; a few are enough.
 const SWEEPS: usize = 30;
 
-/// Combinations of the given number of motions whose hindrance vanishes, in coefficients: hindrances are turned in pairs until they are orthogonal,
+/// Combinations of the given number of motions whose resistance vanishes, in coefficients: resistances are turned in pairs until they are orthogonal,
 /// and their lengths are the singular values (Hestenes 1958). Not the eigenvalues of a Gram matrix, whose rounding would hide a small
 /// resistance; of no dimension, so that it is compiled here and not in every program that solves.
-fn null_combinations(mut hindrances: Vec<Vec<f64>>, nodes: usize) -> Vec<Vec<f64>> {
-    let count = hindrances.len();
+fn null_combinations(mut resistances: Vec<Vec<f64>>, nodes: usize) -> Vec<Vec<f64>> {
+    let count = resistances.len();
     let nothing = NOTHING * (nodes as f64).sqrt();
     let unit = |k: usize| (0..count).map(|i| f64::from(u8::from(i == k))).collect();
     let mut combinations: Vec<Vec<f64>> = (0..count).map(unit).collect();
     for _ in 0..SWEEPS {
         let mut are_orthogonal = true;
         for (p, q) in (0..count).flat_map(|p| (p + 1..count).map(move |q| (p, q))) {
-            let [one, other] = [p, q].map(|k| norm(&hindrances[k]));
-            let product = dot(&hindrances[p], &hindrances[q]);
+            let [one, other] = [p, q].map(|k| norm(&resistances[k]));
+            let product = dot(&resistances[p], &resistances[q]);
             if product.abs() > f64::EPSILON * one * other {
                 are_orthogonal = false;
                 let cotangent = (other - one) * (other + one) / (2.0 * product);
                 let tangent = cotangent.signum() / (cotangent.abs() + cotangent.hypot(1.0));
-                for vectors in [&mut hindrances, &mut combinations] {
+                for vectors in [&mut resistances, &mut combinations] {
                     turn(vectors, [p, q], tangent);
                 }
             }
@@ -136,8 +136,8 @@ fn null_combinations(mut hindrances: Vec<Vec<f64>>, nodes: usize) -> Vec<Vec<f64
             break;
         }
     }
-    let is_free = |(hindrance, _): &(Vec<f64>, Vec<f64>)| norm(hindrance) <= nothing;
-    hindrances.into_iter().zip(combinations).filter(is_free).map(|(_, combination)| combination).collect()
+    let is_free = |(resistance, _): &(Vec<f64>, Vec<f64>)| norm(resistance) <= nothing;
+    resistances.into_iter().zip(combinations).filter(is_free).map(|(_, combination)| combination).collect()
 }
 
 /// Turns two of some vectors in their plane.
@@ -222,7 +222,7 @@ fn in_words<const D: usize>(motion: &[f64], centre: &[f64; D], size: f64) -> Str
 fn instances<const D: usize>() -> [*const (); 3] {
     [rigid_motions::<D> as *const (), free_motions::<D> as *const (), free_motions_of_body::<D> as *const ()]
 }
-/// Compiled here for the plane and for space, and not in every program (as `compiled_here!` of `forms-mesh` does, which this crate does not know).
+/// Compiled here for the plane and for space, and not in every program (as `instantiate!` of `forms-mesh` does, which this crate does not know).
 #[expect(dead_code, reason = "it is there for the instances that it names")]
 static INSTANCES: [fn() -> [*const (); 3]; 2] = [instances::<2>, instances::<3>];
 
@@ -262,7 +262,7 @@ mod tests {
         assert_eq!(rigid_motions(&[[0.0], [1.0]]).len(), 1);
     }
 
-    /// The hindrance where some unknowns are prescribed.
+    /// The resistance where some unknowns are prescribed.
     fn prescribing(
         prescribed: impl Fn(usize) -> bool,
     ) -> impl Fn(&[f64], &[f64]) -> Result<Vec<f64>, LinearAlgebraError> {
@@ -292,8 +292,8 @@ mod tests {
         let turned = [[c, s, 0.0], [-s * c, c * c, s], [s * s, -s * c, c]];
         for (values, free) in [([1.0, 1e-9, 1e-13], 1), ([1.0, 1e-9, 1e-10], 0), ([1e-12, 1.0, 0.0], 2)] {
             // Column k of Σ V: entry i is σ_i v_ik.
-            let hindrances = (0..3).map(|k| (0..3).map(|i| values[i] * turned[i][k]).collect()).collect();
-            let found = null_combinations(hindrances, 1);
+            let resistances = (0..3).map(|k| (0..3).map(|i| values[i] * turned[i][k]).collect()).collect();
+            let found = null_combinations(resistances, 1);
             assert_eq!(found.len(), free, "{values:?}");
             for combination in found {
                 for i in (0..3).filter(|i| values[*i] > NOTHING) {

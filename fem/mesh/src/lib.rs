@@ -3,13 +3,13 @@
 //! [`mesh`] holds meshes with named regions, from generators, from files, by refinement; [`element`] the reference cells and the
 //! Lagrange elements on them, [`quadrature`] their rules; [`locate`] finds the cell of a point, [`files`] writes a file whole or not at all. `forms-fem` re-exports these modules.
 
-mod compiled_here;
 pub mod element;
 mod facet;
 pub mod files;
+mod instantiate;
 pub mod locate;
 pub mod mesh;
 pub mod quadrature;
 
 #[doc(hidden)]
-pub use compiled_here::Compiled;
+pub use instantiate::Compiled;

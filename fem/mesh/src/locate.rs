@@ -14,7 +14,7 @@ pub use self::project::nearest_on_facet;
 
 use std::sync::Arc;
 
-use crate::compiled_here;
+use crate::instantiate;
 use crate::mesh::Mesh;
 use crate::mesh::geometry::inverse;
 
@@ -225,7 +225,7 @@ fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
-compiled_here!(locate: Locator::<D>::new, Locator::<D>::find, Locator::<D>::find_nearest, Locator::<D>::reference_in);
+instantiate!(locate: Locator::<D>::new, Locator::<D>::find, Locator::<D>::find_nearest, Locator::<D>::reference_in);
 
 #[cfg(test)]
 mod tests {

@@ -17,7 +17,7 @@ pub use error::ConstraintsError;
 use forms_core::contract::FieldValue;
 pub use rigid_map::RigidMap;
 
-use crate::compiled_here::compiled_here;
+use crate::instantiate::instantiate;
 use crate::space::Space;
 
 /// Prescribed unknowns of a space, and relations by which free unknowns give others (sliding,
@@ -282,7 +282,7 @@ impl<const D: usize> Constraints<D> {
     }
 }
 
-compiled_here!(
+instantiate!(
     constraints:
     Constraints::<D>::new,
     Constraints::<D>::insert,

@@ -10,8 +10,8 @@ use std::sync::{Arc, OnceLock};
 use forms_core::contract::{DiscreteField, FieldHandle, FieldValue, Source};
 use thiserror::Error;
 
-use crate::compiled_here::compiled_here;
 use crate::element::MAXIMUM_NODES;
+use crate::instantiate::instantiate;
 use crate::linear_algebra::vector::{first_not_finite, is_finite};
 use crate::mesh::geometry::inverse;
 use crate::space::{Family, Space};
@@ -393,7 +393,7 @@ impl<const D: usize> From<&Field<D>> for FieldHandle {
     }
 }
 
-compiled_here!(
+instantiate!(
     field:
     views::<D>,
     Field::<D>::zero,

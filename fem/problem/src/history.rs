@@ -23,8 +23,8 @@ use self::of_assembler::MadeError;
 use self::pair_points::PairPoints;
 use self::rule_points::rule_points;
 use crate::assemble::{Assembler, AssemblyError};
-use crate::compiled_here::compiled_here;
 use crate::element::PerShape;
+use crate::instantiate::instantiate;
 use crate::mesh::Mesh;
 use crate::quadrature::{Quadrature, QuadratureError};
 
@@ -305,4 +305,4 @@ pub(crate) fn commits<const D: usize>(inputs: &Inputs<D>) -> u64 {
     histories.sum()
 }
 
-compiled_here!(history: PointStorage::<D>::snapshot, PointStorage::<D>::on_pairs, commits::<D>);
+instantiate!(history: PointStorage::<D>::snapshot, PointStorage::<D>::on_pairs, commits::<D>);

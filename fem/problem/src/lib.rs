@@ -10,13 +10,13 @@ extern crate self as forms_fem;
 pub mod assemble;
 #[doc(hidden)]
 pub mod coincident;
-#[doc(hidden)]
-pub mod compiled_here;
 pub mod constraints;
 pub mod contract;
 pub mod dimension;
 pub mod field;
 pub mod history;
+#[doc(hidden)]
+pub mod instantiate;
 pub mod lanes;
 pub mod language;
 pub mod movement;

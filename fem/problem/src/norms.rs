@@ -45,10 +45,10 @@ use std::sync::Arc;
 use forms_core::contract::Source;
 
 use crate::assemble::{Assembler, AssemblyError};
-use crate::compiled_here::compiled_here;
 use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
 use crate::forms;
+use crate::instantiate::instantiate;
 use crate::linear_algebra::CsrMatrix;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
@@ -290,7 +290,7 @@ where
     assembler.tangent(&squared::mass(&everywhere()), &[&Field::zero(&nodes)], &[&nodes])
 }
 
-compiled_here!(
+instantiate!(
     norms of forms: norms::<D>,
     l2_squared::<D>,
     mean::<D>,

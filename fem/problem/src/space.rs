@@ -12,8 +12,8 @@ use std::sync::{Arc, OnceLock};
 pub(crate) use self::cell_nodes::CellNodes;
 pub use self::error::SpaceError;
 pub use self::family::Family;
-use crate::compiled_here::compiled_here;
 use crate::element::{CellShape, Lagrange, MAXIMUM_DEGREE, PerShape};
+use crate::instantiate::instantiate;
 use crate::locate::Locator;
 use crate::mesh::{CellLists, Facet, Mesh, MeshError};
 
@@ -366,7 +366,7 @@ impl<const D: usize> Space<D> {
     }
 }
 
-compiled_here!(
+instantiate!(
     space:
     Space::<D>::new,
     Space::<D>::scalar_nodes,

@@ -6,9 +6,9 @@ use crate::contract::Form;
 use thiserror::Error;
 
 use crate::assemble::{Assembler, AssemblyError};
-use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, ConstraintsError};
 use crate::field::{Field, TransferError};
+use crate::instantiate::instantiate;
 use crate::mesh::Mesh;
 use crate::space::{Space, SpaceError};
 
@@ -228,4 +228,4 @@ fn handed_to_cells<const D: usize>(hats: &Arc<Space<D>>, shares: &[f64]) -> Vec<
     cells.map(|cell| hats.cell_nodes(cell).iter().map(part).sum()).collect()
 }
 
-compiled_here!(estimate: hand_over_hanging_shares::<D>, interpolated_and_weight::<D>, handed_to_cells::<D>);
+instantiate!(estimate: hand_over_hanging_shares::<D>, interpolated_and_weight::<D>, handed_to_cells::<D>);

@@ -10,7 +10,7 @@ macro_rules! choices_of {
             /// step alone has a factor that is zero in the others. Of motions it depends on no control.
             pub fn criterion(
                 mut self,
-                energy: impl Fn(&At<D>) -> Result<Energy<D>, ControlError> + 'a,
+                energy: impl Fn(&ControlValues<D>) -> Result<Energy<D>, ControlError> + 'a,
             ) -> Self {
                 self.criterion.energy = Some(Box::new(energy));
                 self
@@ -126,7 +126,8 @@ macro_rules! choices_of {
             ) -> Result<(), HistoryFailure> {
                 let [value, dvalue] = pair.map(|values| Field::from_values(&self.space, values.to_vec()));
                 let (value, dvalue) = (value?, dvalue?);
-                let (at, assembler) = (At::new(&self.controls, step, None), &self.equations.assembler);
+                let (at, assembler) =
+                    (ControlValues::new(&self.controls, step, None), &self.equations.assembler);
                 self.criterion.add_slope(&at, assembler, &value, slope)?;
                 self.criterion.add_curvature(&at, assembler, [&value, &dvalue], change)
             }

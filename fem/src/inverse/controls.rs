@@ -286,15 +286,15 @@ impl<const D: usize> Controls<D> {
 
 /// Data of a step's form: the controls, the step's number, the state before it.
 #[derive(Clone, Copy, Debug)]
-pub struct At<'a, const D: usize> {
+pub struct ControlValues<'a, const D: usize> {
     controls: &'a Controls<D>,
     step: usize,
     before: Option<&'a Field<D>>,
 }
 
-impl<'a, const D: usize> At<'a, D> {
+impl<'a, const D: usize> ControlValues<'a, D> {
     pub(super) fn new(controls: &'a Controls<D>, step: usize, before: Option<&'a Field<D>>) -> Self {
-        At { controls, step, before }
+        ControlValues { controls, step, before }
     }
 
     /// The number of the step, from 0.

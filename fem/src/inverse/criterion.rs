@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::controls::{At, ControlError};
+use super::controls::{ControlError, ControlValues};
 use super::error::HistoryFailure;
 use super::observations::Observations;
 use super::second_order::Hessian;
@@ -24,7 +24,8 @@ pub(super) struct Criterion<'a, const D: usize> {
     pub curvature_of_controls: Option<CurvatureOfControls<'a>>,
 }
 
-pub(super) type EnergyAt<'a, const D: usize> = Box<dyn Fn(&At<D>) -> Result<Energy<D>, ControlError> + 'a>;
+pub(super) type EnergyAt<'a, const D: usize> =
+    Box<dyn Fn(&ControlValues<D>) -> Result<Energy<D>, ControlError> + 'a>;
 pub(super) type OfControls<'a> = Box<dyn Fn(&[f64]) -> (f64, Vec<f64>) + 'a>;
 pub(super) type CurvatureOfControls<'a> = Box<dyn Fn(&[f64], &[f64]) -> Vec<f64> + 'a>;
 
@@ -71,7 +72,7 @@ impl<'a, const D: usize> Criterion<'a, D> {
     /// Those of the energy.
     pub fn value(
         &self,
-        at: &At<D>,
+        at: &ControlValues<D>,
         assembler: &Assembler<D>,
         after: &Field<D>,
     ) -> Result<f64, HistoryFailure> {
@@ -89,7 +90,7 @@ impl<'a, const D: usize> Criterion<'a, D> {
     /// Those of the energy.
     pub fn add_slope(
         &self,
-        at: &At<D>,
+        at: &ControlValues<D>,
         assembler: &Assembler<D>,
         after: &Field<D>,
         slope: &mut [f64],
@@ -109,7 +110,7 @@ impl<'a, const D: usize> Criterion<'a, D> {
     /// Those of the energy.
     pub fn add_curvature(
         &self,
-        at: &At<D>,
+        at: &ControlValues<D>,
         assembler: &Assembler<D>,
         [after, change]: [&Field<D>; 2],
         curvature: &mut [f64],

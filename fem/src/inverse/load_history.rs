@@ -5,26 +5,26 @@ mod second_order;
 use std::sync::Arc;
 
 pub use self::second_order::SecondOrderState;
-use self::second_order::{ADJOINT, STATE, SecondRatesAt};
-use super::changing::{Changing, CurvedCriterion};
+use self::second_order::{ADJOINT, STATE, SecondSensitivitiesAt};
+use super::checkpoint_store::Storage;
 use super::choices::choices_of;
-use super::controls::{At, ControlError, Controls, Start};
+use super::controls::{ControlError, ControlValues, Controls, Start};
 use super::criterion::Criterion;
 use super::differentiable_map::Part;
 use super::error::{HistoryError, HistoryFailure};
 use super::evolution::{ControlledEvolution, Evolution};
 use super::observations::Observations;
-use super::rates::{BEFORE, add_rates};
 use super::reduced_problem::ReducedProblem;
 use super::second_order::{Hessian, SecondOrder, TwiceDifferentiable};
-use super::shelf::Storage;
+use super::sensitivities::{BEFORE, add_sensitivities};
 use super::step_equations::{Solution, StepEquations};
 use super::sweep::{Gradient, gradient_stored, value_of};
+use super::tangent_state::{Changing, CurvedCriterion};
 use crate::assemble::Assembler;
-use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, ConstraintsError};
 use crate::contract::{Energy, Form};
 use crate::field::Field;
+use crate::instantiate::instantiate;
 use crate::solve::{LinearSolver, NewtonOptions, SolverReport};
 use crate::space::Space;
 use crate::verification::Sample;
@@ -45,17 +45,17 @@ pub struct LoadHistory<'a, const D: usize> {
     steps: usize,
     controls: Controls<D>,
     step: Option<FormAt<'a, D>>,
-    rates: Option<RatesAt<'a, D>>,
-    second_rates: Option<SecondRatesAt<'a, D>>,
+    sensitivities: Option<SensitivitiesAt<'a, D>>,
+    second_sensitivities: Option<SecondSensitivitiesAt<'a, D>>,
     criterion: Criterion<'a, D>,
     constraints: ConstraintsAt<'a, D>,
     equations: StepEquations<'a, D>,
     storage: Storage,
 }
 
-type FormAt<'a, const D: usize> = Box<dyn Fn(&At<D>) -> Result<Form<D>, ControlError> + 'a>;
-type RatesAt<'a, const D: usize> =
-    Box<dyn Fn(&At<D>, &Field<D>, &Field<D>) -> Result<Form<D>, ControlError> + 'a>;
+type FormAt<'a, const D: usize> = Box<dyn Fn(&ControlValues<D>) -> Result<Form<D>, ControlError> + 'a>;
+type SensitivitiesAt<'a, const D: usize> =
+    Box<dyn Fn(&ControlValues<D>, &Field<D>, &Field<D>) -> Result<Form<D>, ControlError> + 'a>;
 type ConstraintsAt<'a, const D: usize> = Box<dyn Fn(usize) -> Result<Constraints<D>, ConstraintsError> + 'a>;
 
 impl<'a, const D: usize> LoadHistory<'a, D> {
@@ -68,8 +68,8 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
             steps,
             controls,
             step: None,
-            rates: None,
-            second_rates: None,
+            sensitivities: None,
+            second_sensitivities: None,
             criterion: Criterion::none(),
             constraints: Box::new(move |_| Ok(unconstrained.clone())),
             equations: StepEquations::new(space),
@@ -78,17 +78,20 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
     }
 
     /// The form of a step.
-    pub fn step<F: Into<Form<D>>>(mut self, form: impl Fn(&At<D>) -> Result<F, ControlError> + 'a) -> Self {
+    pub fn step<F: Into<Form<D>>>(
+        mut self,
+        form: impl Fn(&ControlValues<D>) -> Result<F, ControlError> + 'a,
+    ) -> Self {
         self.step = Some(Box::new(move |at| Ok(form(at)?.into())));
         self
     }
 
     /// The rates of a step at its state u and adjoint state p.
-    pub fn rates<F: Into<Form<D>>>(
+    pub fn sensitivities<F: Into<Form<D>>>(
         mut self,
-        form: impl Fn(&At<D>, &Field<D>, &Field<D>) -> Result<F, ControlError> + 'a,
+        form: impl Fn(&ControlValues<D>, &Field<D>, &Field<D>) -> Result<F, ControlError> + 'a,
     ) -> Self {
-        self.rates = Some(Box::new(move |at, u, p| Ok(form(at, u, p)?.into())));
+        self.sensitivities = Some(Box::new(move |at, u, p| Ok(form(at, u, p)?.into())));
         self
     }
 
@@ -131,7 +134,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
     }
 
     /// The form of a step from a state.
-    fn form(&self, at: &At<D>) -> Result<Form<D>, HistoryFailure> {
+    fn form(&self, at: &ControlValues<D>) -> Result<Form<D>, HistoryFailure> {
         Ok(self.step.as_ref().ok_or(HistoryFailure::Missing("step"))?(at)?)
     }
 
@@ -142,7 +145,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
     #[inline(never)]
     fn try_advance(&mut self, step: usize, before: &[f64]) -> Result<Vec<f64>, HistoryFailure> {
         let before = self.field(before)?;
-        let form = self.form(&At::new(&self.controls, step, Some(&before)))?;
+        let form = self.form(&ControlValues::new(&self.controls, step, Some(&before)))?;
         let constraints = (self.constraints)(step)?;
         let state = self.equations.solve(Solution::Step(step), form, &constraints, &before)?;
         Ok(state.values().to_vec())
@@ -157,15 +160,17 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         gradient: &mut [f64],
     ) -> Result<Vec<f64>, HistoryFailure> {
         let (before, after) = (self.field(before)?, self.field(after)?);
-        let at = At::new(&self.controls, step, None);
+        let at = ControlValues::new(&self.controls, step, None);
         self.criterion.add_slope(&at, &self.equations.assembler, &after, &mut slope)?;
-        let at = At::new(&self.controls, step, Some(&before));
+        let at = ControlValues::new(&self.controls, step, Some(&before));
         let (form, constraints) = (self.form(&at)?, (self.constraints)(step)?);
         let adjoint = self.equations.adjoint(Solution::Step(step), &form, &constraints, &after, &slope)?;
-        let rates = self.rates.as_ref().ok_or(HistoryFailure::Missing("rates"))?(&at, &after, &adjoint)?;
+        let rates = self.sensitivities.as_ref().ok_or(HistoryFailure::Missing("sensitivities"))?(
+            &at, &after, &adjoint,
+        )?;
         let spaces = [&self.space, &self.equations.constants()?];
         let controls = (&self.controls, self.remembers());
-        add_rates(&rates, step, controls, spaces, &self.equations.assembler, gradient)
+        add_sensitivities(&rates, step, controls, spaces, &self.equations.assembler, gradient)
     }
 }
 
@@ -190,7 +195,7 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
 
     fn cost(&mut self, step: usize, _: &[f64], after: &[f64]) -> Result<f64, HistoryError> {
         let value = || {
-            let (after, at) = (self.field(after)?, At::new(&self.controls, step, None));
+            let (after, at) = (self.field(after)?, ControlValues::new(&self.controls, step, None));
             self.criterion.value(&at, &self.equations.assembler, &after)
         };
         value().map_err(|why| why.at(step))
@@ -220,14 +225,16 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
     ) -> Result<Option<Vec<u32>>, HistoryError> {
         let found = || -> Result<Option<Vec<u32>>, HistoryFailure> {
             let (before, after) = (self.field(before)?, self.field(after)?);
-            let form = self.form(&At::new(&self.controls, step, Some(&before)))?;
+            let form = self.form(&ControlValues::new(&self.controls, step, Some(&before)))?;
             let (assembler, at) = (&self.equations.assembler, [after.view()]);
             let mut switches = assembler.active_set_of(&form, &at)?;
             if form.is_on_displaced_surfaces() {
                 // Where a point crosses an edge of the opposite surface the normal there jumps.
                 let pairs = assembler.pairs_of_form(&form, &at, &[&self.space])?;
-                let met =
-                    pairs.iter().filter(|pairs| pairs.report.displaced).flat_map(|all| all.pairs.meetings());
+                let met = pairs
+                    .iter()
+                    .filter(|pairs| pairs.report.displaced)
+                    .flat_map(|all| all.pairs.contact_topology());
                 switches.get_or_insert_default().extend(met);
             }
             Ok(switches)
@@ -238,7 +245,7 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
 
 choices_of!(LoadHistory, constrained_at usize, "the number of the step", second_rates by &[STATE, ADJOINT]);
 
-compiled_here!(
+instantiate!(
     load_history:
     LoadHistory::<D>::new,
     LoadHistory::<D>::gradient,

@@ -44,7 +44,7 @@ pub struct MinimisationStep {
 
 /// The reason for which a minimisation ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Finish {
+pub enum StopReason {
     /// The criticality has fallen as asked for.
     Tolerance,
     /// The last iteration allowed.
@@ -65,7 +65,7 @@ pub struct Minimum {
     /// The start and each iterate.
     pub history: Vec<MinimisationStep>,
     /// Reason of the end.
-    pub finish: Finish,
+    pub finish: StopReason,
 }
 
 /// A minimisation that could not go on.
@@ -124,10 +124,10 @@ impl Minimise {
             progress(&step);
             history.push(step);
             if criticality <= self.tolerance * history[0].criticality {
-                break Finish::Tolerance;
+                break StopReason::Tolerance;
             }
             if iteration >= self.max_iterations {
-                break Finish::Iterations;
+                break StopReason::Iterations;
             }
             let found = loop {
                 let direction = model.minimum(&m, &gradient, bounds);
@@ -139,7 +139,7 @@ impl Minimise {
                     found => break found,
                 }
             };
-            let Some((moved, moved_value, moved_gradient)) = found else { break Finish::NoDescent };
+            let Some((moved, moved_value, moved_gradient)) = found else { break StopReason::NoDescent };
             model.remember(difference(&moved, &m), difference(&moved_gradient, &gradient));
             (m, value, gradient) = (moved, moved_value, moved_gradient);
         };
@@ -248,13 +248,13 @@ mod tests {
         let start = [-1.2, 1.0].repeat(5);
         let options = Minimise { tolerance: 1e-10, ..Minimise::default() };
         let free = options.run(&mut Valley(start.clone()), &Bounds::none(10), |_| ()).unwrap();
-        assert_eq!(free.finish, Finish::Tolerance);
+        assert_eq!(free.finish, StopReason::Tolerance);
         assert!(free.controls.iter().all(|m| (m - 1.0).abs() < 1e-8), "{free:?}");
         assert!(free.history.len() < 80, "{}", free.history.len());
         // With x ≤ ½ the minimum is at (½, ¼), worth ¼ (Lagrange's conditions by hand).
         let bounds = Bounds::each(vec![-2.0; 10], [0.5, 2.0].repeat(5));
         let bounded = options.run(&mut Valley(start), &bounds, |_| ()).unwrap();
-        assert_eq!(bounded.finish, Finish::Tolerance);
+        assert_eq!(bounded.finish, StopReason::Tolerance);
         for pair in bounded.controls.chunks(2) {
             assert!(pair[0] == 0.5 && (pair[1] - 0.25).abs() < 1e-8, "{pair:?}");
         }

@@ -36,7 +36,7 @@
 //!         integral(Omega, sqr(u - x[0]) / 2)
 //!     }
 //!     /// The derivatives of a step's work by the state before, and by each control.
-//!     pub fn rates(
+//!     pub fn sensitivities(
 //!         u: State<Scalar>,
 //!         before: State<Scalar>,
 //!         p: State<Scalar>,
@@ -57,7 +57,7 @@
 //! let model = |conductivity| creep::Model::new(creep::Data { conductivity, source: 1.0 });
 //! let mut history = LoadHistory::new(&space, 10, controls)
 //!     .step(|at| Ok(model(at.number("conductivity")?).step(at.before()?)))
-//!     .rates(|at, u, p| Ok(model(at.number("conductivity")?).rates(u, at.before()?, p)))
+//!     .sensitivities(|at, u, p| Ok(model(at.number("conductivity")?).sensitivities(u, at.before()?, p)))
 //!     .criterion(|at| Ok(model(at.number("conductivity")?).misfit()))
 //!     .constrained(&held);
 //! let (value, gradient) = history.value_and_gradient(&[0.3])?;
@@ -68,42 +68,41 @@
 //! ```
 
 pub mod bounds;
-mod changing;
+mod checkpoint_store;
 mod choices;
 pub mod controls;
 mod criterion;
 pub mod criterion_map;
 pub mod differentiable_map;
-mod during;
 mod error;
 pub mod evolution;
-mod interval;
 pub mod load_history;
 pub mod minimise;
 pub mod motion_history;
 pub mod moving_asymptotes;
 pub mod observations;
 mod quasi_newton;
-mod rates;
 pub mod readings;
 pub mod readings_map;
 pub mod reduced_problem;
 pub mod second_order;
-mod shelf;
+mod sensitivities;
+mod step_context;
 mod step_equations;
+mod step_map;
 pub mod step_sizes;
 mod steps_unknown;
 mod sweep;
+mod tangent_state;
 
 pub use bounds::{Bounds, BoundsMismatch};
-pub use controls::{At, ControlError, Controls};
+pub use controls::{ControlError, ControlValues, Controls};
 pub use criterion_map::CriterionMap;
 pub use differentiable_map::{DifferentiableMap, MapError, Part};
-pub use during::During;
 pub use error::{HistoryError, HistoryFailure};
 pub use evolution::{ControlledEvolution, Evolution};
 pub use load_history::{LoadHistory, SecondOrderState};
-pub use minimise::{Finish, MinimisationError, MinimisationStep, Minimise, Minimum};
+pub use minimise::{MinimisationError, MinimisationStep, Minimise, Minimum, StopReason};
 pub use motion_history::{MotionHistory, SecondOrderMotion};
 pub use moving_asymptotes::{
     ConstrainedError, ConstrainedMinimum, ConstrainedStep, Inequality, MovingAsymptotes,
@@ -113,5 +112,6 @@ pub use readings::Readings;
 pub use readings_map::ReadingsMap;
 pub use reduced_problem::{ReducedProblem, taylor_test};
 pub use second_order::{Hessian, SecondOrder, TwiceDifferentiable, second_order_taylor_test};
+pub use step_context::StepContext;
 pub use step_sizes::StepSizes;
 pub use sweep::{Gradient, SweepFailure, Work, gradient_of, gradient_on_disk, largest_repetition, value_of};

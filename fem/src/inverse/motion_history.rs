@@ -8,29 +8,29 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 pub use self::second_order::SecondOrderMotion;
-use self::second_order::{ADJOINT, SecondRatesOf};
-use super::changing::{Changing, CurvedCriterion};
+use self::second_order::{ADJOINT, SecondSensitivitiesOf};
+use super::checkpoint_store::Storage;
 use super::choices::choices_of;
-use super::controls::{At, ControlError, Controls, Start};
+use super::controls::{ControlError, ControlValues, Controls, Start};
 use super::criterion::Criterion;
 use super::differentiable_map::Part;
-use super::during::During;
 use super::error::{HistoryError, HistoryFailure};
 use super::evolution::{ControlledEvolution, Evolution};
-use super::interval::{Interval, of_start};
 use super::observations::Observations;
-use super::rates::{BEFORE, OPERATORS};
 use super::reduced_problem::ReducedProblem;
 use super::second_order::{Hessian, SecondOrder, TwiceDifferentiable};
-use super::shelf::Storage;
+use super::sensitivities::{BEFORE, OPERATORS};
+use super::step_context::StepContext;
 use super::step_equations::{Solution, StepEquations};
+use super::step_map::{StepMap, of_start};
 use super::step_sizes::StepSizes;
 use super::sweep::{Gradient, gradient_stored, value_of};
+use super::tangent_state::{Changing, CurvedCriterion};
 use crate::assemble::Assembler;
-use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, ConstraintsError};
 use crate::contract::{Energy, Form};
 use crate::field::Field;
+use crate::instantiate::instantiate;
 use crate::solve::{LinearSolver, NewtonOptions, SolverReport};
 use crate::space::Space;
 use crate::time::central_differences::supports_stand;
@@ -43,7 +43,7 @@ use crate::verification::Sample;
 /// test `by_name` per control. Derivatives by the states before are tangents with other weights; where the rates have tests
 /// `by_value`, `by_rate` and `by_second_rate`, of the derivatives by `known_value`, `known_rate` and `known_second_rate`, they are
 /// taken from these, which takes a fraction of the time. Where the form reads the value before next to the operators
-/// ([`During::before`]), the rates have a test `by_before`. It may read the unknown itself, which is the value at the end of the step, with
+/// ([`StepContext::before`]), the rates have a test `by_before`. It may read the unknown itself, which is the value at the end of the step, with
 /// schemes that read no second rates; with others it is refused by name.
 ///
 /// A scheme that reads k states begins with one, and with the formulas that it has for fewer; each stored state is then k states.
@@ -55,8 +55,8 @@ pub struct MotionHistory<'a, const D: usize> {
     mass: Mass,
     controls: Controls<D>,
     motion: Option<FormAt<'a, D>>,
-    rates: Option<RatesAt<'a, D>>,
-    second_rates: Option<SecondRatesOf<'a, D>>,
+    sensitivities: Option<SensitivitiesAt<'a, D>>,
+    second_sensitivities: Option<SecondSensitivitiesOf<'a, D>>,
     criterion: Criterion<'a, D>,
     constraints: ConstraintsAt<'a, D>,
     equations: StepEquations<'a, D>,
@@ -77,9 +77,9 @@ enum Reading {
     Itself,
 }
 
-type FormAt<'a, const D: usize> = Box<dyn Fn(&During<D>) -> Result<Form<D>, ControlError> + 'a>;
-type RatesAt<'a, const D: usize> =
-    Box<dyn Fn(&During<D>, &Field<D>, &Field<D>) -> Result<Form<D>, ControlError> + 'a>;
+type FormAt<'a, const D: usize> = Box<dyn Fn(&StepContext<D>) -> Result<Form<D>, ControlError> + 'a>;
+type SensitivitiesAt<'a, const D: usize> =
+    Box<dyn Fn(&StepContext<D>, &Field<D>, &Field<D>) -> Result<Form<D>, ControlError> + 'a>;
 type ConstraintsAt<'a, const D: usize> = Box<dyn Fn(f64) -> Result<Constraints<D>, ConstraintsError> + 'a>;
 
 impl<'a, const D: usize> MotionHistory<'a, D> {
@@ -108,8 +108,8 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
             mass: Mass::Consistent,
             controls,
             motion: None,
-            rates: None,
-            second_rates: None,
+            sensitivities: None,
+            second_sensitivities: None,
             criterion: Criterion::none(),
             constraints: Box::new(move |_| Ok(unconstrained.clone())),
             equations: StepEquations::new(space),
@@ -122,18 +122,18 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
     /// The form of motion.
     pub fn motion<F: Into<Form<D>>>(
         mut self,
-        form: impl Fn(&During<D>) -> Result<F, ControlError> + 'a,
+        form: impl Fn(&StepContext<D>) -> Result<F, ControlError> + 'a,
     ) -> Self {
         self.motion = Some(Box::new(move |during| Ok(form(during)?.into())));
         self
     }
 
     /// The rates of a step at its unknown u and adjoint state p.
-    pub fn rates<F: Into<Form<D>>>(
+    pub fn sensitivities<F: Into<Form<D>>>(
         mut self,
-        form: impl Fn(&During<D>, &Field<D>, &Field<D>) -> Result<F, ControlError> + 'a,
+        form: impl Fn(&StepContext<D>, &Field<D>, &Field<D>) -> Result<F, ControlError> + 'a,
     ) -> Self {
-        self.rates = Some(Box::new(move |during, u, p| Ok(form(during, u, p)?.into())));
+        self.sensitivities = Some(Box::new(move |during, u, p| Ok(form(during, u, p)?.into())));
         self
     }
 
@@ -161,14 +161,14 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         self.scheme.states().max(1)
     }
 
-    fn interval(&self, step: usize) -> Result<Interval, HistoryFailure> {
+    fn interval(&self, step: usize) -> Result<StepMap, HistoryFailure> {
         let known = self.states().min(step + 1);
         let formulas = self.scheme.formulas(&self.sizes.newest_first(step, known));
         let read = formulas.states();
         if read > known {
             return Err(StepFailure::MissingStates { read, known }.into());
         }
-        Ok(Interval {
+        Ok(StepMap {
             solution: Solution::Step(step),
             formulas,
             solved_for: self.scheme.solved_for(),
@@ -179,8 +179,8 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
     }
 
     /// The start at time zero, where a second rate is found from the form.
-    fn interval_at_start(&self) -> Interval {
-        Interval {
+    fn interval_at_start(&self) -> StepMap {
+        StepMap {
             solution: Solution::Start,
             formulas: of_start(),
             solved_for: SolvedFor::SecondRate,
@@ -195,17 +195,17 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         Ok(Field::from_values(&self.space, row[..self.space.unknowns()].to_vec())?)
     }
 
-    fn form(&self, interval: &Interval, step: &Step<D>) -> Result<Form<D>, HistoryFailure> {
+    fn form(&self, interval: &StepMap, step: &Step<D>) -> Result<Form<D>, HistoryFailure> {
         Ok(self.motion.as_ref().ok_or(HistoryFailure::Missing("motion"))?(&self.during(interval, step))?)
     }
 
-    fn during<'s>(&'s self, interval: &Interval, step: &'s Step<D>) -> During<'s, D> {
-        let at = At::new(&self.controls, interval.step(), None);
-        During { step, at, before_is_read: &self.before_is_read }
+    fn during<'s>(&'s self, interval: &StepMap, step: &'s Step<D>) -> StepContext<'s, D> {
+        let at = ControlValues::new(&self.controls, interval.step(), None);
+        StepContext { step, at, before_is_read: &self.before_is_read }
     }
 
     /// The conditions on the unknown of a step, which is a value or a second rate.
-    fn conditions(&self, interval: &Interval) -> Result<Constraints<D>, HistoryFailure> {
+    fn conditions(&self, interval: &StepMap) -> Result<Constraints<D>, HistoryFailure> {
         let constraints = (self.constraints)(interval.times[1])?;
         Ok(match interval.solved_for {
             SolvedFor::Value => constraints,
@@ -214,7 +214,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
     }
 
     #[inline(never)]
-    fn advance_by(&mut self, interval: &Interval, before: &[f64]) -> Result<Vec<f64>, HistoryFailure> {
+    fn advance_by(&mut self, interval: &StepMap, before: &[f64]) -> Result<Vec<f64>, HistoryFailure> {
         let step = interval.step_from(&self.space, before)?;
         let form = self.form(interval, &step)?;
         if form.is_on_displaced_surfaces() {
@@ -291,7 +291,7 @@ impl<const D: usize> Evolution for MotionHistory<'_, D> {
     fn cost(&mut self, step: usize, _: &[f64], after: &[f64]) -> Result<f64, HistoryError> {
         let value = || {
             let after = self.value_in(after)?;
-            let at = At::new(&self.controls, step, None);
+            let at = ControlValues::new(&self.controls, step, None);
             self.criterion.value(&at, &self.equations.assembler, &after)
         };
         value().map_err(|why| why.at(step))
@@ -307,7 +307,7 @@ impl<const D: usize> Evolution for MotionHistory<'_, D> {
     ) -> Result<Vec<f64>, HistoryError> {
         let mut reverse = || {
             let value = self.value_in(after)?;
-            let at = At::new(&self.controls, step, None);
+            let at = ControlValues::new(&self.controls, step, None);
             let own = &mut slope[..value.values().len()];
             self.criterion.add_slope(&at, &self.equations.assembler, &value, own)?;
             self.reverse_by(&self.interval(step)?, [before, after], &slope, gradient)
@@ -346,7 +346,7 @@ choices_of!(
     second_rates by &[ADJOINT]
 );
 
-compiled_here!(
+instantiate!(
     motion_history:
     MotionHistory::<D>::of,
     MotionHistory::<D>::gradient,

@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use self::approximation::{Approximation, Separable};
 use super::bounds::{Bounds, BoundsMismatch};
-use super::minimise::Finish;
+use super::minimise::StopReason;
 use super::reduced_problem::ReducedProblem;
 use crate::linear_algebra::vector::add_scaled;
 
@@ -65,8 +65,8 @@ pub struct ConstrainedMinimum {
     pub multipliers: Vec<f64>,
     /// The start and each iterate.
     pub history: Vec<ConstrainedStep>,
-    /// Reason of the end: [`Finish::Tolerance`] or [`Finish::Iterations`].
-    pub finish: Finish,
+    /// Reason of the end: [`StopReason::Tolerance`] or [`StopReason::Iterations`].
+    pub finish: StopReason,
 }
 
 /// A minimisation that could not go on.
@@ -148,7 +148,7 @@ impl MovingAsymptotes {
             // The multipliers are known from the first approximate problem on.
             let done = small && holds && (iteration > 0 || constraints.is_empty());
             if done || iteration >= self.max_iterations {
-                let finish = if done { Finish::Tolerance } else { Finish::Iterations };
+                let finish = if done { StopReason::Tolerance } else { StopReason::Iterations };
                 let ConstrainedStep { value, constraints, .. } = step;
                 return Ok(ConstrainedMinimum {
                     controls: m,

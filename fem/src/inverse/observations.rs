@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::readings::Readings;
-use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldError};
+use crate::instantiate::instantiate;
 use crate::space::Space;
 
 /// Σ f (u_c(x) − d)² over measured values d of components c of a state at points x, each with a factor f.
@@ -79,4 +79,4 @@ impl<const D: usize> Observations<D> {
     }
 }
 
-compiled_here!(observations: Observations::<D>::value, Observations::<D>::add_slope, Observations::<D>::add_curvature);
+instantiate!(observations: Observations::<D>::value, Observations::<D>::add_slope, Observations::<D>::add_curvature);

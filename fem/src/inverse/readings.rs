@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::compiled_here::compiled_here;
 use crate::element::MAXIMUM_NODES;
 use crate::field::FieldError;
+use crate::instantiate::instantiate;
 use crate::space::Space;
 
 /// Components u_c(x) of a state at points x or at nodes, in the order in which they were asked for.
@@ -79,4 +79,4 @@ impl<const D: usize> Readings<D> {
     }
 }
 
-compiled_here!(readings: Readings::<D>::of, Readings::<D>::add_slope);
+instantiate!(readings: Readings::<D>::of, Readings::<D>::add_slope);

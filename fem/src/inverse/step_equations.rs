@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use super::error::HistoryFailure;
 use crate::assemble::{Assembler, BlockPattern, Outline, Parts, ValuesBefore};
-use crate::compiled_here::compiled_here;
 use crate::constraints::Constraints;
 use crate::contract::{Form, Source};
 use crate::field::Field;
+use crate::instantiate::instantiate;
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::{
     Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, SolverReport, StepMemory, Transpose,
@@ -198,7 +198,7 @@ pub(super) fn reads_no_history<const D: usize>(form: &Form<D>) -> Result<(), His
     }
 }
 
-compiled_here!(
+instantiate!(
     step_equations:
     StepEquations::<D>::new,
     StepEquations::<D>::solve,

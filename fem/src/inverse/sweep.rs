@@ -7,9 +7,9 @@ use std::path::Path;
 
 use thiserror::Error;
 
+use super::checkpoint_store::{CheckpointStore, InMemory, OnDisk, Storage};
 use super::error::{HistoryError, HistoryFailure};
 use super::evolution::Evolution;
-use super::shelf::{InMemory, OnDisk, Shelf, Storage};
 use crate::verification::Sample;
 
 /// The value of a history's criterion with its gradient.
@@ -60,7 +60,7 @@ pub fn value_of<V: Evolution + ?Sized>(evolution: &mut V) -> Result<Sample, V::E
 pub fn gradient_of<V: Evolution + ?Sized>(evolution: &mut V, stored: usize) -> Result<Gradient, V::Error> {
     sweep(evolution, stored, InMemory::default()).map_err(|failure| match failure {
         SweepFailure::Step(error) => error,
-        SweepFailure::Shelf(never) => match never {},
+        SweepFailure::CheckpointStore(never) => match never {},
     })
 }
 
@@ -84,7 +84,7 @@ pub(super) fn gradient_stored<V: Evolution<Error = HistoryError> + ?Sized>(
     let Some(directory) = &storage.directory else { return gradient_of(evolution, storage.most) };
     gradient_on_disk(evolution, storage.most, directory).map_err(|failure| match failure {
         SweepFailure::Step(error) => error,
-        SweepFailure::Shelf(why) => HistoryFailure::Storage(why).at(0),
+        SweepFailure::CheckpointStore(why) => HistoryFailure::Storage(why).at(0),
     })
 }
 
@@ -96,16 +96,16 @@ pub enum SweepFailure<E, S> {
     Step(E),
     /// A state was not kept or fetched.
     #[error("{0}")]
-    Shelf(S),
+    CheckpointStore(S),
 }
 
-/// Failures of steps of one evolution with states on one shelf.
-type FailureOf<V, S> = SweepFailure<<V as Evolution>::Error, <S as Shelf>::Error>;
+/// Failures of steps of one evolution with states on one store.
+type FailureOf<V, S> = SweepFailure<<V as Evolution>::Error, <S as CheckpointStore>::Error>;
 
-fn sweep<V: Evolution + ?Sized, S: Shelf>(
+fn sweep<V: Evolution + ?Sized, S: CheckpointStore>(
     evolution: &mut V,
     stored: usize,
-    shelf: S,
+    store: S,
 ) -> Result<Gradient, FailureOf<V, S>> {
     let start = evolution.start().map_err(SweepFailure::Step)?;
     let steps = evolution.steps();
@@ -119,7 +119,7 @@ fn sweep<V: Evolution + ?Sized, S: Shelf>(
     };
     let start = match steps {
         0 => start,
-        _ => sweep.reverse(start, steps, stored.clamp(1, steps), shelf)?,
+        _ => sweep.reverse(start, steps, stored.clamp(1, steps), store)?,
     };
     let Sweep { evolution, slope, mut gradient, value, work, .. } = sweep;
     evolution.reverse_start(&start, &slope, &mut gradient).map_err(SweepFailure::Step)?;
@@ -158,23 +158,23 @@ impl<V: Evolution + ?Sized> Sweep<'_, V> {
         Ok(state)
     }
 
-    /// Reverses all steps, with at most the given number of states on the shelf of those from which steps are computed again, and gives the
+    /// Reverses all steps, with at most the given number of states on the store of those from which steps are computed again, and gives the
     /// first state back.
-    fn reverse<S: Shelf>(
+    fn reverse<S: CheckpointStore>(
         &mut self,
         start: Vec<f64>,
         steps: usize,
         stored: usize,
         mut states: S,
     ) -> Result<Vec<f64>, FailureOf<V, S>> {
-        states.push(0, start).map_err(SweepFailure::Shelf)?;
+        states.push(0, start).map_err(SweepFailure::CheckpointStore)?;
         let (mut to, mut last) = (steps, None);
         while let Some((from, first)) = states.top() {
             if to - from > 1 {
                 let middle =
                     from + before_the_next_state(to - from, stored.saturating_sub(states.count() - 1).max(1));
                 let state = self.advance_to(from, middle, first).map_err(SweepFailure::Step)?;
-                states.push(middle, state).map_err(SweepFailure::Shelf)?;
+                states.push(middle, state).map_err(SweepFailure::CheckpointStore)?;
                 // A state at the near end of the one step that is reversed next is not stored: that step is at hand.
                 let stored = states.count() - usize::from(to - middle == 1);
                 self.work.most_stored = self.work.most_stored.max(stored);
@@ -190,7 +190,7 @@ impl<V: Evolution + ?Sized> Sweep<'_, V> {
             self.work.steps_reversed += 1;
             // Where this step began is where the one before it ends.
             to = from;
-            last = states.pop().map_err(SweepFailure::Shelf)?;
+            last = states.pop().map_err(SweepFailure::CheckpointStore)?;
         }
         Ok(last.unwrap_or_default())
     }

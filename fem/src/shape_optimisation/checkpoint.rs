@@ -145,7 +145,7 @@ fn checksum(checkpoint: &Value) -> String {
 mod tests {
     use serde_json::json;
 
-    use super::super::history::{Finish, Row, Step};
+    use super::super::history::{Row, Step, StopReason};
     use super::*;
 
     fn checkpoint() -> Checkpoint {
@@ -173,7 +173,7 @@ mod tests {
             mesh: None,
             step: Some(0.1),
             history: vec![row],
-            finish: Some(Finish::NoStep("why".into())),
+            finish: Some(StopReason::NoStep("why".into())),
         };
         let settings = json!({ "holes": 24, "radius": 2.5 });
         Checkpoint::new(settings, json!({ "steps": 7 }), vec![0, 1], state)

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::descent_options::DescentOptions;
 use super::direction::longest;
 use super::error::{Failure, ShapeOptimisationError};
-use super::history::{DescentState, Finish, Row, Step};
+use super::history::{DescentState, Row, Step, StopReason};
 use super::problem::{ShapeProblem, Values};
 use super::remeshed::{Base, Remesh};
 use super::rotations::Rotations;
@@ -105,7 +105,7 @@ where
             state.history = vec![row(&shape, false, None)];
             tell(&state, &shape)?;
         }
-        if state.finish == Some(Finish::Iterations) && state.iterations() < self.options.iterations {
+        if state.finish == Some(StopReason::Iterations) && state.iterations() < self.options.iterations {
             state.finish = None;
         }
         let mut is_new = false;
@@ -156,7 +156,7 @@ where
         state: &mut DescentState,
         shape: &mut Shape<P::State, D>,
         base: &mut Base<D>,
-    ) -> Result<Option<Finish>, ShapeOptimisationError> {
+    ) -> Result<Option<StopReason>, ShapeOptimisationError> {
         let options = &self.options;
         let movements = Space::of_geometry(&shape.mesh)?;
         let start = state.history[0].criterion.abs();
@@ -171,13 +171,13 @@ where
         let most = factor_for(options.longest_move);
         let converged = first.is_some() && direction.norm <= options.gradient_tolerance * first_norm;
         if on_constraint && (converged || direction.norm == 0.0 || most.is_none()) {
-            return Ok(Some(Finish::Converged));
+            return Ok(Some(StopReason::Converged));
         }
         if on_constraint && stalled(&state.history, options.decrease_tolerance * scale) {
-            return Ok(Some(Finish::Stalled));
+            return Ok(Some(StopReason::Stalled));
         }
         if state.iterations() >= options.iterations {
-            return Ok(Some(Finish::Iterations));
+            return Ok(Some(StopReason::Iterations));
         }
         let wanted = state.step.or_else(|| factor_for(options.first_move)).unwrap_or(0.0);
         let mut factor = wanted.min(most.unwrap_or(wanted));
@@ -216,9 +216,9 @@ where
             factor *= 0.5;
         }
         if !is_quality {
-            return Ok(Some(Finish::NoStep(why)));
+            return Ok(Some(StopReason::NoStep(why)));
         }
-        let Some(remesh) = &self.remesh else { return Ok(Some(Finish::MeshQuality)) };
+        let Some(remesh) = &self.remesh else { return Ok(Some(StopReason::MeshQuality)) };
         let is_new = state.history.last().is_some_and(|row| row.remeshed.is_some());
         match self.remeshed(remesh, state, shape, base)? {
             // A new mesh that helps no further would be made again and again.
@@ -228,8 +228,8 @@ where
                 }
                 Ok(None)
             }
-            Ok(_) => Ok(Some(Finish::MeshQuality)),
-            Err(why) => Ok(Some(Finish::NoNewMesh(why))),
+            Ok(_) => Ok(Some(StopReason::MeshQuality)),
+            Err(why) => Ok(Some(StopReason::NoNewMesh(why))),
         }
     }
 

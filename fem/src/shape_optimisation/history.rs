@@ -21,7 +21,7 @@ pub struct DescentState {
     /// The start and each step.
     pub history: Vec<Row>,
     /// The reason why it stopped, once it has.
-    pub finish: Option<Finish>,
+    pub finish: Option<StopReason>,
 }
 
 /// A shape on the way.
@@ -59,7 +59,7 @@ pub struct Step {
 
 /// Reasons why a descent stopped.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Finish {
+pub enum StopReason {
     /// The derivative along the constraint is as small as was asked.
     Converged,
     /// Several steps together brought less than was asked.

@@ -37,7 +37,7 @@ pub use descent::{Descent, Optimised, Report};
 pub use descent_options::DescentOptions;
 pub use distance::{BoundaryDistance, boundary_distance};
 pub use error::{Failure, ShapeOptimisationError};
-pub use history::{DescentState, Finish, Row, Step};
+pub use history::{DescentState, Row, Step, StopReason};
 pub use inner_product::{InnerProduct, movement_product};
 pub use logbook::Logbook;
 pub use perimeter::{perimeter, perimeter_derivative, perimeter_form};

@@ -91,7 +91,7 @@ fn the_shortest_perimeter_is_the_regular_polygon() {
     let shortest = (4.0 * n * (PI / n).tan() * (problem.area.target + hole)).sqrt();
     let (start, end) = (best.state.history[0].criterion, best.values.criterion);
     println!("{start} to {end}, shortest {shortest}, in {} steps", best.state.iterations());
-    assert_eq!(best.state.finish, Some(Finish::Converged), "{:?}", best.state.history.last());
+    assert_eq!(best.state.finish, Some(StopReason::Converged), "{:?}", best.state.history.last());
     assert!(start > 1.02 * shortest);
     assert!((end / shortest - 1.0).abs() < 1e-10, "{end} and {shortest}");
     assert!(best.values.constraint.unwrap().abs() < 1e-10);
@@ -119,7 +119,7 @@ fn every_step_keeps_armijos_promise() {
     let options = DescentOptions { iterations: 15, ..options() };
     let descent = Descent { problem: &problem, initial, options, pattern: None, wall: None, remesh: None };
     let best = descent.run(None, &mut |_| Ok(())).unwrap();
-    assert_eq!(best.state.finish, Some(Finish::Iterations));
+    assert_eq!(best.state.finish, Some(StopReason::Iterations));
     let history = &best.state.history;
     let penalty = 10.0 * history[0].criterion;
     for pair in history.windows(2) {
@@ -177,11 +177,11 @@ fn what_goes_wrong_is_told() {
     // A derivative of the wrong sign: no step decreases.
     let wrong = Isoperimetric { sign: -1.0, ..problem(&initial) };
     let finish = run(&wrong, options(), None).unwrap().state.finish;
-    assert!(matches!(&finish, Some(Finish::NoStep(why)) if why.contains("Lagrangian")), "{finish:?}");
+    assert!(matches!(&finish, Some(StopReason::NoStep(why)) if why.contains("Lagrangian")), "{finish:?}");
     // Cells that must not get worse than they are.
     let quality = initial.quality().scaled_jacobian()[0];
     let strict = DescentOptions { least_quality: 2.0 * quality, ..options() };
-    assert_eq!(run(&problem(&initial), strict, None).unwrap().state.finish, Some(Finish::MeshQuality));
+    assert_eq!(run(&problem(&initial), strict, None).unwrap().state.finish, Some(StopReason::MeshQuality));
     // No solution at the start; options without meaning; a state of another mesh.
     let nowhere = Isoperimetric { no_farther_than: 0.0, ..problem(&initial) };
     let message =

@@ -3,7 +3,7 @@
 use super::error::{StepError, StepFailure};
 use super::step::Taken;
 use super::time_loop::TimeLoop;
-use crate::compiled_here::compiled_here;
+use crate::instantiate::instantiate;
 
 /// Steps that are halved when they fail or their error is above the tolerance, and doubled after two successes in a row whose error,
 /// times eight, is below it: the error of a step goes with its third power. A halved size asks for another matrix; sizes are
@@ -92,4 +92,4 @@ impl AdaptiveSteps {
     }
 }
 
-compiled_here!(adaptive_steps: AdaptiveSteps::take::<D>);
+instantiate!(adaptive_steps: AdaptiveSteps::take::<D>);

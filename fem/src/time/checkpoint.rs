@@ -9,8 +9,8 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use super::step::State;
-use crate::compiled_here::compiled_here;
 use crate::field::{Field, FieldError};
+use crate::instantiate::instantiate;
 use crate::output::write_whole;
 use crate::space::Space;
 
@@ -154,4 +154,4 @@ fn hash(bytes: impl Iterator<Item = u8>) -> u64 {
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
-compiled_here!(checkpoint: fingerprint::<D>);
+instantiate!(checkpoint: fingerprint::<D>);

@@ -7,8 +7,8 @@ use super::checkpoint::Checkpoint;
 use super::error::{StepError, StepFailure};
 use super::step::{State, Taken};
 use super::time_loop::TimeLoop;
-use crate::compiled_here::compiled_here;
-use crate::output::Passage;
+use crate::instantiate::instantiate;
+use crate::output::Crossing;
 
 /// Numbers of a state, as a gap, or a force above a threshold, that are watched while steps are taken. A number passes zero in a step
 /// where it is positive at one end and zero or less at the other; what passes and comes back within a step is not seen.
@@ -76,12 +76,12 @@ pub struct Event {
     pub name: String,
     /// Time and direction. The time lies on the straight line between the ends of the step in which it passes, and of a located
     /// event between the last two tries.
-    pub passage: Passage,
+    pub passage: Crossing,
 }
 
 /// A step with the events in it.
 #[derive(Clone, Debug)]
-pub struct Watched<const D: usize> {
+pub struct EventFunction<const D: usize> {
     /// The step.
     pub taken: Taken<D>,
     /// Its events, in the order of time.
@@ -124,7 +124,7 @@ impl<'a, const D: usize> Events<'a, D> {
     ///
     /// # Errors
     /// [`StepError`]; the last state is then what it was.
-    pub fn take(&mut self, motion: &mut TimeLoop<'_, D>, size: f64) -> Result<Watched<D>, StepError> {
+    pub fn take(&mut self, motion: &mut TimeLoop<'_, D>, size: f64) -> Result<EventFunction<D>, StepError> {
         self.take_by(motion, &mut |motion| motion.take(size))
     }
 
@@ -137,7 +137,7 @@ impl<'a, const D: usize> Events<'a, D> {
         motion: &mut TimeLoop<'_, D>,
         steps: &mut AdaptiveSteps,
         until: f64,
-    ) -> Result<Watched<D>, StepError> {
+    ) -> Result<EventFunction<D>, StepError> {
         self.take_by(motion, &mut |motion| steps.take(motion, until))
     }
 
@@ -146,7 +146,7 @@ impl<'a, const D: usize> Events<'a, D> {
         &mut self,
         motion: &mut TimeLoop<'_, D>,
         take: &mut dyn FnMut(&mut TimeLoop<'_, D>) -> Result<Taken<D>, StepError>,
-    ) -> Result<Watched<D>, StepError> {
+    ) -> Result<EventFunction<D>, StepError> {
         let start = motion.checkpoint();
         let watched = self.try_take(motion, &start, take);
         if watched.is_err() {
@@ -160,12 +160,12 @@ impl<'a, const D: usize> Events<'a, D> {
         motion: &mut TimeLoop<'_, D>,
         start: &Checkpoint<D>,
         take: &mut dyn FnMut(&mut TimeLoop<'_, D>) -> Result<Taken<D>, StepError>,
-    ) -> Result<Watched<D>, StepError> {
+    ) -> Result<EventFunction<D>, StepError> {
         let mut low = self.values(motion)?;
         let mut taken = take(motion)?;
         let (mut high, mut end, mut tries) = (self.values(motion)?, motion.checkpoint(), 0);
         let Some(within) = self.within else {
-            return Ok(Watched { taken, events: self.between(&low, &high), tries });
+            return Ok(EventFunction { taken, events: self.between(&low, &high), tries });
         };
         while let Some(first) = first_passage(&low, &high).filter(|_| high.0 - low.0 > within) {
             let to = match tries % (SECANTS + 1) {
@@ -187,7 +187,7 @@ impl<'a, const D: usize> Events<'a, D> {
             }
         }
         motion.go_back(end);
-        Ok(Watched { taken, events: self.between(&low, &high), tries })
+        Ok(EventFunction { taken, events: self.between(&low, &high), tries })
     }
 
     /// The events between two times.
@@ -195,7 +195,7 @@ impl<'a, const D: usize> Events<'a, D> {
         let passed = self.watched.iter().zip(low.1.iter().zip(&high.1));
         let mut events: Vec<Event> = passed
             .filter_map(|((name, _), (before, after))| {
-                let passage = Passage::of_zero([low.0, high.0], [*before, *after])?;
+                let passage = Crossing::of_zero([low.0, high.0], [*before, *after])?;
                 Some(Event { name: name.clone(), passage })
             })
             .collect();
@@ -223,7 +223,7 @@ impl<'a, const D: usize> Events<'a, D> {
 /// The first time at which one of the numbers passes zero between two times, by straight lines.
 fn first_passage(low: &Values, high: &Values) -> Option<f64> {
     let values = low.1.iter().zip(&high.1);
-    let passages = values.filter_map(|(before, after)| Passage::of_zero([low.0, high.0], [*before, *after]));
+    let passages = values.filter_map(|(before, after)| Crossing::of_zero([low.0, high.0], [*before, *after]));
     passages.map(|passage| passage.time).reduce(f64::min)
 }
 
@@ -233,4 +233,4 @@ impl<const D: usize> Default for Events<'_, D> {
     }
 }
 
-compiled_here!(events: Events::<D>::take_by);
+instantiate!(events: Events::<D>::take_by);

@@ -7,9 +7,9 @@ use super::error::StepFailure;
 use super::mass::{Mass, diagonal, row_sums, with_inertia};
 use super::step_cost::StepCost;
 use crate::assemble::{Assembler, BlockPattern, Parts, ValuesBefore};
-use crate::compiled_here::compiled_here;
 use crate::contract::Form;
 use crate::field::{Field, FieldView};
+use crate::instantiate::instantiate;
 use crate::linear_algebra::BlockMatrix;
 use crate::linear_algebra::equations::Equations;
 use crate::linear_algebra::vector::{add_scaled, largest};
@@ -180,4 +180,4 @@ impl StepMatrix {
     }
 }
 
-compiled_here!(linear_step: solve::<D>, StepMatrix::assemble::<D>);
+instantiate!(linear_step: solve::<D>, StepMatrix::assemble::<D>);

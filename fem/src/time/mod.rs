@@ -66,7 +66,7 @@ pub use backward_differences::BackwardDifferences;
 pub use central_differences::CentralDifferences;
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use error::{StepError, StepFailure};
-pub use events::{Event, Events, NumberError, Watched};
+pub use events::{Event, EventFunction, Events, NumberError};
 pub use generalised_alpha::GeneralisedAlpha;
 pub use mass::Mass;
 pub use one_step_theta::OneStepTheta;

@@ -12,11 +12,11 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use crate::assemble::{Assembler, AssemblyError};
-use crate::compiled_here::compiled_here;
 use crate::contract::Given;
 use crate::dimension::{Dim, Dimension};
 use crate::field::{Field, FieldError};
 use crate::forms;
+use crate::instantiate::instantiate;
 use crate::linear_algebra::{CsrMatrix, LinearAlgebraError, LuFactor, Transpose};
 use crate::mesh::{EVERYWHERE, Mesh, MeshError};
 use crate::space::{Family, Space, SpaceError};
@@ -298,4 +298,4 @@ impl<'a, const D: usize> Before<'a, D> {
     }
 }
 
-compiled_here!(redistributed_mass: Before::<D>::new, Before::<D>::redistribute);
+instantiate!(redistributed_mass: Before::<D>::new, Before::<D>::redistribute);

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use super::operators::{scalar, vector};
 use super::scheme::{Combination, Formulas};
 use super::step_cost::StepCost;
-use crate::compiled_here::compiled_here;
 use crate::contract::Given;
 use crate::field::{Field, FieldError};
+use crate::instantiate::instantiate;
 use crate::solve::solved::resultant;
 use crate::solve::{NewtonStep, ReactionError};
 use crate::space::Space;
@@ -168,4 +168,4 @@ impl<const D: usize> Taken<D> {
     }
 }
 
-compiled_here!(step: Step::<D>::new, known::<D>);
+instantiate!(step: Step::<D>::new, known::<D>);

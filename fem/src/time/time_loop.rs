@@ -12,10 +12,10 @@ use super::scheme::{Formulas, Scheme, SolvedFor};
 use super::step::{State, Step, Taken, known};
 use super::step_cost::StepCost;
 use crate::assemble::{Assembler, BlockPattern, Outline, Parts};
-use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, ConstraintsError};
 use crate::contract::Form;
 use crate::field::Field;
+use crate::instantiate::instantiate;
 use crate::solve::{
     Elimination, LentSolver, LinearSolver, NewtonOptions, NewtonStep, OwnedForm, StepMemory, solve_owned,
 };
@@ -375,4 +375,4 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
     }
 }
 
-compiled_here!(time_loop: TimeLoop::<D>::of, TimeLoop::<D>::take);
+instantiate!(time_loop: TimeLoop::<D>::of, TimeLoop::<D>::take);

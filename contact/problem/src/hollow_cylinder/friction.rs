@@ -8,7 +8,7 @@ use forms_fem::prelude::*;
 use super::{CylinderError, Progress, Settings};
 use crate::contact_problem::ContactProblem;
 use crate::forms;
-use crate::frictional_nitsche::frictional_nitsche as frictional;
+use crate::frictional_nitsche as frictional;
 use crate::paper_law::Adjoint;
 
 /// Friction between the cylinder and the obstacle.

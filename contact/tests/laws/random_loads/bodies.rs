@@ -3,8 +3,8 @@
 
 use forms_contact::ContactProblem;
 use forms_contact::law::ContactLaw;
-use forms_contact::laws::sliding_bodies::sliding_bodies;
-use forms_contact::laws::two_bodies::two_bodies::{self, Data, Required};
+use forms_contact::laws::sliding_bodies;
+use forms_contact::laws::two_bodies::{self, Data, Required};
 use forms_fem::prelude::*;
 
 use super::layers::{answer, compare, to_rounding};

@@ -1,7 +1,7 @@
 //! Heat across contacts of random displacements, materials and conductances: each is one linear system, whose solution is in balance.
 
 use forms_contact::laws::contact_heat::{contact_heat as law, heat_problem};
-use forms_contact::laws::two_bodies::two_bodies as mechanics;
+use forms_contact::laws::two_bodies as mechanics;
 use forms_fem::prelude::*;
 
 use super::{Random, runs};

@@ -1,7 +1,7 @@
 //! Random runs of layers on a flat, whose answer is known whatever the start: wear, and Uzawa's iteration.
 
-use forms_contact::laws::uzawa::uzawa;
-use forms_contact::laws::wear::wear;
+use forms_contact::laws::uzawa;
+use forms_contact::laws::wear;
 use forms_contact::uzawa::{UzawaError, UzawaOptions, solve_by_uzawa};
 use forms_fem::prelude::*;
 

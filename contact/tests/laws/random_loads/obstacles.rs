@@ -1,8 +1,8 @@
 //! Random runs of the laws with an obstacle that is round and moves.
 
-use forms_contact::laws::analytic_obstacle::analytic_obstacle;
-use forms_contact::laws::capsule::capsule;
-use forms_contact::laws::moving_obstacle::moving_obstacle;
+use forms_contact::laws::analytic_obstacle;
+use forms_contact::laws::capsule;
+use forms_contact::laws::moving_obstacle;
 use forms_fem::prelude::*;
 
 use super::{Case, Random, all, block, case, check};

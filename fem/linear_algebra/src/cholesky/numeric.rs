@@ -21,7 +21,7 @@ use self::updates::Updates;
 use crate::analysis::Analysis;
 use crate::csr::CsrMatrix;
 use crate::error::LinearAlgebraError;
-use crate::large_pages::Supply;
+use crate::large_pages::PrefaultedArray;
 use crate::threads::Threads;
 
 /// Columns of a panel.
@@ -53,15 +53,15 @@ struct Scratch {
     own: Panel,
     /// The end of the values whose memory has been handed over.
     handed_over: usize,
-    supply: Option<Supply>,
+    supply: Option<PrefaultedArray>,
 }
 
 impl Scratch {
     /// Prefaults the memory of the next values from the given place on, as far as the given number is needed at once.
-    fn hand_over(&mut self, place: usize, needed: usize, next: &mut [f64]) {
+    fn prefault(&mut self, place: usize, needed: usize, next: &mut [f64]) {
         if place + needed > self.handed_over {
-            let supply = self.supply.get_or_insert_with(|| Supply::of(size_of_val(next)));
-            self.handed_over = place + supply.hand_over(next, needed);
+            let supply = self.supply.get_or_insert_with(|| PrefaultedArray::of(size_of_val(next)));
+            self.handed_over = place + supply.prefault(next, needed);
         }
     }
 }

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::{BisectedMesh, Mesh, MeshError, Nesting, OctreeMesh, Surface};
-use crate::compiled_here;
 use crate::element::CellShape;
+use crate::instantiate;
 
 /// A mesh of one shape of cells that is refined and coarsened where cells are marked: by bisection, or by trees with hanging nodes.
 ///
@@ -96,4 +96,4 @@ impl<const D: usize> AdaptiveMesh<D> {
     }
 }
 
-compiled_here!(adaptive_mesh: AdaptiveMesh::<D>::of, AdaptiveMesh::<D>::refined_onto, AdaptiveMesh::<D>::coarsened);
+instantiate!(adaptive_mesh: AdaptiveMesh::<D>::of, AdaptiveMesh::<D>::refined_onto, AdaptiveMesh::<D>::coarsened);

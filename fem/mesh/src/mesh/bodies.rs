@@ -2,8 +2,8 @@
 
 use super::facet_parts::FacetParts;
 use super::{EVERYWHERE, Facet, Mesh, MeshError};
-use crate::compiled_here;
 use crate::element::CellShape;
+use crate::instantiate;
 
 impl<const D: usize> Mesh<D> {
     /// Bodies as one mesh, so that one field lives on all of them. They share no node, wherever they touch: contact pairs join
@@ -84,7 +84,7 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-compiled_here!(bodies: Mesh::<D>::of_bodies);
+instantiate!(bodies: Mesh::<D>::of_bodies);
 
 #[cfg(test)]
 mod tests {

@@ -1,7 +1,7 @@
 //! A number by which files recognise the mesh that they belong to.
 
 use super::Mesh;
-use crate::compiled_here;
+use crate::instantiate;
 
 /// The start and the factor of FNV-1a with 64 bits (G. Fowler, L. C. Noll, K.-P. Vo; RFC 9923).
 const OFFSET_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
@@ -35,7 +35,7 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-compiled_here!(checksum: Mesh::<D>::checksum);
+instantiate!(checksum: Mesh::<D>::checksum);
 
 #[cfg(test)]
 mod tests {

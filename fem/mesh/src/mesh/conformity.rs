@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use super::point_tree::PointTree;
 use super::{Facet, Mesh, MeshError};
-use crate::compiled_here;
 use crate::element::{CellShape, PerShape};
+use crate::instantiate;
 use crate::locate::{Locator, nearest_on_facet};
 
 /// Nodes and facets are at one place within this part of a facet's size: files with single precision say no more.
@@ -318,7 +318,7 @@ impl<const D: usize> fmt::Display for Conformity<D> {
     }
 }
 
-compiled_here!(conformity: Mesh::<D>::conformity);
+instantiate!(conformity: Mesh::<D>::conformity);
 
 #[cfg(test)]
 mod tests;

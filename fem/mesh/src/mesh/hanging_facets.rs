@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::conformity::SAME_PLACE;
 use super::{Facet, Mesh, MeshError};
-use crate::compiled_here;
+use crate::instantiate;
 use crate::locate::nearest_on_facet;
 
 impl<const D: usize> Mesh<D> {
@@ -72,7 +72,7 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-compiled_here!(hanging_facets: Mesh::<D>::hanging_facets, Mesh::<D>::reference_on_facet);
+instantiate!(hanging_facets: Mesh::<D>::hanging_facets, Mesh::<D>::reference_on_facet);
 
 #[cfg(test)]
 mod tests {

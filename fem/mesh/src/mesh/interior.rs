@@ -1,7 +1,7 @@
 //! Named sets of interior facets, and how the two sides of one face each other.
 
 use super::{Facet, Facing, Mesh, MeshError};
-use crate::compiled_here;
+use crate::instantiate;
 
 impl<const D: usize> Mesh<D> {
     /// The facets of a region between cells, each with its two sides. What a form calls the outward normal
@@ -167,7 +167,7 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-compiled_here!(
+instantiate!(
     interior:
     Mesh::<D>::name_interior_facets_where,
     Mesh::<D>::name_listed_interior_facets,

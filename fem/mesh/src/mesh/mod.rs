@@ -23,7 +23,7 @@ mod hanging_facets;
 mod imported;
 mod interior;
 mod marking;
-compiled_here!(mesh: Mesh::<D>::from_blocks, Mesh::<D>::from_nonconforming_blocks);
+instantiate!(mesh: Mesh::<D>::from_blocks, Mesh::<D>::from_nonconforming_blocks);
 
 #[cfg(test)]
 mod measures;
@@ -49,8 +49,8 @@ pub mod vtk;
 
 use std::collections::BTreeMap;
 
-use crate::compiled_here;
 use crate::element::{CellShape, Lagrange};
+use crate::instantiate;
 
 pub use crate::facet::Facet;
 pub use adaptive_mesh::AdaptiveMesh;

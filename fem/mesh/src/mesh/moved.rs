@@ -1,7 +1,7 @@
 //! Meshes with the same cells at other places.
 
 use super::{Mesh, MeshError};
-use crate::compiled_here;
+use crate::instantiate;
 
 impl<const D: usize> Mesh<D> {
     /// The mesh with its nodes at other places \[length\]: cells, facets and regions keep their numbers and names, and
@@ -51,4 +51,4 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-compiled_here!(moved: Mesh::<D>::with_nodes, Mesh::<D>::with_unchecked_nodes);
+instantiate!(moved: Mesh::<D>::with_nodes, Mesh::<D>::with_unchecked_nodes);

@@ -1,8 +1,8 @@
 //! Meshes of some cells of another mesh.
 
 use super::{BOUNDARY, EVERYWHERE, Facet, INTERIOR, Mesh, MeshError};
-use crate::compiled_here;
 use crate::element::CellShape;
+use crate::instantiate;
 
 /// A mesh of some cells of another mesh, its parent, with the numbers that its cells and nodes have there. [`Mesh::part`] makes it.
 #[derive(Clone, Debug)]
@@ -98,7 +98,7 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-compiled_here!(part: Mesh::<D>::part);
+instantiate!(part: Mesh::<D>::part);
 
 #[cfg(test)]
 mod tests {

@@ -5,8 +5,8 @@ use std::fmt;
 use super::determinant::{JacobianDeterminant, Sign};
 use super::geometry::determinant;
 use super::{CellBlock, Mesh, MeshError};
-use crate::compiled_here;
 use crate::element::{CellShape, Lagrange};
+use crate::instantiate;
 use crate::quadrature::cell_rule;
 
 /// Quality of one cell, judged at the quarter points of its edges, faces and inside, at points of a quadrature rule, and,
@@ -325,7 +325,7 @@ impl<const D: usize> fmt::Display for MeshQuality<D> {
     }
 }
 
-compiled_here!(quality: Mesh::<D>::quality_at);
+instantiate!(quality: Mesh::<D>::quality_at);
 
 #[cfg(test)]
 mod tests;

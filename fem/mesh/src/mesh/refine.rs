@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use super::geometry::determinant;
 use super::{CellBlock, CellLists, Facet, Mesh, MeshError};
-use crate::compiled_here;
 use crate::element::{CellShape, Lagrange, PerShape};
+use crate::instantiate;
 
 /// A region of facets and the surface that its nodes shall lie on: a map from a position near the surface to one on it.
 pub type Surface<'a, const D: usize> = (&'a str, &'a dyn Fn(&[f64; D]) -> [f64; D]);
@@ -281,7 +281,7 @@ impl<const D: usize> Division<D> {
     }
 }
 
-compiled_here!(refine: Mesh::<D>::refined, Mesh::<D>::refined_onto);
+instantiate!(refine: Mesh::<D>::refined, Mesh::<D>::refined_onto);
 
 #[cfg(test)]
 mod tests;

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{Facet, Mesh, MeshError};
-use crate::compiled_here;
+use crate::instantiate;
 
 /// The cell region that consists of all cells.
 pub const EVERYWHERE: &str = "all";
@@ -228,7 +228,7 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-compiled_here!(
+instantiate!(
     regions:
     Mesh::<D>::name_cells_where,
     Mesh::<D>::name_facets_where,

@@ -1,8 +1,8 @@
 //! Quadrilaterals divided into triangles, hexahedra into tetrahedra.
 
 use super::{CellLists, Facet, Mesh, MeshError};
-use crate::compiled_here;
 use crate::element::{CellShape, Lagrange};
+use crate::instantiate;
 
 impl<const D: usize> Mesh<D> {
     /// The mesh with each quadrilateral divided into two triangles, each hexahedron into six tetrahedra, on the same nodes;
@@ -114,7 +114,7 @@ fn divide(shape: CellShape, nodes: &[u32]) -> Vec<Vec<usize>> {
     simplices
 }
 
-compiled_here!(simplices: Mesh::<D>::simplices);
+instantiate!(simplices: Mesh::<D>::simplices);
 
 #[cfg(test)]
 mod tests {

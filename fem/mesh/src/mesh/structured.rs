@@ -1,8 +1,8 @@
 //! Structured meshes: a grid of logical coordinates on \[0,1\]^D, mapped by a closure.
 
 use super::{Facet, Mesh, MeshError};
-use crate::compiled_here;
 use crate::element::{CellShape, Lagrange};
+use crate::instantiate;
 
 /// A structured grid. Its blocks are squares or cubes; triangles split each square along the diagonal
 /// from (0,0) to (1,1), tetrahedra each cube into the six around the diagonal from (0,0,0) to (1,1,1).
@@ -197,7 +197,7 @@ fn room<T>(what: &'static str, count: usize, length: usize) -> Result<Vec<T>, Me
     }
 }
 
-compiled_here!(structured: Grid::<D>::mapped);
+instantiate!(structured: Grid::<D>::mapped);
 
 #[cfg(test)]
 mod tests {

@@ -19,7 +19,7 @@ use self::side::SideTables;
 
 use super::AssemblyError;
 use super::binding::Binding;
-use super::walk::Group;
+use super::groups::Group;
 use crate::lanes::{SharedWork, SimdLane, WIDEST};
 use crate::mesh::Mesh;
 

@@ -16,10 +16,10 @@ use forms_core::source::PositionFunction;
 use self::entities::Entities;
 use self::owned_cells::OwnedCells;
 use super::{Assembler, AssemblyError};
-use crate::compiled_here::compiled_here;
 use crate::contract::Function;
 use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};
+use crate::instantiate::instantiate;
 use crate::lanes::InstructionSet;
 use crate::linear_algebra::vector::is_finite;
 use crate::mesh::Mesh;
@@ -397,7 +397,7 @@ pub(crate) fn pair_error(form: &'static str, region: &Region, source: PairError)
     AssemblyError::Pairs { form, symbol: region.symbol, pairing: region.name.clone(), source }
 }
 
-compiled_here!(
+instantiate!(
     binding:
     Binding::<D>::new,
     Binding::<D>::assembled_by,

@@ -14,17 +14,17 @@ use forms_core::contract::{Role, Side};
 
 use self::block_index::{Across, BlockIndex};
 use self::cells::coupled_cells;
-use self::sparsity::{Cliques, couple};
+use self::sparsity::{ElementNodes, couple};
 use super::{Assembler, AssemblyError, Parts};
 use crate::assemble::binding::entities::Entities;
 use crate::assemble::binding::outline::{Coupling, Outline};
 use crate::assemble::binding::owned_cells::OwnedCells;
+use crate::assemble::groups::pair_groups::without_coefficients;
+use crate::assemble::groups::pair_search::PairSearch;
 use crate::assemble::scatter::group_nodes::{Reading, SeenAtFacets};
-use crate::assemble::walk::pair_groups::without_coefficients;
-use crate::assemble::walk::pair_search::PairSearch;
-use crate::compiled_here::compiled_here;
 use crate::contract::{Form, Function};
 use crate::field::FieldView;
+use crate::instantiate::instantiate;
 use crate::linear_algebra::large_pages::room;
 use crate::linear_algebra::{BlockSparsity, LinearAlgebraError, NodeSet, SparsityPattern};
 use crate::space::Space;
@@ -301,7 +301,7 @@ impl<const D: usize> BlockPattern<D> {
                 let nodes = |cell: &u32| (test.cell_nodes(*cell as usize), trial.cell_nodes(*cell as usize));
                 let mapped = walked.len() + nodes_across.len();
                 let count = mapped + others.len();
-                let mut cliques = Cliques { rows: room(count), columns: room(count) };
+                let mut cliques = ElementNodes { rows: room(count), columns: room(count) };
                 for (rows, columns) in walked.iter().map(nodes).chain(nodes_across).chain(others) {
                     cliques.rows.push(rows);
                     cliques.columns.push(columns);
@@ -390,7 +390,7 @@ impl<const D: usize> BlockPattern<D> {
     }
 }
 
-compiled_here!(
+instantiate!(
     block_pattern:
     BlockPattern::<D>::for_spaces,
     BlockPattern::<D>::for_cells,

@@ -6,16 +6,16 @@ use forms_core::contract::{Entity, Pairing, Region, Requirements};
 
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::{Binding, pair_error};
-use super::walk::{Group, Places};
+use super::groups::{Group, Places};
 use super::{Assembler, AssemblyError};
 use crate::assemble::binding::entities::Entities;
-use crate::assemble::walk::facet_groups::facet_groups;
-use crate::assemble::walk::pair_groups::groups_of;
-use crate::compiled_here::compiled_here;
+use crate::assemble::groups::facet_groups::facet_groups;
+use crate::assemble::groups::pair_groups::groups_of;
 use crate::contract::Expression;
 use crate::element::CellShape;
 use crate::field::Field;
 use crate::history::HistoryMismatch;
+use crate::instantiate::instantiate;
 use crate::locate::Locator;
 use crate::mesh::{Facet, MeshError};
 use crate::quadrature::QuadratureRule;
@@ -365,7 +365,7 @@ impl<const D: usize> FromIterator<PointValue<D>> for PointValues<D> {
     }
 }
 
-compiled_here!(
+instantiate!(
     derived: Assembler::<D>::at_pairs,
     Assembler::<D>::at_quadrature_points,
     Assembler::<D>::at_facet_nodes,

@@ -6,12 +6,12 @@ use forms_core::contract::{ExpressionKernel, Requirements, Term};
 
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
+use super::groups::groups;
 use super::kernels::PointKernel;
-use super::walk::groups;
 use super::{Assembler, AssemblyError};
-use crate::compiled_here::compiled_here;
 use crate::contract::{Form, Function, Functional};
 use crate::field::{Field, FieldView, views};
+use crate::instantiate::instantiate;
 use crate::quadrature::Quadrature;
 use crate::threads::Threads;
 
@@ -184,4 +184,4 @@ pub(super) fn each_point<K: ExpressionKernel<D>, const D: usize>(
     batch.check_weights(range)
 }
 
-compiled_here!(functional: Assembler::<D>::sum_of, Assembler::<D>::active_set_of);
+instantiate!(functional: Assembler::<D>::sum_of, Assembler::<D>::active_set_of);

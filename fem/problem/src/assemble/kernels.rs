@@ -1,6 +1,6 @@
 //! Kernels behind virtual calls: one call runs a kernel over the entities of a range, and inside of it the kernel's type is known.
 //!
-//! A program compiles the loops of `kernel_calls` once, and of each of its forms only what is below these calls.
+//! A program compiles the loops of `element_loops` once, and of each of its forms only what is below these calls.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -12,10 +12,10 @@ use forms_core::contract::{
 
 use super::AssemblyError;
 use super::batch::Batch;
+use super::element_loops::matrices::ElementMatrices;
+use super::element_loops::sink::Deliver;
+use super::element_loops::vectors::ElementVectors;
 use super::functional::{ReceivePoint, each_point};
-use super::kernel_calls::matrices::ElementMatrices;
-use super::kernel_calls::sink::Deliver;
-use super::kernel_calls::vectors::ElementVectors;
 use crate::lanes::InstructionSet;
 
 /// This backend: kernels run in the lanes of the machine's instruction set.

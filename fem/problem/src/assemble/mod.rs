@@ -6,21 +6,21 @@
 //! walk      a region as groups of entities with common tables. Inside: facets, contact pairs (whose points differ from
 //!           entity to entity), facets that are split at zeros
 //! batch     geometry, basis functions and fields at the points of some cells, one per lane
-//! kernel_calls   what a kernel gives for each entity of a range, as matrices and vectors; its node_pairs, reference_tensor and
+//! element_loops   what a kernel gives for each entity of a range, as matrices and vectors; its node_pairs, reference_tensor and
 //!           sum_factorisation: three ways
 //! element_kernel   the same on cells that the caller lists; fixed: loops whose lengths are known when compiled
 //! block_pattern   the positions of a matrix. Inside: sparsity, block_index (the slots of element matrices), touched entries
 //! scatter   from element matrices to the global one. Inside: partition (which thread adds what, in the order of one thread),
-//!           own_rows (the rows that a thread adds to), group_nodes, block_finders (to which rows and slots)
+//!           own_rows (the rows that a thread adds to), group_nodes, block_positions (to which rows and slots)
 //! residual, tangent, functional, derived   the four loops, one per kind of kernel; action runs the residual's
 //! ```
 //!
 //! Cells and facets go through the same loops: an exterior facet is an entity with the cell that owns it, an interior one has
 //! two sides. The loops know no kernel: they hold its constants, and ask it for a point through one virtual call. Who calls which
 //! function of a kernel, on cells and facets alike: of a tangent `cell`, `point`, `test` and `trial` in
-//! `kernel_calls/bilinear_calls.rs`, `pair` and `finish` in `kernel_calls/node_pairs.rs`; of a residual all in
-//! `kernel_calls/linear_calls.rs`; of functionals and derived fields in `functional.rs`.
-//! `element_kernel::fixed` and `kernel_calls::reference_tensor` call them in the same order.
+//! `element_loops/bilinear_calls.rs`, `pair` and `finish` in `element_loops/node_pairs.rs`; of a residual all in
+//! `element_loops/linear_calls.rs`; of functionals and derived fields in `functional.rs`.
+//! `element_kernel::fixed` and `element_loops::reference_tensor` call them in the same order.
 
 mod action;
 mod batch;
@@ -28,15 +28,15 @@ mod binding;
 mod block_pattern;
 mod derived;
 mod element_kernel;
+mod element_loops;
 mod error;
 mod functional;
-mod kernel_calls;
+mod groups;
 mod kernels;
 pub(crate) mod projection;
 mod residual;
 mod scatter;
 mod tangent;
-mod walk;
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -51,16 +51,16 @@ pub use element_kernel::sizes::{Counted, Fixed, Sizes};
 pub use element_kernel::{ElementCells, ElementKernel, ElementLayout, FieldLayout};
 pub use error::{AssemblyError, OtherError};
 pub use forms_core::contract::Dependence;
+pub(crate) use groups::degrees::degree_on_all_cells;
+#[doc(hidden)]
+pub use groups::pair_reports::FoundPairs;
+pub use groups::pair_reports::RegionPairs;
+pub use groups::positive_parts::PositivePart;
 pub use kernels::{Lanes, MatrixKernel, PointKernel, VectorKernel};
 pub use residual::Terms;
 pub use tangent::ElementMatrix;
 #[doc(hidden)]
 pub use tangent::ValuesBefore;
-pub(crate) use walk::degrees::degree_on_all_cells;
-#[doc(hidden)]
-pub use walk::pair_reports::FoundPairs;
-pub use walk::pair_reports::RegionPairs;
-pub use walk::positive_parts::PositivePart;
 
 use self::binding::Binding;
 use self::binding::owned_cells::OwnedCells;

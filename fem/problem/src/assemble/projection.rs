@@ -17,12 +17,12 @@ use self::loads::{Systems, systems};
 use self::mass::MassByCells;
 use self::pieces::Pieces;
 use self::solve::{by_cells, by_factor, by_matrix};
-use super::walk::degrees::degree_on_all_cells;
+use super::groups::degrees::degree_on_all_cells;
 use super::{Assembler, AssemblyError};
-use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, Relation};
 use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
+use crate::instantiate::instantiate;
 use crate::linear_algebra::{CsrMatrix, Entry, LinearAlgebraError};
 use crate::solve::Elimination;
 use crate::space::Space;
@@ -155,7 +155,7 @@ impl<const D: usize> Assembler<D> {
     }
 }
 
-compiled_here!(assemble_projection: Assembler::<D>::project_by_cells, Assembler::<D>::project_with_mass);
+instantiate!(assemble_projection: Assembler::<D>::project_by_cells, Assembler::<D>::project_with_mass);
 
 /// The relations of a space's first component between nodes, which are those of all components.
 fn of_nodes<const D: usize>(joined: &Constraints<D>, components: usize) -> BTreeMap<usize, Relation> {

@@ -6,15 +6,15 @@ use forms_core::contract::{Role, Term};
 
 use super::batch::Cells;
 use super::binding::Binding;
-use super::kernel_calls::vectors::ElementVectors;
+use super::element_loops::vectors::ElementVectors;
+use super::groups::groups;
 use super::kernels::VectorKernel;
 use super::scatter::VectorScatter;
-use super::walk::groups;
 use super::{Assembler, AssemblyError, Parts};
 use crate::assemble::scatter::group_nodes::GroupNodes;
-use crate::compiled_here::compiled_here;
 use crate::contract::{Form, Function};
 use crate::field::{Field, FieldView, views};
+use crate::instantiate::instantiate;
 use crate::lanes::InstructionSet;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
@@ -278,7 +278,7 @@ fn spread_largest(vector: &[f64], stride: usize, sizes: &mut [f64]) {
     }
 }
 
-compiled_here!(
+instantiate!(
     residual: VectorSum::<D>::integrate,
     Assembler::<D>::sum_of_terms,
     Assembler::<D>::load,

@@ -1,13 +1,13 @@
 //! Adding element matrices and vectors to the matrix and vector of all unknowns, from several threads.
 
-pub(super) mod block_finders;
+pub(super) mod block_positions;
 pub(super) mod group_nodes;
 mod own_rows;
 pub(super) mod partition;
 
 use std::ops::Range;
 
-use self::block_finders::{BlockPlaces, ChosenPairs, Copied, CopiedPlaces, Finder, Known};
+use self::block_positions::{BlockPlaces, ChosenPairs, Copied, CopiedPlaces, Finder, Known};
 use self::group_nodes::GroupNodes;
 use self::own_rows::{Deferred, OwnRows};
 use self::partition::Partition;

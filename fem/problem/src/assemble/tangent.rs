@@ -6,17 +6,17 @@ use forms_core::contract::{Integral, Role, Side, Term};
 
 use super::batch::Cells;
 use super::binding::Binding;
-use super::kernel_calls::matrices::ElementMatrices;
+use super::element_loops::matrices::ElementMatrices;
+use super::groups::{Group, groups};
 use super::kernels::MatrixKernel;
 use super::scatter::MatrixScatter;
-use super::walk::{Group, groups};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::assemble::binding::outline::Outline;
-use crate::assemble::scatter::block_finders::{BlockPlaces, ChosenPairs};
+use crate::assemble::scatter::block_positions::{BlockPlaces, ChosenPairs};
 use crate::assemble::scatter::group_nodes::{GroupNodes, Reading, seen_places};
-use crate::compiled_here::compiled_here;
 use crate::contract::{Form, Function};
 use crate::field::{Field, FieldView, views};
+use crate::instantiate::instantiate;
 use crate::lanes::InstructionSet;
 use crate::linear_algebra::{BlockMatrix, CsrMatrix, LinearAlgebraError};
 use crate::mesh::Facet;
@@ -362,7 +362,7 @@ fn element_matrix<const D: usize>(
     ElementMatrix { cell, facet, opposite, sides, rows, columns, values }
 }
 
-compiled_here!(
+instantiate!(
     tangent: TangentIntegrals::<D>::integrate,
     Assembler::<D>::write_tangent,
     Assembler::<D>::integrate_tangent,

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Constraints, ConstraintsError};
-use crate::compiled_here::compiled_here;
+use crate::instantiate::instantiate;
 use crate::mesh::{Facet, Mesh, MeshError};
 use crate::space::{Family, Space};
 
@@ -138,4 +138,4 @@ impl<const D: usize> Constraints<D> {
     }
 }
 
-compiled_here!(hanging_nodes: Constraints::<D>::join_hanging_nodes);
+instantiate!(hanging_nodes: Constraints::<D>::join_hanging_nodes);

@@ -1,7 +1,7 @@
 //! Boundaries that move as a rigid body: a few of their unknowns give all the others.
 
 use super::{Constraints, ConstraintsError, RigidMap};
-use crate::compiled_here::compiled_here;
+use crate::instantiate::instantiate;
 use crate::linear_algebra::rigid_motions;
 
 /// A motion is new if it differs from those before by more than this part of the largest.
@@ -131,7 +131,7 @@ fn leading_unknowns(motions: &[Vec<f64>]) -> Leading {
     Leading { factors: factors.collect(), unknowns: leaders }
 }
 
-compiled_here!(rigid_body: Constraints::<D>::rigid_body_from, Constraints::<D>::move_rigidly);
+instantiate!(rigid_body: Constraints::<D>::rigid_body_from, Constraints::<D>::move_rigidly);
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()

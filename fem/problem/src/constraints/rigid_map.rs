@@ -1,8 +1,8 @@
 //! Rigid maps: motions of bodies, and of one region onto another.
 
 use super::ConstraintsError;
-use crate::compiled_here::compiled_here;
 use crate::field::Field;
+use crate::instantiate::instantiate;
 use crate::mesh::geometry::{determinant, inverse};
 
 /// Columns of a rotation are of length one and orthogonal to this.
@@ -165,4 +165,4 @@ fn times<const D: usize>(matrix: &[[f64; D]; D], x: &[f64; D]) -> [f64; D] {
     matrix.map(|row| row.iter().zip(x).map(|(a, x)| a * x).sum())
 }
 
-compiled_here!(rigid_map: RigidMap::<D>::nearest);
+instantiate!(rigid_map: RigidMap::<D>::nearest);

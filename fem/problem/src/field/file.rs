@@ -26,7 +26,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use super::{Field, FieldError};
-use crate::compiled_here::compiled_here;
+use crate::instantiate::instantiate;
 use crate::output::write_whole;
 use crate::space::Space;
 
@@ -188,4 +188,4 @@ impl<const D: usize> Field<D> {
     }
 }
 
-compiled_here!(file: Field::<D>::write_to, Field::<D>::read_from);
+instantiate!(file: Field::<D>::write_to, Field::<D>::read_from);

@@ -1,7 +1,7 @@
 //! Sums and multiples of fields on one space.
 
 use super::{Field, FieldError};
-use crate::compiled_here::compiled_here;
+use crate::instantiate::instantiate;
 use crate::space::Space;
 
 impl<const D: usize> Field<D> {
@@ -80,7 +80,7 @@ impl<const D: usize> Field<D> {
     }
 }
 
-compiled_here!(sums: Field::<D>::combination, Field::<D>::plus, Field::<D>::minus, Field::<D>::times);
+instantiate!(sums: Field::<D>::combination, Field::<D>::plus, Field::<D>::minus, Field::<D>::times);
 
 #[cfg(test)]
 mod tests {

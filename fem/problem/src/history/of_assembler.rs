@@ -8,7 +8,7 @@ use forms_core::source::FieldValue;
 
 use super::{HistoryMismatch, PointStorage};
 use crate::assemble::{Assembler, AssemblyError};
-use crate::compiled_here::compiled_here;
+use crate::instantiate::instantiate;
 use crate::mesh::MeshError;
 use crate::pairs::PairError;
 use crate::quadrature::QuadratureError;
@@ -191,4 +191,4 @@ impl<const D: usize> Assembler<D> {
     }
 }
 
-compiled_here!(of_assembler: Assembler::<D>::known_at_points);
+instantiate!(of_assembler: Assembler::<D>::known_at_points);

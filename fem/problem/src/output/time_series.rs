@@ -34,20 +34,20 @@ pub struct TimeSeries {
 
 /// A time at which a column passes a threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Passage {
+pub struct Crossing {
     /// The time, between two rows by the straight line.
     pub time: f64,
     /// Whether the column comes from the threshold or below, and is above it afterwards.
     pub rises: bool,
 }
 
-impl Passage {
+impl Crossing {
     /// The passage of zero between two values at two times, if one is positive and the other is not.
     #[doc(hidden)]
     pub fn of_zero(times: [f64; 2], values: [f64; 2]) -> Option<Self> {
         let part = values[0] / (values[0] - values[1]);
         ((values[0] > 0.0) != (values[1] > 0.0))
-            .then(|| Passage { time: times[0] + part * (times[1] - times[0]), rises: values[1] > 0.0 })
+            .then(|| Crossing { time: times[0] + part * (times[1] - times[0]), rises: values[1] > 0.0 })
     }
 }
 
@@ -135,12 +135,12 @@ impl TimeSeries {
     ///
     /// # Errors
     /// [`TimeSeriesError::Unknown`].
-    pub fn passages(&self, name: &str, threshold: f64) -> Result<Vec<Passage>, TimeSeriesError> {
+    pub fn passages(&self, name: &str, threshold: f64) -> Result<Vec<Crossing>, TimeSeriesError> {
         let column = self.column(name)?;
         let pairs = self.times.windows(2).zip(column.windows(2));
         let passages = pairs.filter_map(|(times, values)| {
             let above = [values[0] - threshold, values[1] - threshold];
-            Passage::of_zero([times[0], times[1]], above)
+            Crossing::of_zero([times[0], times[1]], above)
         });
         Ok(passages.collect())
     }

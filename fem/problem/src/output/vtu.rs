@@ -7,9 +7,9 @@ use std::io::Write;
 use std::path::Path;
 
 use super::write_whole;
-use crate::compiled_here::compiled_here;
 use crate::element::CellShape;
 use crate::field::Field;
+use crate::instantiate::instantiate;
 use crate::mesh::Mesh;
 use crate::mesh::vtk::kinds::nodes_in_order;
 use crate::space::Family;
@@ -251,7 +251,7 @@ fn cell_type(shape: CellShape, degree: usize) -> (u8, Vec<usize>) {
     (number, nodes_in_order(number))
 }
 
-compiled_here!(
+instantiate!(
     vtu:
     VtuFile::<D>::point_data,
     VtuFile::<D>::point_values,

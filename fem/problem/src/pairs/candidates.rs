@@ -25,7 +25,7 @@ fn length<const D: usize>(a: &[f64; D]) -> f64 {
 
 /// All rays from the points of an own facet, to both sides.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Beam<const D: usize> {
+pub(super) struct RayBundle<const D: usize> {
     /// They start within a radius of a point.
     centre: [f64; D],
     radius: f64,
@@ -36,11 +36,11 @@ pub(super) struct Beam<const D: usize> {
     reach: f64,
 }
 
-impl<const D: usize> Beam<D> {
+impl<const D: usize> RayBundle<D> {
     /// The ray from the middle of a facet along its normal.
     pub fn along_normal_of(own: &SurfaceFacet<D>, reach: f64) -> Self {
         let direction = own.at(&own.middle()).normal();
-        Beam { centre: own.centre, radius: 0.0, direction, spread: 0.0, reach }
+        RayBundle { centre: own.centre, radius: 0.0, direction, spread: 0.0, reach }
     }
 
     /// Grows until it holds the first `count` of some rays.
@@ -79,7 +79,7 @@ impl<const D: usize> Beam<D> {
 
     /// Upper bound on how much closer a ball that `earlier` missed can be, by the motion of the rays;
     /// no ball that this beam meets has a larger radius.
-    fn moved_since(&self, earlier: &Beam<D>, largest: f64) -> f64 {
+    fn moved_since(&self, earlier: &RayBundle<D>, largest: f64) -> f64 {
         let [length_now, width] = self.extents().map(|extent| extent + largest);
         let turned = length(&minus(&self.direction, &earlier.direction));
         let widened = (self.radius - earlier.radius).max(0.0);
@@ -99,7 +99,7 @@ struct Ball<const D: usize> {
 #[derive(Debug)]
 pub(super) struct KeptList<const D: usize> {
     /// The state in which the list was made: the rays, and how far balls had moved from where they are kept.
-    beam: Beam<D>,
+    beam: RayBundle<D>,
     moved: f64,
     skin: f64,
     /// Ascending.
@@ -164,7 +164,7 @@ impl<const D: usize> Candidates<D> {
     pub fn of(
         &self,
         own: usize,
-        beam: &Beam<D>,
+        beam: &RayBundle<D>,
         diameter: f64,
         may_face: impl Fn(usize) -> bool,
         found: &mut Vec<usize>,
@@ -183,7 +183,7 @@ impl<const D: usize> Candidates<D> {
         made
     }
 
-    fn list(&self, beam: &Beam<D>, skin: f64, may_face: impl Fn(usize) -> bool) -> KeptList<D> {
+    fn list(&self, beam: &RayBundle<D>, skin: f64, may_face: impl Fn(usize) -> bool) -> KeptList<D> {
         let grid = self.grid.get_or_init(|| {
             // A ball that meets the rays meets the box around them if its own is wider by √2.
             let around = |ball: &Ball<D>| {
@@ -253,7 +253,7 @@ mod tests {
             let fresh = Candidates::new(own, opposite, None);
             let (mut made, mut one, mut other) = (vec![], vec![], vec![]);
             for (index, facet) in own.iter().enumerate() {
-                let mut beam = Beam::along_normal_of(facet, 0.15);
+                let mut beam = RayBundle::along_normal_of(facet, 0.15);
                 for end in facet.parameters().iter().map(|s| facet.at(s)) {
                     beam.hold(&Rays { x: end.position, n: end.normal() }, 1);
                 }

@@ -10,7 +10,7 @@ use forms_core::contract::Side;
 use forms_core::source::PositionFunction;
 
 use super::PairError;
-use super::known::{Sought, keep};
+use super::known::{SearchKey, keep};
 use crate::element::CellShape;
 use crate::mesh::Mesh;
 
@@ -34,7 +34,7 @@ pub(crate) struct ReadFunction<'a, const D: usize> {
 
 /// A function that does not jump on a side of a pairing's surfaces. It is not kept alive, but its address is not given to another one.
 struct Smooth<const D: usize> {
-    sought: Sought<D>,
+    key: SearchKey<D>,
     side: Side,
     function: Weak<Function<D>>,
 }
@@ -71,27 +71,27 @@ impl<const D: usize> SmoothFunctions<D> {
     pub fn check(
         &self,
         mesh: &Mesh<D>,
-        sought: &Sought<D>,
+        key: &SearchKey<D>,
         read: &ReadFunction<'_, D>,
     ) -> Result<(), PairError> {
         let lock = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let is_this = |known: &Smooth<D>| {
             known.side == read.side
                 && ptr::addr_eq(known.function.as_ptr(), Arc::as_ptr(read.function))
-                && known.sought == *sought
+                && known.key == *key
         };
         if lock().iter().any(is_this) {
             return Ok(());
         }
-        for facing in &sought.pairing.surfaces {
+        for facing in &key.pairing.surfaces {
             let surface = match read.side {
                 Side::This => &facing.own,
                 Side::Other => &facing.opposite,
             };
-            check_surface(mesh, surface, sought, read)?;
+            check_surface(mesh, surface, key, read)?;
         }
         let function = Arc::downgrade(read.function);
-        keep(&mut lock(), Smooth { sought: sought.clone(), side: read.side, function }, REMEMBERED, |_| true);
+        keep(&mut lock(), Smooth { key: key.clone(), side: read.side, function }, REMEMBERED, |_| true);
         Ok(())
     }
 }
@@ -99,7 +99,7 @@ impl<const D: usize> SmoothFunctions<D> {
 fn check_surface<const D: usize>(
     mesh: &Mesh<D>,
     surface: &str,
-    Sought { quadrature, degree, .. }: &Sought<D>,
+    SearchKey { quadrature, degree, .. }: &SearchKey<D>,
     read: &ReadFunction<'_, D>,
 ) -> Result<(), PairError> {
     // A surface that does not exist, or is rigid, is named where pairs are searched for.

@@ -9,7 +9,7 @@ use super::jumping_data::{ReadFunction, SmoothFunctions};
 use super::rest::SurfacesAtRest;
 use super::surface_values::SurfaceNodes;
 use super::{Displacement, PairError, Pairs};
-use crate::compiled_here::compiled_here;
+use crate::instantiate::instantiate;
 use crate::mesh::Mesh;
 use crate::quadrature::Quadrature;
 use crate::threads::Threads;
@@ -21,7 +21,7 @@ pub(super) const KEPT: usize = 8;
 #[derive(Debug, Default)]
 pub(crate) struct KnownPairs<const D: usize> {
     known: Mutex<Vec<Known<D>>>,
-    candidates: Mutex<Vec<(Sought<D>, Arc<Vec<KeptCandidates<D>>>)>>,
+    candidates: Mutex<Vec<(SearchKey<D>, Arc<Vec<KeptCandidates<D>>>)>>,
     nodes: SurfaceNodes,
     pub(super) at_rest: SurfacesAtRest<D>,
     functions: SmoothFunctions<D>,
@@ -29,7 +29,7 @@ pub(crate) struct KnownPairs<const D: usize> {
 
 /// The object of a search.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Sought<const D: usize> {
+pub(super) struct SearchKey<const D: usize> {
     pub pairing: Pairing,
     pub quadrature: Quadrature<D>,
     pub degree: usize,
@@ -37,7 +37,7 @@ pub(super) struct Sought<const D: usize> {
 
 #[derive(Debug)]
 struct Known<const D: usize> {
-    sought: Sought<D>,
+    key: SearchKey<D>,
     /// The displacement of the surfaces.
     displacement: Option<Vec<f64>>,
     pairs: Arc<Pairs<D>>,
@@ -53,7 +53,7 @@ pub(super) fn keep<T>(list: &mut Vec<T>, entry: T, limit: usize, of_this_kind: i
     list.push(entry);
 }
 
-impl<const D: usize> Sought<D> {
+impl<const D: usize> SearchKey<D> {
     /// The object of a search with a choice of quadrature; `estimated` is the degree where the choice is the compiler's estimate.
     fn new(pairing: &Pairing, quadrature: &Quadrature<D>, estimated: usize) -> Self {
         // Where facets are split elsewhere, pairs keep pieces of their own.
@@ -62,7 +62,7 @@ impl<const D: usize> Sought<D> {
             choice = whole;
         }
         let degree = if choice.follows_estimates() { estimated } else { 0 };
-        Sought { pairing: pairing.clone(), quadrature: choice.clone(), degree }
+        SearchKey { pairing: pairing.clone(), quadrature: choice.clone(), degree }
     }
 }
 
@@ -82,34 +82,34 @@ impl<const D: usize> KnownPairs<D> {
         displacement: Option<&Displacement<D>>,
         threads: Threads,
     ) -> Result<Arc<Pairs<D>>, PairError> {
-        let sought = Sought::new(pairing, quadrature, estimated);
+        let key = SearchKey::new(pairing, quadrature, estimated);
         let values =
             displacement.map(|displacement| self.nodes.values(mesh, pairing, displacement)).transpose()?;
         let lock = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_known = |known: &&Known<D>| known.sought == sought && known.displacement == values;
+        let is_known = |known: &&Known<D>| known.key == key && known.displacement == values;
         if let Some(known) = lock().iter().find(is_known) {
             return Ok(Arc::clone(&known.pairs));
         }
         let lock_candidates = || self.candidates.lock().unwrap_or_else(PoisonError::into_inner);
         let earlier = values.as_ref().and_then(|_| {
             let candidates = lock_candidates();
-            let known = candidates.iter().find(|(known, _)| *known == sought);
+            let known = candidates.iter().find(|(known, _)| *known == key);
             known.map(|(_, kept)| Arc::clone(kept))
         });
         let earlier = earlier.as_ref().map_or(&[][..], |kept| kept);
         // Not under the lock: a search runs on several threads.
-        let rule = (&sought.quadrature, sought.degree);
+        let rule = (&key.quadrature, key.degree);
         let (pairs, kept) = Pairs::find(mesh, pairing, rule, displacement, &self.at_rest, threads, earlier)?;
         if values.is_some() {
             let (mut candidates, kept) = (lock_candidates(), Arc::new(kept));
-            match candidates.iter_mut().find(|(known, _)| *known == sought) {
+            match candidates.iter_mut().find(|(known, _)| *known == key) {
                 Some((_, known)) => *known = kept,
-                None => keep(&mut candidates, (sought.clone(), kept), KEPT, |_| true),
+                None => keep(&mut candidates, (key.clone(), kept), KEPT, |_| true),
             }
         }
         let pairs = Arc::new(pairs);
         let displaced = values.is_some();
-        let entry = Known { sought, displacement: values, pairs: Arc::clone(&pairs) };
+        let entry = Known { key, displacement: values, pairs: Arc::clone(&pairs) };
         keep(&mut lock(), entry, KEPT, |known| known.displacement.is_some() == displaced);
         Ok(pairs)
     }
@@ -127,8 +127,8 @@ impl<const D: usize> KnownPairs<D> {
         estimated: usize,
         read: &ReadFunction<'_, D>,
     ) -> Result<(), PairError> {
-        self.functions.check(mesh, &Sought::new(pairing, quadrature, estimated), read)
+        self.functions.check(mesh, &SearchKey::new(pairing, quadrature, estimated), read)
     }
 }
 
-compiled_here!(known: KnownPairs::<D>::find, KnownPairs::<D>::check_function);
+instantiate!(known: KnownPairs::<D>::find, KnownPairs::<D>::check_function);

@@ -26,6 +26,7 @@
 //! surfaces are kept for the last displacements, and lists of candidates from one displacement to the next. Pairs are a function of
 //! mesh and displacement alone, whatever was found before.
 
+mod boundary_edges;
 mod candidates;
 mod clip;
 mod displacement;
@@ -45,7 +46,6 @@ mod rays;
 mod report;
 mod rest;
 mod rigid;
-mod rim;
 mod search;
 mod surface;
 mod surface_values;
@@ -130,7 +130,7 @@ pub struct Pairs<const D: usize> {
     pub(crate) groups: Vec<Arc<PairGroup<D>>>,
     pub report: PairReport<D>,
     /// The places in the pairing of surfaces whose points have no opposite one.
-    pub alone: Vec<usize>,
+    pub unpaired: Vec<usize>,
 }
 
 /// Own facets that a thread searches for at a time.
@@ -156,7 +156,7 @@ impl<const D: usize> Pairs<D> {
             return Err(PairError::Reach { reach });
         }
         let surfaces = Surfaces::new(mesh, pairing, at_rest, displacement, threads)?;
-        let (mut all, mut kept, mut alone) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut all, mut kept, mut unpaired) = (Vec::new(), Vec::new(), Vec::new());
         let mut counts = Counts::default();
         for (number, facing) in pairing.surfaces.iter().enumerate() {
             let search = Search::new(mesh, pairing, facing, rule, &surfaces, earlier.get(number))?;
@@ -181,12 +181,12 @@ impl<const D: usize> Pairs<D> {
                 return Err(PairError::NoPartners { own: own_name, opposite, met: own.rejected });
             }
             if own.points == 0 {
-                alone.push(number);
+                unpaired.push(number);
             }
             counts.add(&own);
             kept.push(search.candidates.keep(remade));
         }
-        Ok((Pairs { groups: grouped(mesh, &all), report: PairReport::of(&counts), alone }, kept))
+        Ok((Pairs { groups: grouped(mesh, &all), report: PairReport::of(&counts), unpaired }, kept))
     }
 
     /// The own and opposite facets of all units, each pair of them once.
@@ -199,7 +199,7 @@ impl<const D: usize> Pairs<D> {
 
     /// Numbers that tell which facets face each other at how many points, rigid ones by their normals. Where they change, a point has
     /// crossed an edge of the opposite surface, or lost or found it: what is assembled has a kink there.
-    pub fn meetings(&self) -> Vec<u32> {
+    pub fn contact_topology(&self) -> Vec<u32> {
         let mut numbers = vec![];
         for group in &self.groups {
             let facets = group.facets.iter().flatten();

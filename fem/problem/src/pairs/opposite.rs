@@ -1,6 +1,6 @@
 //! The point of a facet that lies nearest to a given one.
 
-use super::rim::Rim;
+use super::boundary_edges::BoundaryEdges;
 use super::surface::{SurfaceFacet, SurfacePoint, dot, minus};
 use crate::mesh::geometry::inverse;
 
@@ -12,7 +12,7 @@ pub(super) const STEPS: usize = 40;
 
 /// A point of an opposite facet.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Hit<const D: usize> {
+pub(super) struct ClosestPoint<const D: usize> {
     /// Coordinates on the facet.
     pub s: [f64; 2],
     pub position: [f64; D],
@@ -23,9 +23,9 @@ pub(super) struct Hit<const D: usize> {
 }
 
 /// The point of a facet with given coordinates.
-pub(super) fn hit<const D: usize>(facet: &SurfaceFacet<D>, s: [f64; 2], at_rim: bool) -> Hit<D> {
+pub(super) fn hit<const D: usize>(facet: &SurfaceFacet<D>, s: [f64; 2], at_rim: bool) -> ClosestPoint<D> {
     let point = facet.at(&s);
-    Hit { s, position: point.position, normal: point.normal(), at_rim }
+    ClosestPoint { s, position: point.position, normal: point.normal(), at_rim }
 }
 
 /// The point of a facet's surface at which the distance from x is stationary along some directions of its coordinates;
@@ -86,7 +86,11 @@ fn stationary<const D: usize>(
 }
 
 /// The nearest point of a facet, its edges and corners included.
-pub(super) fn nearest<const D: usize>(facet: &SurfaceFacet<D>, rim: &Rim, x: &[f64; D]) -> Option<Hit<D>> {
+pub(super) fn nearest<const D: usize>(
+    facet: &SurfaceFacet<D>,
+    rim: &BoundaryEdges,
+    x: &[f64; D],
+) -> Option<ClosestPoint<D>> {
     const AXES: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
     if let Some(s) = stationary(facet, x, facet.middle(), &AXES[..D - 1])
         && facet.contains(&s, INSIDE)
@@ -94,8 +98,8 @@ pub(super) fn nearest<const D: usize>(facet: &SurfaceFacet<D>, rim: &Rim, x: &[f
         return Some(hit(facet, s, false));
     }
     let (corners, vertices) = (facet.parameters(), facet.vertices().collect::<Vec<_>>());
-    let mut found: Option<(f64, Hit<D>)> = None;
-    let mut keep = |hit: Hit<D>| {
+    let mut found: Option<(f64, ClosestPoint<D>)> = None;
+    let mut keep = |hit: ClosestPoint<D>| {
         let off = minus(&hit.position, x);
         let distance = dot(&off, &off);
         if found.is_none_or(|(known, _)| distance < known) {

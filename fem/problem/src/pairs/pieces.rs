@@ -2,7 +2,7 @@
 
 use forms_core::contract::Projection;
 
-use super::search::{Search, Sought, Viewpoint};
+use super::search::{RayOrigin, Search, SearchResult};
 use super::surface::{SurfaceFacet, dot, minus};
 use crate::quadrature::Piece;
 
@@ -44,9 +44,9 @@ pub(super) fn segments<const D: usize>(
             continue;
         }
         let middle = [0.5 * (first + last), 0.0];
-        let middle = Viewpoint::new(own, middle, &own.at(&middle));
+        let middle = RayOrigin::new(own, middle, &own.at(&middle));
         let sought = search.opposite_to(&middle, candidates, reach);
-        let Sought::Found(partner) = sought else { continue };
+        let SearchResult::Found(partner) = sought else { continue };
         match found.last_mut() {
             // The end of a facet that is hidden behind another one ends nothing.
             Some((facet, piece))

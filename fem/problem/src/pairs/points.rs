@@ -6,7 +6,7 @@ use forms_core::contract::Projection;
 
 use super::found::{Found, PairPoint, Room};
 use super::ray_points::RayRoom;
-use super::search::{Partner, Search, Sought, Viewpoint};
+use super::search::{Pair, RayOrigin, Search, SearchResult};
 use super::surface::SurfaceFacet;
 use super::{PairError, clip, pieces};
 use crate::lanes::{LaneWork, SimdLane};
@@ -60,7 +60,7 @@ impl<const D: usize> Search<'_, '_, D> {
         for (facing, rule) in self.rules(own, &candidates, reach)? {
             for (s, &weight) in rule.points.iter().zip(&rule.weights) {
                 let point = own.at(s);
-                let from = Viewpoint::new(own, *s, &point);
+                let from = RayOrigin::new(own, *s, &point);
                 let sought = self.opposite_to(&from, &candidates, reach);
                 let Some(sought) = self.of_piece(facing, sought, &from, reach) else { continue };
                 self.add(sought, &from, (weight, point.element()), found, room);
@@ -72,18 +72,18 @@ impl<const D: usize> Search<'_, '_, D> {
     /// Counts the outcome for a point of given weight and surface element.
     fn add(
         &self,
-        sought: Sought<D>,
-        from: &Viewpoint<D>,
+        sought: SearchResult<D>,
+        from: &RayOrigin<D>,
         (weight, element): (f64, f64),
         found: &mut Found<D>,
         room: &mut Room<D>,
     ) {
         let counts = found.counts();
         let partner = match sought {
-            Sought::Found(partner) => partner,
-            Sought::Rejected | Sought::Open => {
+            SearchResult::Found(partner) => partner,
+            SearchResult::Rejected | SearchResult::Open => {
                 counts.open += 1;
-                counts.rejected += usize::from(matches!(sought, Sought::Rejected));
+                counts.rejected += usize::from(matches!(sought, SearchResult::Rejected));
                 return;
             }
         };
@@ -134,20 +134,20 @@ impl<const D: usize> Search<'_, '_, D> {
     fn of_piece(
         &self,
         facing: Option<usize>,
-        sought: Sought<D>,
-        from: &Viewpoint<D>,
+        sought: SearchResult<D>,
+        from: &RayOrigin<D>,
         reach: f64,
-    ) -> Option<Sought<D>> {
-        let (Some(facing), Sought::Found(best)) = (facing, &sought) else { return Some(sought) };
+    ) -> Option<SearchResult<D>> {
+        let (Some(facing), SearchResult::Found(best)) = (facing, &sought) else { return Some(sought) };
         if best.facet == facing {
             return Some(sought);
         }
         let (a, b) = (&self.opposite[best.facet], &self.opposite[facing]);
-        let same_gap = |partner: &Partner<D>| best.gap.abs() >= partner.gap.abs() - SAME_GAP * b.radius;
+        let same_gap = |partner: &Pair<D>| best.gap.abs() >= partner.gap.abs() - SAME_GAP * b.radius;
         match self.on_facet(facing, from).filter(|partner| self.accepts(partner, from, reach)) {
             Some(partner) if self.projection == Projection::Ray => {
                 if same_gap(&partner) {
-                    return Some(Sought::Found(partner));
+                    return Some(SearchResult::Found(partner));
                 }
                 None
             }

@@ -3,7 +3,7 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
 #![allow(clippy::needless_range_loop)]
 
-use super::candidates::Beam;
+use super::candidates::RayBundle;
 use super::found::{Found, PairPoint, Unit};
 use super::nearest_on_rays::NearestOnRays;
 use super::rays::Rays;
@@ -63,7 +63,7 @@ impl<const D: usize> Search<'_, '_, D> {
         let (mut lanes, mut measure) = ([0.0; WIDEST], 0.0);
         let diameter = own.diameter;
         let reach = self.reach_of(diameter);
-        let mut beam = Beam::along_normal_of(own, reach);
+        let mut beam = RayBundle::along_normal_of(own, reach);
         rays.clear();
         elements.clear();
         for batch in 0..points.len() {

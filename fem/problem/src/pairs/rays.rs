@@ -3,7 +3,7 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
 #![allow(clippy::needless_range_loop)]
 
-use super::opposite::{Hit, INSIDE, STEPS};
+use super::opposite::{ClosestPoint, INSIDE, STEPS};
 use super::surface::{SurfaceFacet, SurfacePoint, dot, minus, splat};
 use crate::lanes::SimdLane;
 
@@ -125,7 +125,7 @@ pub(super) fn along_ray<const D: usize>(
     facet: &SurfaceFacet<D>,
     x: &[f64; D],
     n: &[f64; D],
-) -> Option<Hit<D>> {
+) -> Option<ClosestPoint<D>> {
     let Met { s, point, .. } = along_rays(facet, &Rays { x: *x, n: *n })?;
-    Some(Hit { s, position: point.position, normal: point.normal(), at_rim: false })
+    Some(ClosestPoint { s, position: point.position, normal: point.normal(), at_rim: false })
 }

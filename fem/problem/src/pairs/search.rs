@@ -6,10 +6,10 @@ use std::sync::OnceLock;
 use forms_core::contract::{Facing, PairQuadrature, Pairing, Projection};
 
 use super::PairError;
-use super::candidates::{Beam, Candidates, KeptCandidates};
-use super::opposite::{Hit, hit, nearest};
+use super::boundary_edges::BoundaryEdges;
+use super::candidates::{Candidates, KeptCandidates, RayBundle};
+use super::opposite::{ClosestPoint, hit, nearest};
 use super::rays::{Rays, along_ray};
-use super::rim::Rim;
 use super::surface::{SurfaceFacet, SurfacePoint, dot, minus, unit};
 use super::surfaces::Surfaces;
 use crate::element::CellShape;
@@ -24,31 +24,31 @@ pub(super) const FACING: f64 = -0.1;
 const BEHIND: f64 = 4.0;
 
 /// A point of an own facet, from which an opposite one is looked for.
-pub(super) struct Viewpoint<'a, 'm, const D: usize> {
+pub(super) struct RayOrigin<'a, 'm, const D: usize> {
     pub own: &'a SurfaceFacet<'m, D>,
     pub s: [f64; 2],
     pub position: [f64; D],
     pub normal: [f64; D],
 }
 
-impl<'a, 'm, const D: usize> Viewpoint<'a, 'm, D> {
+impl<'a, 'm, const D: usize> RayOrigin<'a, 'm, D> {
     pub fn new(own: &'a SurfaceFacet<'m, D>, s: [f64; 2], point: &SurfacePoint<D>) -> Self {
-        Viewpoint { own, s, position: point.position, normal: point.normal() }
+        RayOrigin { own, s, position: point.position, normal: point.normal() }
     }
 }
 
 /// The opposite point that was found.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Partner<const D: usize> {
+pub(super) struct Pair<const D: usize> {
     /// The facet, by index among the opposite ones.
     pub facet: usize,
-    pub hit: Hit<D>,
+    pub hit: ClosestPoint<D>,
     pub gap: f64,
 }
 
 /// The outcome of a search.
-pub(super) enum Sought<const D: usize> {
-    Found(Partner<D>),
+pub(super) enum SearchResult<const D: usize> {
+    Found(Pair<D>),
     /// Facets were met, but from behind or beyond the reach.
     Rejected,
     Open,
@@ -73,7 +73,7 @@ pub(super) struct Search<'s, 'm, const D: usize> {
     pub opposite: &'s [SurfaceFacet<'m, D>],
     /// Boxes around the opposite facets, where they are asked for.
     grid: OnceLock<BoxGrid<D>>,
-    rim: Rim,
+    rim: BoundaryEdges,
     /// Normals at corners of the opposite surface, means of those of its facets there.
     corner_normals: HashMap<u32, [f64; D]>,
     pub projection: Projection,
@@ -116,7 +116,7 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
         let projection = if surfaces.displaced { Projection::Ray } else { pairing.projection };
         let whole = pairing.quadrature == PairQuadrature::WholeFacets || surfaces.displaced;
         let mut corner_normals: HashMap<u32, [f64; D]> = HashMap::new();
-        let mut rim = Rim::default();
+        let mut rim = BoundaryEdges::default();
         if projection == Projection::Nearest {
             for facet in opposite.iter().filter(|_| D == 3) {
                 for (vertex, s) in facet.vertices().zip(facet.parameters()) {
@@ -125,7 +125,7 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
                 }
             }
             corner_normals.values_mut().for_each(|normal| *normal = unit(normal));
-            rim = Rim::of(opposite);
+            rim = BoundaryEdges::of(opposite);
         }
         let mut rules = Vec::new();
         for shape in mesh.shapes().into_iter().filter(|_| whole) {
@@ -175,7 +175,7 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
         let (own, reach) = (&self.own[index], self.reach(&self.own[index]));
         let mut found = Vec::new();
         if self.projection == Projection::Ray && own.affine {
-            let mut beam = Beam::along_normal_of(own, reach);
+            let mut beam = RayBundle::along_normal_of(own, reach);
             for corner in own.parameters().iter().map(|s| own.at(s)) {
                 beam.hold(&Rays { x: corner.position, n: corner.normal() }, 1);
             }
@@ -200,7 +200,7 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
     }
 
     /// The point of one facet opposite to x, with the gap.
-    pub fn on_facet(&self, facet: usize, from: &Viewpoint<D>) -> Option<Partner<D>> {
+    pub fn on_facet(&self, facet: usize, from: &RayOrigin<D>) -> Option<Pair<D>> {
         let (x, n) = (&from.position, &from.normal);
         let hit = match self.projection {
             Projection::Ray => along_ray(&self.opposite[facet], x, n)?,
@@ -211,7 +211,7 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
             Projection::Ray => dot(n, &off),
             Projection::Nearest => -dot(&hit.normal, &off),
         };
-        Some(Partner { facet, hit, gap })
+        Some(Pair { facet, hit, gap })
     }
 
     /// Candidates with lower bounds of their distance from a point, nearest points first: of these few are looked at.
@@ -225,7 +225,7 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
         bounds
     }
 
-    pub fn accepts(&self, partner: &Partner<D>, from: &Viewpoint<D>, reach: f64) -> bool {
+    pub fn accepts(&self, partner: &Pair<D>, from: &RayOrigin<D>, reach: f64) -> bool {
         dot(&from.normal, &partner.hit.normal) < FACING
             && partner.gap.abs() <= reach
             && !self.through_the_body((from.own, &from.s), (&self.opposite[partner.facet], &partner.hit.s))
@@ -249,7 +249,7 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
 
     /// The point opposite to x: of those accepted the one with the smallest |g|, or the nearest; of several the one on
     /// the facet with the lowest number.
-    pub fn opposite_to(&self, from: &Viewpoint<D>, candidates: &[usize], reach: f64) -> Sought<D> {
+    pub fn opposite_to(&self, from: &RayOrigin<D>, candidates: &[usize], reach: f64) -> SearchResult<D> {
         match self.projection {
             Projection::Ray => {
                 let rays = Rays { x: from.position, n: from.normal };
@@ -258,10 +258,10 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
                 match (found.found, found.rejected) {
                     (true, _) => {
                         let hit = hit(&self.opposite[facet], found.s, false);
-                        Sought::Found(Partner { facet, hit, gap: found.gap })
+                        SearchResult::Found(Pair { facet, hit, gap: found.gap })
                     }
-                    (false, true) => Sought::Rejected,
-                    (false, false) => Sought::Open,
+                    (false, true) => SearchResult::Rejected,
+                    (false, false) => SearchResult::Open,
                 }
             }
             Projection::Nearest => self.nearest_to(from, candidates, reach),
@@ -269,8 +269,8 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
     }
 
     /// The nearest point that is accepted.
-    fn nearest_to(&self, from: &Viewpoint<D>, candidates: &[usize], reach: f64) -> Sought<D> {
-        let (mut best, mut rejected): (Option<(f64, Partner<D>)>, bool) = (None, false);
+    fn nearest_to(&self, from: &RayOrigin<D>, candidates: &[usize], reach: f64) -> SearchResult<D> {
+        let (mut best, mut rejected): (Option<(f64, Pair<D>)>, bool) = (None, false);
         for (bound, facet) in self.by_distance(&from.position, candidates) {
             if best.as_ref().is_some_and(|(least, _)| bound > *least) {
                 break;
@@ -282,16 +282,16 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
             }
             let off = minus(&partner.hit.position, &from.position);
             let distance = dot(&off, &off).sqrt();
-            let nearer = |(least, known): &(f64, Partner<D>)| (distance, facet) < (*least, known.facet);
+            let nearer = |(least, known): &(f64, Pair<D>)| (distance, facet) < (*least, known.facet);
             if best.as_ref().is_none_or(nearer) {
                 best = Some((distance, partner));
             }
         }
         match best {
             // Beyond the end of a surface its nearest point is no opposite one.
-            Some((_, partner)) if !partner.hit.at_rim => Sought::Found(partner),
-            None if rejected => Sought::Rejected,
-            _ => Sought::Open,
+            Some((_, partner)) if !partner.hit.at_rim => SearchResult::Found(partner),
+            None if rejected => SearchResult::Rejected,
+            _ => SearchResult::Open,
         }
     }
 }

@@ -8,10 +8,10 @@ use thiserror::Error;
 use super::problem::Problem;
 use super::{Elimination, NonlinearProblem, PerUnknown, SolverError};
 use crate::assemble::{Assembler, AssemblyError};
-use crate::compiled_here::compiled_here;
 use crate::constraints::Constraints;
 use crate::contract::Form;
 use crate::field::Field;
+use crate::instantiate::instantiate;
 use crate::linear_algebra::{EigenError, LinearAlgebraError, Positive, SymmetricPencil};
 use crate::space::Space;
 
@@ -215,7 +215,7 @@ impl<'a, const D: usize, const N: usize> Eigenproblem<'a, D, N> {
     }
 }
 
-compiled_here!(
+instantiate!(
     eigenproblem:
     Eigenproblem::<D, 1>::of,
     Eigenproblem::<D, 1>::above,

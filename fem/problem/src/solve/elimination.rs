@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::compiled_here::compiled_here;
 use crate::constraints::{Constraints, Relation};
+use crate::instantiate::instantiate;
 use crate::linear_algebra::error::check_size;
 use crate::linear_algebra::{
     BlockMatrix, CsrMatrix, Entry, LinearAlgebraError, Restriction, SparsityPattern,
@@ -336,7 +336,7 @@ impl Elimination {
     }
 }
 
-compiled_here!(elimination: Elimination::of::<D>);
+instantiate!(elimination: Elimination::of::<D>);
 
 #[cfg(test)]
 mod tests;

@@ -127,7 +127,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     }
 
     /// These constraints with zero for the prescribed values and the same relations, as for adjoint states and increments.
-    pub fn vanishing(mut self, constraints: &Constraints<D>) -> Self {
+    pub fn homogeneous(mut self, constraints: &Constraints<D>) -> Self {
         self.constraints.push(Cow::Owned(constraints.homogeneous()));
         self
     }

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::compiled_here::compiled_here;
 use crate::constraints::RigidMap;
+use crate::instantiate::instantiate;
 use crate::mesh::geometry::inverse;
 use crate::mesh::{CarriedSurface, Mesh};
 use crate::space::Space;
@@ -155,4 +155,4 @@ fn check_finite(name: &str, what: &'static str, value: &[f64]) -> Result<(), Rig
     }
 }
 
-compiled_here!(rigid_loads: RigidLoads::<D>::force, RigidLoads::<D>::couple);
+instantiate!(rigid_loads: RigidLoads::<D>::force, RigidLoads::<D>::couple);

@@ -7,9 +7,9 @@ use thiserror::Error;
 
 use super::{NewtonStep, SolverReport};
 use crate::assemble::{Assembler, AssemblyError, PointValues, RegionPairs};
-use crate::compiled_here::compiled_here;
 use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
+use crate::instantiate::instantiate;
 use crate::mesh::MeshError;
 use crate::space::Space;
 
@@ -187,4 +187,4 @@ pub fn resultant<const D: usize>(
     Ok(sums)
 }
 
-compiled_here!(solved: Solved::<D, 1>::reaction_moment);
+instantiate!(solved: Solved::<D, 1>::reaction_moment);

@@ -6,12 +6,12 @@
 use super::LoadHistory;
 use crate::contract::Form;
 use crate::field::Field;
-use crate::inverse::changing::{Linearised, halves};
-use crate::inverse::controls::{At, ControlError, Controls, Start};
+use crate::inverse::controls::{ControlError, ControlValues, Controls, Start};
 use crate::inverse::error::HistoryFailure;
 use crate::inverse::evolution::Evolution;
-use crate::inverse::rates::{BEFORE, OF_BEFORE, Own, Wanted, add_rates, rows};
+use crate::inverse::sensitivities::{BEFORE, OF_BEFORE, Own, Wanted, add_sensitivities, rows};
 use crate::inverse::step_equations::Solution;
+use crate::inverse::tangent_state::{Linearised, halves};
 use crate::linear_algebra::vector::add_scaled;
 use crate::solve::Transpose;
 
@@ -29,11 +29,11 @@ pub struct SecondOrderState<'f, const D: usize> {
     /// The change of p.
     pub dp: &'f Field<D>,
     /// The direction: numbers and fields by the names of their controls.
-    pub along: At<'f, D>,
+    pub along: ControlValues<'f, D>,
 }
 
-pub(super) type SecondRatesAt<'a, const D: usize> =
-    Box<dyn Fn(&At<D>, &SecondOrderState<D>) -> Result<Form<D>, ControlError> + 'a>;
+pub(super) type SecondSensitivitiesAt<'a, const D: usize> =
+    Box<dyn Fn(&ControlValues<D>, &SecondOrderState<D>) -> Result<Form<D>, ControlError> + 'a>;
 
 pub(super) const STATE: &str = "state";
 pub(super) const ADJOINT: &str = "adjoint";
@@ -49,11 +49,11 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
     /// by u along `du`, by the state before along `dbefore`, by p along `dp`, and by each control along its direction, each by
     /// `derivative`. The criterion's own second variation by the state is taken from its energy; where that energy reads controls, its
     /// derivatives by state and control, and by control twice, have to be in the second rates.
-    pub fn second_rates<F: Into<Form<D>>>(
+    pub fn second_sensitivities<F: Into<Form<D>>>(
         mut self,
-        form: impl Fn(&At<D>, &SecondOrderState<D>) -> Result<F, ControlError> + 'a,
+        form: impl Fn(&ControlValues<D>, &SecondOrderState<D>) -> Result<F, ControlError> + 'a,
     ) -> Self {
-        self.second_rates = Some(Box::new(move |at, states| Ok(form(at, states)?.into())));
+        self.second_sensitivities = Some(Box::new(move |at, states| Ok(form(at, states)?.into())));
         self
     }
 }
@@ -68,9 +68,10 @@ impl<const D: usize> LoadHistory<'_, D> {
         [u, p, du, dbefore, dp]: [&Field<D>; 5],
         action: &mut [f64],
     ) -> Result<[Vec<f64>; 3], HistoryFailure> {
-        let along = At::new(along, step, None);
-        let at = At::new(&self.controls, step, Some(before));
-        let form = self.second_rates.as_ref().ok_or(HistoryFailure::Missing("second_rates"))?;
+        let along = ControlValues::new(along, step, None);
+        let at = ControlValues::new(&self.controls, step, Some(before));
+        let form =
+            self.second_sensitivities.as_ref().ok_or(HistoryFailure::Missing("second_sensitivities"))?;
         let form = form(&at, &SecondOrderState { u, p, du, dbefore, dp, along })?;
         let own = [
             Own { name: STATE, meaning: "the derivative by the state changes", wanted: Wanted::Yes },
@@ -89,7 +90,7 @@ impl<const D: usize> LoadHistory<'_, D> {
         load: &[f64],
         transpose: Transpose,
     ) -> Result<Field<D>, HistoryFailure> {
-        let form = self.form(&At::new(&self.controls, step, Some(before)))?;
+        let form = self.form(&ControlValues::new(&self.controls, step, Some(before)))?;
         let constraints = (self.constraints)(step)?;
         self.equations.linearised(Solution::Step(step), &form, &constraints, u, load, transpose)
     }
@@ -131,11 +132,13 @@ impl<const D: usize> Linearised<D> for LoadHistory<'_, D> {
         let [before, dbefore, u, du] = [before, dbefore, u, du].map(|values| self.field(values));
         let (before, dbefore, u, du) = (before?, dbefore?, u?, du?);
         let p = self.linearised(step, [&before, &u], slope, Transpose::Yes)?;
-        let at = At::new(&self.controls, step, Some(&before));
-        let rates = self.rates.as_ref().ok_or(HistoryFailure::Missing("rates"))?(&at, &u, &p)?;
+        let at = ControlValues::new(&self.controls, step, Some(&before));
+        let rates =
+            self.sensitivities.as_ref().ok_or(HistoryFailure::Missing("sensitivities"))?(&at, &u, &p)?;
         let spaces = [&self.space, &self.equations.constants()?];
         let controls = (&self.controls, self.remembers());
-        let mut by_before = add_rates(&rates, step, controls, spaces, &self.equations.assembler, gradient)?;
+        let mut by_before =
+            add_sensitivities(&rates, step, controls, spaces, &self.equations.assembler, gradient)?;
         let zero = Field::zero(&self.space);
         let mut unused = vec![0.0; action.len()];
         // Without a change of p first, which is found from it.

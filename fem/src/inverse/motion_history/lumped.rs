@@ -9,12 +9,12 @@ use crate::constraints::Constraints;
 use crate::contract::Form;
 use crate::field::Field;
 use crate::inverse::error::HistoryFailure;
-use crate::inverse::interval::Interval;
 use crate::inverse::step_equations::reads_no_history;
+use crate::inverse::step_map::StepMap;
 use crate::time::mass::row_sums;
 use crate::time::{Mass, SolvedFor, StepFailure};
 
-impl Interval {
+impl StepMap {
     /// Adds the slope of M x·p by the masses to that by the row before.
     pub(super) fn add_by_masses<const D: usize>(&self, [x, p]: [&Field<D>; 2], by_before: &mut [f64]) {
         let by_masses = by_before[3 * self.states * self.unknowns..].iter_mut();

@@ -3,9 +3,9 @@
 use super::{MotionHistory, Reading};
 use crate::field::Field;
 use crate::inverse::error::HistoryFailure;
-use crate::inverse::interval::{Interval, reads_states};
-use crate::inverse::rates::{BEFORE, OF_BEFORE, OPERATORS, Own, Wanted, is_tested, rows};
+use crate::inverse::sensitivities::{BEFORE, OF_BEFORE, OPERATORS, Own, Wanted, is_tested, rows};
 use crate::inverse::step_equations::Solution;
+use crate::inverse::step_map::{StepMap, reads_states};
 use crate::inverse::steps_unknown::{evaluated, reads_unknown_itself, refused};
 use crate::linear_algebra::vector::add_scaled;
 use crate::time::Step;
@@ -15,7 +15,7 @@ impl<const D: usize> MotionHistory<'_, D> {
     #[inline(never)]
     pub(super) fn reverse_by(
         &mut self,
-        interval: &Interval,
+        interval: &StepMap,
         [before, after]: [&[f64]; 2],
         slope: &[f64],
         gradient: &mut [f64],
@@ -44,13 +44,13 @@ impl<const D: usize> MotionHistory<'_, D> {
     /// Adds the derivatives of a step's residual R(u; p) by the controls to the gradient, and those by the row before to the slope by it.
     pub(super) fn add_derivatives(
         &mut self,
-        (interval, step): (&Interval, &Step<D>),
+        (interval, step): (&StepMap, &Step<D>),
         [u, p]: [&Field<D>; 2],
         gradient: &mut [f64],
         by_before: &mut [f64],
     ) -> Result<(), HistoryFailure> {
         let wanted = Wanted::when(self.before_is_read.get());
-        let rates = self.rates.as_ref().ok_or(HistoryFailure::Missing("rates"))?;
+        let rates = self.sensitivities.as_ref().ok_or(HistoryFailure::Missing("sensitivities"))?;
         let rates = rates(&self.during(interval, step), u, p)?;
         // What an operator evaluates of no known state, as the acceleration of explicit steps, has no derivative by one.
         let read = interval.formulas.evaluated.each_ref().map(reads_states);
@@ -87,7 +87,7 @@ impl<const D: usize> MotionHistory<'_, D> {
     /// that reads its unknown itself, less what that gives.
     fn by_tangent(
         &mut self,
-        interval: &Interval,
+        interval: &StepMap,
         step: &Step<D>,
         (unknown, evaluated): (&Field<D>, &[Field<D>; 3]),
         adjoint: &Field<D>,
@@ -111,7 +111,7 @@ impl<const D: usize> MotionHistory<'_, D> {
     /// T₀ᵀ p of a form that reads its unknown itself, with its tangent T₀ for weights zero; none of one that does not.
     fn read_directly(
         &mut self,
-        interval: &Interval,
+        interval: &StepMap,
         step: &Step<D>,
         (unknown, evaluated): (&Field<D>, &[Field<D>; 3]),
         adjoint: &Field<D>,
@@ -128,7 +128,7 @@ impl<const D: usize> MotionHistory<'_, D> {
     /// Looks whether the form reads its unknown itself, and refuses that with schemes that read second rates.
     pub(super) fn see_reading(
         &mut self,
-        interval: &Interval,
+        interval: &StepMap,
         step: &Step<D>,
         unknown: &Field<D>,
     ) -> Result<(), HistoryFailure> {

@@ -6,17 +6,17 @@
 
 use super::{MotionHistory, Reading};
 use crate::assemble::Parts;
-use crate::compiled_here::compiled_here;
 use crate::contract::Form;
 use crate::field::Field;
-use crate::inverse::changing::{Linearised, halves};
-use crate::inverse::controls::{At, ControlError, Controls};
-use crate::inverse::during::During;
+use crate::instantiate::instantiate;
+use crate::inverse::controls::{ControlError, ControlValues, Controls};
 use crate::inverse::error::HistoryFailure;
 use crate::inverse::evolution::Evolution;
-use crate::inverse::interval::Interval;
-use crate::inverse::rates::{OPERATORS, Own, Wanted, is_tested, rows};
+use crate::inverse::sensitivities::{OPERATORS, Own, Wanted, is_tested, rows};
+use crate::inverse::step_context::StepContext;
+use crate::inverse::step_map::StepMap;
 use crate::inverse::steps_unknown::evaluated;
+use crate::inverse::tangent_state::{Linearised, halves};
 use crate::linear_algebra::vector::{add_scaled, largest};
 use crate::solve::Transpose;
 use crate::time::Step;
@@ -33,11 +33,11 @@ pub struct SecondOrderMotion<'f, const D: usize> {
     /// The change of p.
     pub dp: &'f Field<D>,
     /// The direction: numbers and fields by the names of their controls.
-    pub along: At<'f, D>,
+    pub along: ControlValues<'f, D>,
 }
 
-pub(super) type SecondRatesOf<'a, const D: usize> =
-    Box<dyn Fn(&During<D>, &SecondOrderMotion<D>) -> Result<Form<D>, ControlError> + 'a>;
+pub(super) type SecondSensitivitiesOf<'a, const D: usize> =
+    Box<dyn Fn(&StepContext<D>, &SecondOrderMotion<D>) -> Result<Form<D>, ControlError> + 'a>;
 
 pub(super) const ADJOINT: &str = "adjoint";
 
@@ -53,11 +53,11 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
     /// by `known_value`, `known_rate` and `known_second_rate` along the three `changes`, by p along `dp`, and by each control along its
     /// direction, each by `derivative`; known parts that the form does not read are left out. The form reads its unknown, and the state
     /// before, by the operators of [`time`](crate::time) alone.
-    pub fn second_rates<F: Into<Form<D>>>(
+    pub fn second_sensitivities<F: Into<Form<D>>>(
         mut self,
-        form: impl Fn(&During<D>, &SecondOrderMotion<D>) -> Result<F, ControlError> + 'a,
+        form: impl Fn(&StepContext<D>, &SecondOrderMotion<D>) -> Result<F, ControlError> + 'a,
     ) -> Self {
-        self.second_rates = Some(Box::new(move |during, states| Ok(form(during, states)?.into())));
+        self.second_sensitivities = Some(Box::new(move |during, states| Ok(form(during, states)?.into())));
         self
     }
 
@@ -65,7 +65,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
     fn second_rows(
         &mut self,
         along: &Controls<D>,
-        (interval, step): (&Interval, &Step<D>),
+        (interval, step): (&StepMap, &Step<D>),
         [u, p, dp]: [&Field<D>; 3],
         changes: &[Field<D>; 3],
         action: &mut [f64],
@@ -74,9 +74,10 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         if self.before_is_read.get() || self.reading == Reading::Itself {
             return Err(HistoryFailure::BesideOperators { form: form.name() });
         }
-        let along = At::new(along, interval.step(), None);
+        let along = ControlValues::new(along, interval.step(), None);
         let states = SecondOrderMotion { u, p, changes: changes.each_ref(), dp, along };
-        let second = self.second_rates.as_ref().ok_or(HistoryFailure::Missing("second_rates"))?;
+        let second =
+            self.second_sensitivities.as_ref().ok_or(HistoryFailure::Missing("second_sensitivities"))?;
         let second = second(&self.during(interval, step), &states)?;
         let mut own = OPERATORS.map(|name| Own {
             name,
@@ -97,7 +98,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
     /// Whether the form depends on value, rate or second rate: whether another known part gives another residual.
     fn reads(
         &self,
-        interval: &Interval,
+        interval: &StepMap,
         step: &Step<D>,
         unknown: &Field<D>,
         place: usize,
@@ -118,7 +119,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
     /// x with F_x x = −load or F_xᵀ x = −load.
     fn linearised(
         &mut self,
-        (interval, step): (&Interval, &Step<D>),
+        (interval, step): (&StepMap, &Step<D>),
         unknown: &Field<D>,
         load: &[f64],
         transpose: Transpose,
@@ -131,7 +132,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
     fn advance_along_by(
         &mut self,
         along: &Controls<D>,
-        interval: &Interval,
+        interval: &StepMap,
         before: &[f64],
     ) -> Result<Vec<f64>, HistoryFailure> {
         let [before, change] = halves(before);
@@ -160,7 +161,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
     fn reverse_along_by(
         &mut self,
         along: &Controls<D>,
-        interval: &Interval,
+        interval: &StepMap,
         [before, after]: [&[f64]; 2],
         [slope, change]: [&[f64]; 2],
         [gradient, action]: [&mut [f64]; 2],
@@ -317,4 +318,4 @@ impl<const D: usize> Linearised<D> for MotionHistory<'_, D> {
     }
 }
 
-compiled_here!(second_order: MotionHistory::<D>::advance_along_by, MotionHistory::<D>::reverse_along_by);
+instantiate!(second_order: MotionHistory::<D>::advance_along_by, MotionHistory::<D>::reverse_along_by);

@@ -108,7 +108,7 @@ impl Numeric<'_> {
             }
             let place = self.values(supernode..supernode + 1);
             let (known, later) = values.split_at_mut(place.start);
-            scratch.hand_over(place.start, place.len(), later);
+            scratch.prefault(place.start, place.len(), later);
             self.supernode(supernode, threads, (0, known), &mut later[..place.len()], &mut scratch)?;
             supernode += 1;
         }
@@ -142,7 +142,7 @@ impl Numeric<'_> {
             for supernode in range {
                 let place = self.values(supernode..supernode + 1);
                 let (known, later) = block.split_at_mut(place.start - start);
-                scratch.hand_over(place.start, place.len(), later);
+                scratch.prefault(place.start, place.len(), later);
                 let own = &mut later[..place.len()];
                 if let Err(column) = self.supernode(supernode, Threads::ONE, (start, known), own, scratch) {
                     let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::refinement::step;
 use super::{BisectedMesh, Bisection, Origin, Part, opposite, simplex};
-use crate::compiled_here;
+use crate::instantiate;
 use crate::mesh::nesting::{Nesting, Parts};
 use crate::mesh::{Facet, Mesh, MeshError};
 
@@ -148,4 +148,4 @@ impl<const D: usize> BisectedMesh<D> {
     }
 }
 
-compiled_here!(bisection_coarsening: BisectedMesh::<D>::coarsened);
+instantiate!(bisection_coarsening: BisectedMesh::<D>::coarsened);

@@ -9,8 +9,8 @@ mod refinement;
 use std::sync::Arc;
 
 use super::{Mesh, MeshError, Nesting, Surface};
-use crate::compiled_here;
 use crate::element::CellShape;
+use crate::instantiate;
 use marked_edges::{MarkedEdges, Part};
 
 pub(super) use refinement::step_of_bisection;
@@ -158,7 +158,7 @@ fn opposite(shape: CellShape, vertex: usize) -> usize {
     if shape == CellShape::Triangle { (vertex + 1) % 3 } else { vertex }
 }
 
-compiled_here!(bisection: BisectedMesh::<D>::of, BisectedMesh::<D>::refined_onto);
+instantiate!(bisection: BisectedMesh::<D>::of, BisectedMesh::<D>::refined_onto);
 
 #[cfg(test)]
 mod tests;

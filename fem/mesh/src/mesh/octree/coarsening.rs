@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::parts::{facet_parts, leaves_of};
 use super::{Divided, OctreeMesh, Origin, lies_outside};
-use crate::compiled_here;
+use crate::instantiate;
 use crate::mesh::nesting::{Nesting, Parts};
 use crate::mesh::{Facet, Mesh, MeshError};
 
@@ -160,4 +160,4 @@ fn put_hanging_nodes_on_facets<const D: usize>(mesh: &mut Mesh<D>) -> Result<(),
     mesh.check_places()
 }
 
-compiled_here!(octree_coarsening: OctreeMesh::<D>::coarsened);
+instantiate!(octree_coarsening: OctreeMesh::<D>::coarsened);

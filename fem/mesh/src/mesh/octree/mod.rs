@@ -8,8 +8,8 @@ mod refinement;
 use std::sync::Arc;
 
 use super::{Mesh, MeshError, Nesting, Surface};
-use crate::compiled_here;
 use crate::element::CellShape;
+use crate::instantiate;
 
 /// A mesh of quadrilaterals or hexahedra as roots of quadtrees or octrees, with what its refinement and coarsening go
 /// by: a forest of trees (C. Burstedde, L. C. Wilcox, O. Ghattas, SIAM J. Sci. Comput. 33 (2011)).
@@ -149,7 +149,7 @@ fn lies_outside(shape: CellShape, part: u8, local: u8) -> bool {
     shape.facet_vertices(usize::from(local)).contains(&usize::from(part))
 }
 
-compiled_here!(octree: OctreeMesh::<D>::of, OctreeMesh::<D>::refined_onto);
+instantiate!(octree: OctreeMesh::<D>::of, OctreeMesh::<D>::refined_onto);
 
 #[cfg(test)]
 mod tests;

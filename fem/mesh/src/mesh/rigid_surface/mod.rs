@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 pub use self::carried::CarriedSurface;
 pub use self::error::RigidSurfaceError;
 use super::{Facet, Mesh, MeshError};
-use crate::compiled_here;
+use crate::instantiate;
 
 /// The side of a rigid tool: segments in the plane, triangles in space, whose normals point out of the tool, toward the bodies that
 /// it meets. [`Mesh::with_rigid_surfaces`] adds it to bodies.
@@ -237,4 +237,4 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-compiled_here!(rigid_surface: RigidSurface::<D>::new, RigidSurface::<D>::of_boundary, Mesh::<D>::with_rigid_surfaces);
+instantiate!(rigid_surface: RigidSurface::<D>::new, RigidSurface::<D>::of_boundary, Mesh::<D>::with_rigid_surfaces);

@@ -7,10 +7,10 @@ use super::pairs::PairBuffers;
 use super::side::SideBuffers;
 use crate::assemble::AssemblyError;
 use crate::assemble::binding::{Binding, Values};
-use crate::assemble::kernel_calls::sum_factorisation::Stages;
+use crate::assemble::element_loops::sum_factorisation::Stages;
+use crate::assemble::groups::Group;
 use crate::assemble::scatter::group_nodes::Reading;
-use crate::assemble::walk::Group;
-use crate::compiled_here::compiled_here;
+use crate::instantiate::instantiate;
 use crate::lanes::SimdLane;
 
 /// Memory of a batch, kept from one run of a kernel to the next.
@@ -158,4 +158,4 @@ pub(in crate::assemble) struct Reads {
     pub hessian: bool,
 }
 
-compiled_here!(buffers in lanes: BatchBuffers::<L, D>::prepare);
+instantiate!(buffers in lanes: BatchBuffers::<L, D>::prepare);

@@ -7,8 +7,8 @@ use std::ops::Range;
 
 use super::{Batch, Cells};
 use crate::assemble::AssemblyError;
-use crate::assemble::walk::pair_groups::PairTables;
-use crate::compiled_here::compiled_here;
+use crate::assemble::groups::pair_groups::PairTables;
+use crate::instantiate::instantiate;
 use crate::lanes::{SimdLane, WIDEST};
 use crate::mesh::Mesh;
 use crate::mesh::geometry::determinant;
@@ -132,4 +132,4 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
     }
 }
 
-compiled_here!(checks in lanes: Batch::<L, D>::find_weight);
+instantiate!(checks in lanes: Batch::<L, D>::find_weight);

@@ -10,10 +10,10 @@ use forms_core::source::PositionFunction;
 use super::{Batch, BatchBuffers, Cells};
 use crate::assemble::AssemblyError;
 use crate::assemble::binding::Values;
-use crate::assemble::kernel_calls::sum_factorisation::{
+use crate::assemble::element_loops::sum_factorisation::{
     Derivatives, Interpolation, ProductTables, axis_operations,
 };
-use crate::assemble::walk::GroupSide;
+use crate::assemble::groups::GroupSide;
 use crate::history::{HistoryMismatch, Snapshot};
 use crate::lanes::{SharedWork, SimdLane, Starts, WIDEST};
 

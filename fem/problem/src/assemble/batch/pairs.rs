@@ -11,7 +11,7 @@ use super::cell_map::{curvature, inverse_transposed, shape_operator, surface, ta
 use super::side::{SideBuffers, SideTables};
 use crate::assemble::AssemblyError;
 use crate::assemble::batch::basis_in_lanes::{LaneBasis, LaneElement};
-use crate::assemble::walk::pair_groups::PairTables;
+use crate::assemble::groups::pair_groups::PairTables;
 use crate::lanes::{SimdLane, WIDEST};
 use crate::pairs::PairGroup;
 

@@ -8,7 +8,7 @@ use forms_core::contract::{Basis, Hessian};
 use super::cell_map::{curvature, inverse_transposed, largest_distance, tangential};
 use super::{Cells, Reads};
 use crate::assemble::binding::Tabulated;
-use crate::assemble::walk::GroupSide;
+use crate::assemble::groups::GroupSide;
 use crate::element::Tables;
 use crate::lanes::{SimdLane, Starts, WIDEST};
 

@@ -6,7 +6,7 @@ use forms_core::contract::{Entity, Region};
 
 use super::pair_error;
 use crate::assemble::AssemblyError;
-use crate::compiled_here::compiled_here;
+use crate::instantiate::instantiate;
 use crate::mesh::{Facet, Mesh, MeshError};
 use crate::pairs::PairError;
 
@@ -63,4 +63,4 @@ impl<'a> Entities<'a> {
     }
 }
 
-compiled_here!(entities: Entities::of::<D>);
+instantiate!(entities: Entities::of::<D>);

@@ -4,7 +4,7 @@ use forms_core::contract::{FieldSlot, Region, Requirements};
 
 use super::{Binding, Values, pair_error};
 use crate::assemble::AssemblyError;
-use crate::compiled_here::compiled_here;
+use crate::instantiate::instantiate;
 use crate::pairs::{KnownPairs, ReadFunction};
 use crate::quadrature::Quadrature;
 
@@ -44,7 +44,7 @@ impl<const D: usize> Binding<'_, D> {
     }
 }
 
-compiled_here!(
+instantiate!(
     functions_on_pairs: Binding::<D>::check_functions_on_pairs,
     Binding::<D>::check_functions,
 );

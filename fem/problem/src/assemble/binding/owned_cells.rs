@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::entities::Entities;
 use crate::assemble::Assembler;
-use crate::compiled_here::compiled_here;
+use crate::instantiate::instantiate;
 use crate::mesh::{Mesh, MeshError};
 
 /// Which cells of a mesh are owned.
@@ -110,4 +110,4 @@ impl<const D: usize> Assembler<D> {
     }
 }
 
-compiled_here!(owned_cells: Assembler::<D>::on_owned_cells, Assembler::<D>::on_all_cells);
+instantiate!(owned_cells: Assembler::<D>::on_owned_cells, Assembler::<D>::on_all_cells);

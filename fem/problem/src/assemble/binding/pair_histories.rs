@@ -4,7 +4,7 @@ use forms_core::contract::{Pairing, Requirements};
 
 use super::{Binding, Values};
 use crate::assemble::AssemblyError;
-use crate::compiled_here::compiled_here;
+use crate::instantiate::instantiate;
 
 impl<const D: usize> Binding<'_, D> {
     /// Whether the histories that a kernel reads on contact pairs belong to these, and how many there are.
@@ -29,4 +29,4 @@ impl<const D: usize> Binding<'_, D> {
     }
 }
 
-compiled_here!(pair_histories: Binding::<D>::histories_on_pairs);
+instantiate!(pair_histories: Binding::<D>::histories_on_pairs);

@@ -9,12 +9,12 @@
 use std::ops::Range;
 
 use super::block_index::Slot;
-use super::sparsity::Cliques;
+use super::sparsity::ElementNodes;
 use crate::linear_algebra::large_pages::{room, zeros};
 
 /// The rows that a thread makes, and where it may write places.
 pub(super) struct RowsOfThread<'a, 'p, P> {
-    pub cliques: &'a Cliques<'a>,
+    pub cliques: &'a ElementNodes<'a>,
     /// The rows. No clique before its own has a node among them.
     pub rows: Range<usize>,
     /// The thread's own cliques among those whose places are kept.
@@ -31,7 +31,7 @@ pub(super) struct MadeRows<P> {
     /// Start of each row's columns, and the end of all.
     pub pointers: Vec<usize>,
     pub columns: Vec<u32>,
-    /// Cliques of later threads, and those without a map, that have nodes among the rows.
+    /// ElementNodes of later threads, and those without a map, that have nodes among the rows.
     pub later: Vec<u32>,
     /// The places of each of them; those of other threads' rows mean nothing.
     pub places_of_later: Vec<P>,
@@ -41,11 +41,11 @@ impl<P: Slot + Default> RowsOfThread<'_, '_, P> {
     /// None if a row is too long for the places' type.
     pub fn make(self) -> Option<MadeRows<P>> {
         let RowsOfThread { cliques, rows, own, begins, places, column_nodes } = self;
-        let near = Near::new(cliques, &rows, own);
+        let near = NearbyElements::new(cliques, &rows, own);
         // Where the places of each clique begin among those of the thread's own, and among the others.
         let begins = &begins[near.own.start..];
         let mut places_of_later: Vec<P> = zeros(near.later_begins[near.later.len()]);
-        let around = Around::new(&near, column_nodes);
+        let around = ElementsOfColumn::new(&near, column_nodes);
         // Per row, packed: (last column + 1) << 32 | its index in the row; a row without a column has the index before the first.
         let mut last: Vec<u64> = room(rows.len());
         last.resize(rows.len(), u64::from(u32::MAX));
@@ -110,16 +110,16 @@ impl<P: Slot + Default> RowsOfThread<'_, '_, P> {
 }
 
 /// The cliques that may have nodes among some rows: a thread's own, then others of later ones and without a map.
-struct Near<'a> {
-    cliques: &'a Cliques<'a>,
+struct NearbyElements<'a> {
+    cliques: &'a ElementNodes<'a>,
     own: Range<usize>,
     later: Vec<u32>,
     /// Starts of the places of the later ones, and their end.
     later_begins: Vec<usize>,
 }
 
-impl<'a> Near<'a> {
-    fn new(cliques: &'a Cliques<'a>, rows: &Range<usize>, own: Range<usize>) -> Self {
+impl<'a> NearbyElements<'a> {
+    fn new(cliques: &'a ElementNodes<'a>, rows: &Range<usize>, own: Range<usize>) -> Self {
         let (mut later, mut later_begins, mut begin) = (vec![], vec![0], 0);
         for clique in own.end..cliques.rows.len() {
             let nodes = cliques.rows[clique];
@@ -129,7 +129,7 @@ impl<'a> Near<'a> {
                 later_begins.push(begin);
             }
         }
-        Near { cliques, own, later, later_begins }
+        NearbyElements { cliques, own, later, later_begins }
     }
 
     fn count(&self) -> usize {
@@ -152,14 +152,14 @@ impl<'a> Near<'a> {
 }
 
 /// The cliques around each column, with the column's place in them.
-struct Around {
+struct ElementsOfColumn {
     /// The end of each column's cliques.
     ends: Vec<usize>,
     members: Vec<(u32, u32)>,
 }
 
-impl Around {
-    fn new(near: &Near, column_nodes: usize) -> Self {
+impl ElementsOfColumn {
+    fn new(near: &NearbyElements, column_nodes: usize) -> Self {
         let mut ends: Vec<usize> = zeros(column_nodes + 1);
         for clique in 0..near.count() {
             for &column in near.nodes(clique).1 {
@@ -179,6 +179,6 @@ impl Around {
         }
         // Each start has moved to where the cliques of its column end.
         ends.pop();
-        Around { ends, members }
+        ElementsOfColumn { ends, members }
     }
 }

@@ -13,7 +13,7 @@ use crate::linear_algebra::large_pages::zeros;
 use crate::threads::Threads;
 
 /// Sets of test and trial nodes that are all coupled with each other.
-pub(in crate::assemble) struct Cliques<'a> {
+pub(in crate::assemble) struct ElementNodes<'a> {
     /// Test nodes, set after set.
     pub rows: Vec<&'a [u32]>,
     /// Trial nodes of each set.
@@ -23,7 +23,7 @@ pub(in crate::assemble) struct Cliques<'a> {
 /// The blocks of the pairs in the cliques; and for the first `mapped` cliques the places of their pairs, clique after
 /// clique.
 pub(in crate::assemble) fn couple(
-    cliques: &Cliques,
+    cliques: &ElementNodes,
     (row_nodes, column_nodes): (usize, usize),
     mapped: usize,
     threads: Threads,
@@ -52,10 +52,10 @@ pub(in crate::assemble) fn couple(
 
 /// All that rows are made from.
 struct Coupling<'a> {
-    cliques: &'a Cliques<'a>,
+    cliques: &'a ElementNodes<'a>,
     /// Starts of the places of each clique that is mapped, and their end.
     begins: Vec<usize>,
-    /// Cliques that are mapped, and rows, of each thread.
+    /// ElementNodes that are mapped, and rows, of each thread.
     partition: Partition,
     column_nodes: usize,
     threads: Threads,
@@ -119,7 +119,7 @@ mod tests {
     fn places_widen_where_a_row_is_long() {
         let (chain, wide) = chain_and_wide();
         let sets: Vec<&[u32]> = chain.iter().map(|pair| &pair[..]).chain([&wide[..]]).collect();
-        let cliques = Cliques { rows: sets.clone(), columns: sets.clone() };
+        let cliques = ElementNodes { rows: sets.clone(), columns: sets.clone() };
         let (blocks, places) = couple(&cliques, (2_001, 2_001), sets.len(), Threads::ONE);
         let Slots::Words(places) = places else { panic!("300 columns need two bytes") };
         let mut start = 0;
@@ -154,7 +154,7 @@ mod tests {
     fn rows_are_unions_of_sets_and_places_find_their_columns() {
         let (test_nodes, trial_nodes) = scattered_sets(2_000);
         let (rows, columns) = (test_nodes.iter().map(|set| &set[..]), trial_nodes.iter().map(|set| &set[..]));
-        let cliques = Cliques { rows: rows.collect(), columns: columns.collect() };
+        let cliques = ElementNodes { rows: rows.collect(), columns: columns.collect() };
         let mut expected = vec![BTreeSet::new(); 2_045];
         for (rows, columns) in cliques.rows.iter().zip(&cliques.columns) {
             rows.iter().for_each(|row| expected[*row as usize].extend(columns.iter().copied()));
@@ -185,7 +185,7 @@ mod tests {
             let mut rows: Vec<&[u32]> = chain.iter().map(|pair| &pair[..]).collect();
             rows.insert(position, &wide);
             let columns: Vec<&[u32]> = rows.iter().map(|row| &row[1..]).collect();
-            let cliques = Cliques { rows, columns };
+            let cliques = ElementNodes { rows, columns };
             for mapped in [0, 900, 2_000, 2_001] {
                 let (alone, places) = couple(&cliques, (2_005, 2_001), mapped, Threads::ONE);
                 for threads in [2, 3, 5] {

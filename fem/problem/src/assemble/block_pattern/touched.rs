@@ -10,7 +10,7 @@ use crate::assemble::AssemblyError;
 use crate::assemble::binding::entities::Entities;
 use crate::assemble::binding::outline::{Coupling, Outline};
 use crate::assemble::binding::owned_cells::OwnedCells;
-use crate::compiled_here::compiled_here;
+use crate::instantiate::instantiate;
 use crate::mesh::Facet;
 use crate::space::Space;
 
@@ -140,4 +140,4 @@ fn seen_from(facet: Option<&Facet>) -> (u32, Option<u8>) {
     facet.map_or((0, None), |facet| (facet.cell, Some(facet.local)))
 }
 
-compiled_here!(touched: BlockPattern::<D>::touched, BlockPattern::<D>::read_unknowns);
+instantiate!(touched: BlockPattern::<D>::touched, BlockPattern::<D>::read_unknowns);

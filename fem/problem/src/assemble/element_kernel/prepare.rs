@@ -12,8 +12,8 @@ use super::tables::ElementTables;
 use crate::assemble::AssemblyError;
 use crate::assemble::element_kernel::fixed::{FixedIntegral, PrepareMatrices, PrepareVectors, fits};
 use crate::assemble::element_kernel::sizes::Sizes;
-use crate::assemble::kernel_calls::matrices::{along_axes, by_moments};
-use crate::assemble::walk::{Group, groups};
+use crate::assemble::element_loops::matrices::{along_axes, by_moments};
+use crate::assemble::groups::{Group, groups};
 use crate::contract::Form;
 use crate::quadrature::Quadrature;
 

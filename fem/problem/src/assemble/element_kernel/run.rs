@@ -7,11 +7,11 @@ use forms_core::contract::{BilinearConstants, BilinearKernel, LinearConstants, L
 use super::ElementCells;
 use super::tables::ElementTables;
 use crate::assemble::AssemblyError;
-use crate::assemble::kernel_calls::matrices::{ElementMatrices, MatrixBuffers};
-use crate::assemble::kernel_calls::sink::Direct;
-use crate::assemble::kernel_calls::vectors::{ElementVectors, VectorBuffers};
-use crate::assemble::kernel_calls::{BilinearCalls, Factors, LinearCalls};
-use crate::assemble::walk::Group;
+use crate::assemble::element_loops::matrices::{ElementMatrices, MatrixBuffers};
+use crate::assemble::element_loops::sink::Direct;
+use crate::assemble::element_loops::vectors::{ElementVectors, VectorBuffers};
+use crate::assemble::element_loops::{BilinearCalls, Factors, LinearCalls};
+use crate::assemble::groups::Group;
 use crate::contract::Form;
 use crate::lanes::{LaneWork, Order, SimdLane};
 

@@ -10,7 +10,7 @@ use crate::assemble::batch::Cells;
 use crate::assemble::binding::{Binding, List, Tabulated, Values};
 use crate::assemble::element_kernel::fixed::FixedTables;
 use crate::assemble::element_kernel::sizes::{Array, Sizes};
-use crate::assemble::walk::Group;
+use crate::assemble::groups::Group;
 use crate::contract::Form;
 use crate::lanes::{Checked, Order};
 use crate::mesh::Mesh;

@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use forms_core::contract::Requirements;
 
 use super::partition::Partition;
-use crate::assemble::walk::{Group, GroupSide};
-use crate::compiled_here::compiled_here;
+use crate::assemble::groups::{Group, GroupSide};
 use crate::element::{CellShape, Lagrange};
+use crate::instantiate::instantiate;
 use crate::mesh::Facet;
 use crate::space::{CellNodes, Space};
 use crate::threads::Threads;
@@ -139,4 +139,4 @@ impl SeenAtFacets {
     }
 }
 
-compiled_here!(group_nodes: seen_places::<D>, SeenAtFacets::new::<D>);
+instantiate!(group_nodes: seen_places::<D>, SeenAtFacets::new::<D>);

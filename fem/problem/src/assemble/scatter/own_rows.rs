@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::block_finders::CopiedPlaces;
+use super::block_positions::CopiedPlaces;
 use crate::assemble::block_pattern::block_index::Slot;
 
 /// Contributions to rows that belong to another thread: rows of element matrices or vectors.

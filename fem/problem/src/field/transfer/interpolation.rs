@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::places::{in_parts, place};
 use super::{Transfer, TransferError};
 use crate::assemble::AssemblyError;
-use crate::compiled_here::compiled_here;
 use crate::field::Field;
+use crate::instantiate::instantiate;
 use crate::space::Family;
 
 /// Nodes are looked up from a point so far towards the centre of their cell, in parts of the way: far enough for a point to
@@ -83,4 +83,4 @@ impl<const D: usize> Transfer<'_, D> {
     }
 }
 
-compiled_here!(interpolation: Transfer::<D>::interpolated);
+instantiate!(interpolation: Transfer::<D>::interpolated);

@@ -5,9 +5,9 @@ use super::{Transfer, TransferError};
 use crate::assemble::Assembler;
 use crate::assemble::degree_on_all_cells;
 use crate::assemble::projection::ValuesAtPoints;
-use crate::compiled_here::compiled_here;
 use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
+use crate::instantiate::instantiate;
 use crate::mesh::EVERYWHERE;
 use crate::mesh::geometry::determinant;
 use crate::norms::basis_integrals;
@@ -119,4 +119,4 @@ fn with_integrals_of<const D: usize>(
     Field::of_known(field.space(), shifted.collect())
 }
 
-compiled_here!(transfer_projection: Transfer::<D>::at_quadrature_points, with_integrals_of::<D>);
+instantiate!(transfer_projection: Transfer::<D>::at_quadrature_points, with_integrals_of::<D>);

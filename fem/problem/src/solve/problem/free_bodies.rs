@@ -1,7 +1,7 @@
 //! Bodies that nothing holds, and rigid tools that an unknown is not given on, by name.
 
 use super::Problem;
-use crate::compiled_here::compiled_here;
+use crate::instantiate::instantiate;
 use crate::linear_algebra::{free_motions, free_motions_of_body};
 use crate::solve::{Elimination, Floating};
 use crate::space::Space;
@@ -88,4 +88,4 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
     }
 }
 
-compiled_here!(free_bodies: body_of::<D>, tool_at::<D>);
+instantiate!(free_bodies: body_of::<D>, tool_at::<D>);

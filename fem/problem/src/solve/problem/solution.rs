@@ -4,10 +4,10 @@ use std::time::Instant;
 
 use super::{Problem, SolveError};
 use crate::assemble::AssemblyError;
-use crate::compiled_here::compiled_here;
 use crate::constraints::Constraints;
 use crate::field::Field;
 use crate::history::commits;
+use crate::instantiate::instantiate;
 use crate::linear_algebra::{BlockMatrix, Restriction};
 use crate::solve::communicator::agreed;
 use crate::solve::linear_part::{Assembled, System};
@@ -164,7 +164,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
 /// u, R(u) and the history.
 pub(super) type Found = (Vec<f64>, Vec<f64>, Vec<NewtonStep>);
 
-compiled_here!(
+instantiate!(
     solution:
     Problem::<D, 1>::on_spaces,
     Problem::<D, 1>::solve,

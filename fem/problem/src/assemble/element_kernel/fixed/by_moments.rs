@@ -11,10 +11,10 @@ use super::fields::FieldBuffers;
 use super::store;
 use super::tables::MOST_NUMBERS;
 use crate::assemble::element_kernel::sizes::{Array, Sizes};
-use crate::assemble::kernel_calls::matrices::by_moments;
-use crate::assemble::kernel_calls::no_products;
-use crate::assemble::kernel_calls::sum_factorisation::{Derivatives, Moments, unit};
-use crate::assemble::walk::Group;
+use crate::assemble::element_loops::matrices::by_moments;
+use crate::assemble::element_loops::no_products;
+use crate::assemble::element_loops::sum_factorisation::{Derivatives, Moments, unit};
+use crate::assemble::groups::Group;
 use crate::lanes::{Order, Ordered, SimdLane};
 
 /// Functions that a kernel is asked for at a point, at most.

@@ -8,8 +8,8 @@
 
 use forms_core::contract::BilinearKernel;
 
-use crate::assemble::kernel_calls::block_sink::{BlockSink, sum};
-use crate::assemble::kernel_calls::reference_tensor::Coefficient;
+use crate::assemble::element_loops::block_sink::{BlockSink, sum};
+use crate::assemble::element_loops::reference_tensor::Coefficient;
 use crate::lanes::{Order, PairPlaces, PlacedBlocks, SimdLane};
 
 /// Whether blocks are written pair by pair.

@@ -14,12 +14,12 @@ use super::tables::MOST_NUMBERS;
 use super::{Call, FixedIntegral, FixedTables, store};
 use crate::assemble::element_kernel::ElementCells;
 use crate::assemble::element_kernel::sizes::{Array, Sizes};
-use crate::assemble::kernel_calls::block_sink::BlockSink;
-use crate::assemble::kernel_calls::reference_tensor::{
+use crate::assemble::element_loops::block_sink::BlockSink;
+use crate::assemble::element_loops::reference_tensor::{
     InLanes, ReferenceTensor, contract, contract_numbers, products, suits,
 };
-use crate::assemble::kernel_calls::{NodePairs, no_products};
-use crate::assemble::walk::Group;
+use crate::assemble::element_loops::{NodePairs, no_products};
+use crate::assemble::groups::Group;
 use crate::lanes::{LaneWork, Order, Ordered, SharedWork, SimdLane};
 
 /// Makes an integral of a tangent ready for a lane type.

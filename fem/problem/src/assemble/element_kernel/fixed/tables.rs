@@ -7,7 +7,7 @@ use forms_core::contract::{Order, Requirements, Side};
 use crate::assemble::binding::Values;
 use crate::assemble::element_kernel::ElementLayout;
 use crate::assemble::element_kernel::sizes::{Array, Sizes};
-use crate::assemble::walk::{Group, Measure};
+use crate::assemble::groups::{Group, Measure};
 use crate::element::Tables;
 
 /// Components of a field, at most.

@@ -1,5 +1,5 @@
 //! Functions that are generic over the dimension and the lane type alone, compiled in a library and not in every program: as
-//! in `forms_mesh::compiled_here`, with the lane types that this build has.
+//! in `forms_mesh::instantiate`, with the lane types that this build has.
 
 #[cfg(not(test))]
 use crate::dimension::{Dim, Dimension};
@@ -8,10 +8,10 @@ use crate::lanes::SimdLane;
 
 /// Enters generic functions of the dimension `D`, with `in lanes` also of a type of lane `L`, under a name in [`Compiled`]; `of forms`
 /// where they assemble forms, whose kernels want `Dim: Dimension<D>`.
-macro_rules! compiled_here {
+macro_rules! instantiate {
     ($name:ident in lanes: $($function:expr),+ $(,)?) => {
         #[cfg(not(test))]
-        impl<const D: usize> crate::compiled_here::Compiled<D> {
+        impl<const D: usize> crate::instantiate::Compiled<D> {
             pub(crate) fn $name<L: crate::lanes::SimdLane>() -> Vec<*const ()> {
                 vec![$($function as *const ()),+]
             }
@@ -19,7 +19,7 @@ macro_rules! compiled_here {
     };
     ($name:ident of forms: $($function:expr),+ $(,)?) => {
         #[cfg(not(test))]
-        impl<const D: usize> crate::compiled_here::Compiled<D>
+        impl<const D: usize> crate::instantiate::Compiled<D>
         where
             crate::dimension::Dim: crate::dimension::Dimension<D>,
         {
@@ -29,10 +29,10 @@ macro_rules! compiled_here {
         }
     };
     ($($functions:tt)+) => {
-        forms_mesh::compiled_here!($($functions)+);
+        forms_mesh::instantiate!($($functions)+);
     };
 }
-pub(crate) use compiled_here;
+pub(crate) use instantiate;
 
 /// The functions of this crate that are compiled once for the dimension D.
 pub struct Compiled<const D: usize>;
@@ -84,7 +84,7 @@ where
             Self::transfer_projection(),
             Self::solution(),
             Self::vtu(),
-            Self::walk(),
+            Self::groups(),
             Self::walk_degrees(),
         ];
         all.extend(Self::in_lanes::<f64>());

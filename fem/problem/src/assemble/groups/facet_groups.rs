@@ -7,8 +7,8 @@ use super::{Group, GroupSide, Places};
 use crate::assemble::AssemblyError;
 use crate::assemble::binding::Binding;
 use crate::assemble::binding::entities::Entities;
-use crate::compiled_here::compiled_here;
 use crate::element::CellShape;
+use crate::instantiate::instantiate;
 use crate::mesh::{Facet, Facing};
 use crate::quadrature::{FacetRule, QuadratureError, QuadratureRule, facet_reference_rule, map_to_corners};
 
@@ -131,4 +131,4 @@ fn side_of_group<const D: usize>(
     Ok(group)
 }
 
-compiled_here!(facet_groups: facet_groups::<D>);
+instantiate!(facet_groups: facet_groups::<D>);

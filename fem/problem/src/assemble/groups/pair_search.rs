@@ -11,9 +11,9 @@ use crate::assemble::binding::entities::Entities;
 use crate::assemble::binding::outline::Coupling;
 use crate::assemble::binding::{Binding, pair_error};
 use crate::assemble::{Assembler, AssemblyError};
-use crate::compiled_here::compiled_here;
 use crate::contract::Function;
 use crate::field::FieldView;
+use crate::instantiate::instantiate;
 use crate::mesh::{Facet, Mesh};
 use crate::pairs::{KnownPairs, PairError, Pairs, coupled_facets};
 use crate::quadrature::Quadrature;
@@ -220,4 +220,4 @@ fn with_neighbours<const D: usize>(
     Ok(all.into_iter().collect())
 }
 
-compiled_here!(pair_search: PairSearch::<D>::of, with_neighbours::<D>);
+instantiate!(pair_search: PairSearch::<D>::of, with_neighbours::<D>);

@@ -6,8 +6,8 @@
 
 use forms_core::contract::{Basis, BilinearKernel, PointGeometry, Requirements};
 
-use crate::assemble::kernel_calls::block_sink::BlockSink;
-use crate::assemble::walk::GroupSide;
+use crate::assemble::element_loops::block_sink::BlockSink;
+use crate::assemble::groups::GroupSide;
 use crate::lanes::SimdLane;
 
 /// R_ab(i, j) where it is not zero.

@@ -14,8 +14,8 @@ use forms_core::contract::{BilinearConstants, BilinearKernel};
 use self::blocks::Terms;
 pub(in crate::assemble) use self::scalars::{Coefficient, InLanes, contract as contract_numbers, products};
 use super::block_sink::BlockSink;
-use crate::assemble::walk::GroupSide;
-use crate::compiled_here::compiled_here;
+use crate::assemble::groups::GroupSide;
+use crate::instantiate::instantiate;
 use crate::lanes::SimdLane;
 
 /// Entries of a block, at most, for which sums are kept in registers.
@@ -118,4 +118,4 @@ pub(in crate::assemble) fn contract<
     }
 }
 
-compiled_here!(reference_tensor: ReferenceTensor::new::<D>);
+instantiate!(reference_tensor: ReferenceTensor::new::<D>);

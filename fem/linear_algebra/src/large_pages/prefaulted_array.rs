@@ -15,7 +15,7 @@ const LARGE: usize = 1 << 21;
 /// Small pages in the place of a large one take about so long.
 const SLOW: Duration = Duration::from_millis(1);
 /// After this number of slow ones an array gets no more large pages; a single one may be slow because another process had its turn.
-const PATIENCE: u32 = 3;
+const MAX_SLOW_FAULTS: u32 = 3;
 /// Bytes of an array for which one large page is tried where the last ones were slow.
 const WORTH_TRYING: usize = 1 << 26;
 
@@ -23,38 +23,38 @@ const WORTH_TRYING: usize = 1 << 26;
 static HAS_BEEN_SLOW: AtomicBool = AtomicBool::new(false);
 
 /// The handing over of an array.
-pub(crate) struct Supply {
+pub(crate) struct PrefaultedArray {
     patience: u32,
 }
 
-impl Supply {
+impl PrefaultedArray {
     /// For an array of the given number of bytes.
     pub(crate) fn of(bytes: usize) -> Self {
         let patience = match HAS_BEEN_SLOW.load(Ordering::Relaxed) {
             true => u32::from(bytes >= WORTH_TRYING),
-            false => PATIENCE,
+            false => MAX_SLOW_FAULTS,
         };
-        Supply { patience }
+        PrefaultedArray { patience }
     }
 
     /// Prefaults memory from the beginning of an array on, where the given number of items are about to be written, and returns the
     /// number of those up to the last whole page. What has been handed over stays as it is.
-    pub(crate) fn hand_over<T>(&mut self, array: &mut [T], needed: usize) -> usize {
+    pub(crate) fn prefault<T>(&mut self, array: &mut [T], needed: usize) -> usize {
         let (begin, bytes) = (array.as_ptr(), size_of_val(array));
         let end = (begin.addr() + needed * size_of::<T>()).next_multiple_of(LARGE);
         let pages = pages_in(begin.addr(), (end - begin.addr()).min(bytes));
         let count = (pages.end - begin.addr()) / size_of::<T>();
-        self.hand_over_pages(begin, pages);
+        self.prefault_pages(begin, pages);
         count
     }
 
     /// Has pages handed over, and says whether the large ones among them come quickly.
-    pub(super) fn come_quickly<T>(mut self, begin: *const T, pages: Range<usize>) -> bool {
-        self.hand_over_pages(begin, pages);
+    pub(super) fn is_fast<T>(mut self, begin: *const T, pages: Range<usize>) -> bool {
+        self.prefault_pages(begin, pages);
         self.patience > 0
     }
 
-    fn hand_over_pages<T>(&mut self, begin: *const T, pages: Range<usize>) {
+    fn prefault_pages<T>(&mut self, begin: *const T, pages: Range<usize>) {
         let mut start = pages.start;
         while start < pages.end {
             let end = (start + 1).next_multiple_of(LARGE).min(pages.end);
@@ -79,7 +79,7 @@ pub(crate) struct Filling<T> {
     list: Vec<T>,
     /// Number of items that have their memory.
     handed_over: usize,
-    supply: Supply,
+    supply: PrefaultedArray,
 }
 
 impl<T> Filling<T> {
@@ -88,7 +88,7 @@ impl<T> Filling<T> {
         // Small ones are left alone.
         let bytes = size_of::<T>() * count;
         let handed_over = if bytes < SMALLEST { count } else { 0 };
-        Filling { list: Vec::with_capacity(count), handed_over, supply: Supply::of(bytes) }
+        Filling { list: Vec::with_capacity(count), handed_over, supply: PrefaultedArray::of(bytes) }
     }
 
     /// The list, to which the given number are about to be added.
@@ -98,7 +98,7 @@ impl<T> Filling<T> {
         if length + count > self.handed_over {
             let rest = self.list.spare_capacity_mut();
             let count = count.min(rest.len());
-            self.handed_over = length + self.supply.hand_over(rest, count);
+            self.handed_over = length + self.supply.prefault(rest, count);
         }
         &mut self.list
     }
@@ -116,15 +116,15 @@ mod tests {
     fn pages_that_are_handed_over_keep_their_numbers() {
         let mut values = vec![0.0; 1 << 20];
         values[400_000] = 3.0;
-        let (mut first, mut supply) = (5, Supply::of(1 << 23));
+        let (mut first, mut supply) = (5, PrefaultedArray::of(1 << 23));
         while first < 900_000 {
-            let count = supply.hand_over(&mut values[first..], 1_000);
+            let count = supply.prefault(&mut values[first..], 1_000);
             assert!(count >= 1_000, "{count}");
             first += count;
         }
         // Not beyond the end.
         let rest = values.len() - first;
-        assert!(supply.hand_over(&mut values[first..], rest) <= rest);
+        assert!(supply.prefault(&mut values[first..], rest) <= rest);
         assert_eq!(values.iter().sum::<f64>(), 3.0);
     }
 

@@ -3,7 +3,7 @@
 
 use super::contraction::contract;
 use super::{Derivatives, ProductTables};
-use crate::compiled_here::compiled_here;
+use crate::instantiate::instantiate;
 use crate::lanes::{SharedWork, SimdLane};
 
 /// Sums on their way; the list at `s * (D + 1) + t` belongs to derivative s of the test function and t of the trial
@@ -138,4 +138,4 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for PairSums<'_, L, D> {
     }
 }
 
-compiled_here!(matrices in lanes: MatrixStages::<L>::prepare::<D>);
+instantiate!(matrices in lanes: MatrixStages::<L>::prepare::<D>);

@@ -24,7 +24,7 @@ pub(super) fn is_tested<const D: usize>(rates: &Form<D>, name: &str) -> bool {
 
 /// Assembles the rates of a step: adds those by the controls to the gradient, and gives that by the state before, on the space
 /// of the states. Rates by numbers are tested with `constants`.
-pub(super) fn add_rates<const D: usize>(
+pub(super) fn add_sensitivities<const D: usize>(
     rates: &Form<D>,
     step: usize,
     (controls, remembers): (&Controls<D>, bool),

@@ -6,15 +6,15 @@ use super::surface::SurfaceFacet;
 
 /// The ends of a surface: corners and edges of its facets behind which it does not go on.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Rim {
+pub(super) struct BoundaryEdges {
     edges: HashMap<[u32; 2], usize>,
     vertices: HashMap<u32, bool>,
 }
 
-impl Rim {
+impl BoundaryEdges {
     /// The rim of some facets; each is listed once.
     pub fn of<const D: usize>(facets: &[SurfaceFacet<D>]) -> Self {
-        let mut rim = Rim::default();
+        let mut rim = BoundaryEdges::default();
         for facet in facets {
             let corners: Vec<u32> = facet.vertices().collect();
             for (k, &first) in corners.iter().enumerate() {

@@ -8,9 +8,9 @@ use forms_core::contract::{Entity, FieldDescription, Integral, Pairing, Requirem
 use super::degrees::Estimate;
 use crate::assemble::binding::Binding;
 use crate::assemble::{Assembler, AssemblyError};
-use crate::compiled_here::compiled_here;
 use crate::contract::Function;
 use crate::field::{Field, FieldView};
+use crate::instantiate::instantiate;
 use crate::pairs::{FollowedMotion, Follower, PairError, PairReport, Pairs};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
@@ -29,7 +29,7 @@ pub struct RegionPairs<const D: usize> {
     /// The degree of the rule where it is the compiler's estimate; of several integrals that of the first.
     pub estimated_degree: Option<usize>,
     /// The own and the opposite surface where none of the own one's points has an opposite point.
-    pub alone: Vec<[String; 2]>,
+    pub unpaired: Vec<[String; 2]>,
 }
 
 /// An estimated degree above this is that of no polynomial: products of normals, gaps and projections on curved or displaced facets.
@@ -49,11 +49,11 @@ impl<const D: usize> RegionPairs<D> {
 
     /// A word on surfaces that face each other nowhere, where there are such: no contact was possible between them.
     pub fn note(&self) -> Option<String> {
-        if self.alone.is_empty() {
+        if self.unpaired.is_empty() {
             return None;
         }
         let faces = |[own, opposite]: &[String; 2]| format!("no point of \"{own}\" faces \"{opposite}\"");
-        let told: Vec<String> = self.alone.iter().map(faces).collect();
+        let told: Vec<String> = self.unpaired.iter().map(faces).collect();
         let met = match self.report.rejected {
             0 => String::new(),
             met => format!(" ({met} points met a surface from behind or beyond the reach)"),
@@ -136,9 +136,9 @@ impl<const D: usize> PairReports<'_, '_, D> {
             displaced: displacement.is_some(),
             report: pairs.report,
             estimated_degree: is_estimated.then_some(degree),
-            alone: match &region.pairing {
+            unpaired: match &region.pairing {
                 Some(pairing) => pairs
-                    .alone
+                    .unpaired
                     .iter()
                     .map(|number| &pairing.surfaces[*number])
                     .map(|facing| [facing.own.clone(), facing.opposite.clone()])
@@ -152,7 +152,7 @@ impl<const D: usize> PairReports<'_, '_, D> {
     }
 }
 
-compiled_here!(
+instantiate!(
     pair_reports: PairReports::<D>::add,
     Assembler::<D>::follow,
     Assembler::<D>::follow_found,

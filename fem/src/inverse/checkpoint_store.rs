@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use crate::output::write_whole;
 
 /// A stack of states, each with the number of the step that follows it.
-pub(super) trait Shelf {
+pub(super) trait CheckpointStore {
     /// Error of keeping or fetching a state.
     type Error;
 
@@ -22,7 +22,7 @@ pub(super) trait Shelf {
 #[derive(Default)]
 pub(super) struct InMemory(Vec<(usize, Vec<f64>)>);
 
-impl Shelf for InMemory {
+impl CheckpointStore for InMemory {
     type Error = Infallible;
 
     fn push(&mut self, step: usize, state: Vec<f64>) -> Result<(), Infallible> {
@@ -65,7 +65,7 @@ impl OnDisk {
     }
 }
 
-impl Shelf for OnDisk {
+impl CheckpointStore for OnDisk {
     type Error = io::Error;
 
     fn push(&mut self, step: usize, state: Vec<f64>) -> io::Result<()> {

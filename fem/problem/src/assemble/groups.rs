@@ -18,9 +18,9 @@ use self::pair_groups::{PairTables, pair_groups};
 use super::AssemblyError;
 use super::binding::{Binding, Tabulated, notices};
 use crate::assemble::binding::entities::Entities;
-use crate::assemble::kernel_calls::sum_factorisation::ProductTables;
-use crate::compiled_here::compiled_here;
+use crate::assemble::element_loops::sum_factorisation::ProductTables;
 use crate::element::{CellShape, Lagrange, Tables};
+use crate::instantiate::instantiate;
 use crate::mesh::{Facet, Mesh};
 use crate::quadrature::{Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_rule};
 use crate::space::Space;
@@ -331,4 +331,4 @@ fn bending<const D: usize>(second: &[[f64; D]; D], tangents: &[[f64; D]; 2]) -> 
     [along(first, first), along(first, last), along(last, last)]
 }
 
-compiled_here!(walk: groups::<D>, Group::<D>::check_support, Group::<D>::new);
+instantiate!(groups: groups::<D>, Group::<D>::check_support, Group::<D>::new);

@@ -1,10 +1,10 @@
 //! Functions that are generic over the dimension alone, compiled in this crate and not in every program: its own, and for
-//! space those of the crates below (see `forms_mesh::compiled_here`).
+//! space those of the crates below (see `forms_mesh::instantiate`).
 
 #[cfg(not(test))]
-use forms_problem::compiled_here::Compiled as OfProblems;
+use forms_problem::instantiate::Compiled as OfProblems;
 
-pub(crate) use forms_mesh::compiled_here;
+pub(crate) use forms_mesh::instantiate;
 
 /// The functions of this crate that are compiled once for the dimension D.
 #[cfg(not(test))]

@@ -2,21 +2,21 @@
 
 use std::cell::Cell;
 
-use super::controls::{At, ControlError};
+use super::controls::{ControlError, ControlValues};
 use crate::field::Field;
 use crate::time::Step;
 use crate::time::operators::{scalar, vector};
 
 /// Data of a form of motion in a step: `during.into()` is the `Data` of the operators of [`time`](crate::time).
 #[derive(Clone, Copy, Debug)]
-pub struct During<'a, const D: usize> {
+pub struct StepContext<'a, const D: usize> {
     pub(super) step: &'a Step<D>,
-    pub(super) at: At<'a, D>,
+    pub(super) at: ControlValues<'a, D>,
     /// Whether the state before was asked for.
     pub(super) before_is_read: &'a Cell<bool>,
 }
 
-impl<const D: usize> During<'_, D> {
+impl<const D: usize> StepContext<'_, D> {
     /// The time for which loads are to be given.
     pub fn time(&self) -> f64 {
         self.step.time
@@ -46,14 +46,14 @@ impl<const D: usize> During<'_, D> {
     }
 }
 
-impl<const D: usize> From<&During<'_, D>> for vector::Data<D> {
-    fn from(during: &During<'_, D>) -> Self {
+impl<const D: usize> From<&StepContext<'_, D>> for vector::Data<D> {
+    fn from(during: &StepContext<'_, D>) -> Self {
         during.step.into()
     }
 }
 
-impl<const D: usize> From<&During<'_, D>> for scalar::Data<D> {
-    fn from(during: &During<'_, D>) -> Self {
+impl<const D: usize> From<&StepContext<'_, D>> for scalar::Data<D> {
+    fn from(during: &StepContext<'_, D>) -> Self {
         during.step.into()
     }
 }

@@ -11,13 +11,13 @@ use super::linear_calls::{LinearCalls, VectorCall, VectorCalls};
 use crate::assemble::AssemblyError;
 use crate::assemble::batch::{ArgumentBasis, Batch, BatchBuffers, Cells};
 use crate::assemble::binding::Binding;
-use crate::assemble::kernel_calls::sink::{Buffered, Deliver, Sink};
-use crate::assemble::kernel_calls::sum_factorisation::{
+use crate::assemble::element_loops::sink::{Buffered, Deliver, Sink};
+use crate::assemble::element_loops::sum_factorisation::{
     Derivatives, Integration, ProductTables, Stages, axis_operations, unit,
 };
+use crate::assemble::groups::Group;
 use crate::assemble::scatter::group_nodes::Reading;
-use crate::assemble::walk::Group;
-use crate::compiled_here::compiled_here;
+use crate::instantiate::instantiate;
 use crate::lanes::{InstructionSet, LaneWork, Order, Ordered, SharedWork, SimdLane, Transposition};
 
 /// Inputs of the element vectors of a group, besides the kernel.
@@ -221,7 +221,7 @@ impl<K: LinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
     }
 }
 
-compiled_here!(
+instantiate!(
     element_vectors in lanes:
     ElementVectors::<D>::compute_in_order::<L>,
     ElementVectors::<D>::compute_in_lanes::<L>,

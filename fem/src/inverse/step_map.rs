@@ -13,7 +13,7 @@ use crate::space::Space;
 use crate::time::{Combination, Formulas, SolvedFor, State, Step};
 
 /// One time step: its formulas and the times at its ends.
-pub(super) struct Interval {
+pub(super) struct StepMap {
     pub solution: Solution,
     pub formulas: Formulas,
     pub solved_for: SolvedFor,
@@ -47,7 +47,7 @@ pub(super) fn reads_states(combination: &Combination) -> bool {
     combination.states.iter().flatten().any(|weight| *weight != 0.0)
 }
 
-impl Interval {
+impl StepMap {
     /// The number of the step whose controls hold.
     pub fn step(&self) -> usize {
         match self.solution {

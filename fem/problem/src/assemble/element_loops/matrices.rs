@@ -13,14 +13,14 @@ use super::bilinear_calls::{BilinearCalls, Factors, Functions, MatrixCall, Matri
 use crate::assemble::AssemblyError;
 use crate::assemble::batch::{ArgumentBasis, Batch, BatchBuffers, Cells};
 use crate::assemble::binding::Binding;
-use crate::assemble::kernel_calls::reference_tensor::ReferenceTensor;
-use crate::assemble::kernel_calls::sink::{Buffered, Deliver, Sink};
-use crate::assemble::kernel_calls::sum_factorisation::{
+use crate::assemble::element_loops::reference_tensor::ReferenceTensor;
+use crate::assemble::element_loops::sink::{Buffered, Deliver, Sink};
+use crate::assemble::element_loops::sum_factorisation::{
     Derivatives, MatrixStages, Moments, PairSums, ProductTables, matrix_operations, unit,
 };
+use crate::assemble::groups::Group;
 use crate::assemble::scatter::group_nodes::Reading;
-use crate::assemble::walk::Group;
-use crate::compiled_here::compiled_here;
+use crate::instantiate::instantiate;
 use crate::lanes::{InstructionSet, LaneWork, Order, Ordered, SharedWork, SimdLane, Transposition};
 
 /// Inputs of the element matrices of a group, besides the kernel.
@@ -379,7 +379,7 @@ pub(in crate::assemble) fn block_order(
     order
 }
 
-compiled_here!(
+instantiate!(
     element_matrices in lanes:
     Moments::sum::<L, D>,
     by_moments::<D>,

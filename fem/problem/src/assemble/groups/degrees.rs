@@ -6,8 +6,8 @@ use forms_core::contract::{Degree, Derivatives, GeometryDegrees, Pairing};
 use super::facets_with;
 use crate::assemble::binding::Binding;
 use crate::assemble::binding::entities::Entities;
-use crate::compiled_here::compiled_here;
 use crate::element::CellShape;
+use crate::instantiate::instantiate;
 use crate::mesh::{Facet, Mesh};
 use crate::quadrature::{MAXIMUM_DEGREE, Quadrature, QuadratureError};
 
@@ -192,4 +192,4 @@ pub(crate) fn degree_on_all_cells<const D: usize>(mesh: &Mesh<D>, product: usize
     varying.map(|block| product + degree_of_volumes::<D>(block.shape, mesh.degree())).fold(affine, usize::max)
 }
 
-compiled_here!(walk_degrees: degree_on_all_cells::<D>);
+instantiate!(walk_degrees: degree_on_all_cells::<D>);

@@ -2,19 +2,19 @@
 //!
 //! A generic function is compiled where it is called: in each program again, and after each edit. One that is marked
 //! `#[inline(never)]` is not, where a library that the program links holds the instance that is called, at every level of
-//! optimisation. `compiled_here!` follows such functions and enters them, under a name of their file, in
+//! optimisation. `instantiate!` follows such functions and enters them, under a name of their file, in
 //! [`Compiled`], whose list makes the instances. Those in the plane are in the crate that declares the functions, those in space
 //! in `forms-fem`, since the paper's experiment needs none of them. What the functions call is compiled with them. A function that knows
 //! its dimension, as [`cuboid`](crate::mesh::cuboid) does, is marked `#[inline]`: otherwise it is compiled where it is defined, with all that it calls in space.
 
-/// Enters generic functions of the dimension `D` under a name in the crate's `compiled_here::Compiled`.
+/// Enters generic functions of the dimension `D` under a name in the crate's `instantiate::Compiled`.
 #[doc(hidden)]
 #[macro_export]
 #[expect(clippy::crate_in_macro_def, reason = "functions enter the list of their own crate")]
-macro_rules! compiled_here {
+macro_rules! instantiate {
     ($name:ident: $($function:expr),+ $(,)?) => {
         #[cfg(not(test))]
-        impl<const D: usize> crate::compiled_here::Compiled<D> {
+        impl<const D: usize> crate::instantiate::Compiled<D> {
             pub(crate) fn $name() -> Vec<*const ()> {
                 vec![$($function as *const ()),+]
             }

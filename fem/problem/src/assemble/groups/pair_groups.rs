@@ -10,9 +10,9 @@ use super::{Group, GroupSide, Places};
 use crate::assemble::batch::basis_in_lanes::LaneElement;
 use crate::assemble::binding::{Binding, pair_error};
 use crate::assemble::{Assembler, AssemblyError};
-use crate::compiled_here::compiled_here;
 use crate::element::{CellShape, Lagrange};
 use crate::field::{Field, FieldView};
+use crate::instantiate::instantiate;
 use crate::pairs::{
     Approach, Displacement, DisplacementField, FirstTouch, PairError, PairGroup, PairReport, Pairs,
 };
@@ -220,4 +220,4 @@ impl<const D: usize> Assembler<D> {
     }
 }
 
-compiled_here!(pair_groups: without_coefficients::<D>, groups_of::<D>, Assembler::<D>::pairs_of);
+instantiate!(pair_groups: without_coefficients::<D>, groups_of::<D>, Assembler::<D>::pairs_of);
