@@ -104,9 +104,11 @@ impl KrylovError {
 /// Equations that are off by more than this many times the tolerance, each relative to its own terms, are solved further.
 #[doc(hidden)]
 pub const BESIDE_TERMS: f64 = 100.0;
-/// The same where the absolute tolerance was met, and not the relative one.
+/// The same where a residual of this part of the right-hand side is enough: ten times that part, within bounds.
 #[doc(hidden)]
-pub const ROUGH: f64 = 1e-3;
+pub fn rough(target: f64) -> f64 {
+    (10.0 * target).clamp(1e-3, 1e-1)
+}
 /// Most further runs from the residual.
 #[doc(hidden)]
 pub const ROUNDS: usize = 6;
@@ -130,7 +132,7 @@ pub fn until_each_equation_holds<E: From<LinearAlgebraError>>(
     // What a run that stopped at rounding leaves has to fall under the tolerance too.
     let target = options.tolerance.max(options.absolute_tolerance / b_norm);
     let is_exact = options.tolerance == target || report.relative_residual <= options.tolerance;
-    let level = if is_exact { exact } else { exact.max(ROUGH) };
+    let level = if is_exact { exact } else { exact.max(rough(target)) };
     let mut found = Refinement::new(equations, options.threads, b, x.to_vec())?;
     let relative = |rest: &[f64]| norm_on(options.threads, rest) / b_norm;
     let mut helped = true;

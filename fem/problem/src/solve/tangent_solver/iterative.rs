@@ -7,7 +7,7 @@ use crate::linear_algebra::Transpose;
 use crate::linear_algebra::backward_error::{ACCEPTED, Refinement};
 use crate::linear_algebra::equations::Side;
 use crate::linear_algebra::error::check_size;
-use crate::linear_algebra::krylov::{BESIDE_TERMS, ROUGH, ROUNDS};
+use crate::linear_algebra::krylov::{BESIDE_TERMS, ROUNDS, rough};
 use crate::linear_algebra::vector::norm;
 use crate::linear_algebra::{GmresError, GmresOptions, GmresReport, LinearAlgebraError, gmres};
 use crate::solve::linear_solver::{LinearSolution, SolverError};
@@ -92,9 +92,10 @@ impl TangentSolver {
         let mut report = stopped(found, self.options.accepted)?;
         let mut found = Refinement::new(&side, self.options.threads, b, x.to_vec()).map_err(failed)?;
         // What is good enough for the caller need not be exact, but no equation may be left aside.
-        let is_enough = report.relative_residual * norm(b) <= absolute_tolerance;
+        let target = absolute_tolerance / norm(b);
+        let is_enough = report.relative_residual <= target;
         let exact = BESIDE_TERMS * self.options.tolerance;
-        let level = if is_enough { exact.max(ROUGH) } else { exact };
+        let level = if is_enough { exact.max(rough(target)) } else { exact };
         for _ in 0..ROUNDS {
             let error = found.residual.worst().error;
             if error <= level {
