@@ -109,7 +109,7 @@ pub enum UzawaError {
     Diverging { history: UzawaHistory },
 }
 
-/// Solves a contact problem by Uzawa's iteration, from a displacement and from the multiplier that the law's data hold:
+/// Solution of a contact problem by Uzawa's iteration, from a displacement and from the multiplier that the law's data hold:
 /// u for λ by Newton's method, then λ ← T(λ, u), until λ changes no more. The multiplier of the last iteration stays in the data,
 /// also after an error, and the next load step begins with it.
 ///

@@ -236,7 +236,7 @@ impl fmt::Display for TaylorReport {
     }
 }
 
-/// Tests f′(0), given as `derivative`, of a number or vector f(t) that the caller computes: the criterion after a
+/// Taylor test of f′(0), given as `derivative`, of a number or vector f(t) that the caller computes: the criterion after a
 /// parameter or a datum has changed by t and the state has been solved for again, or anything else. Steps begin with
 /// `first` and are halved until the active set is that of the start, then six times more.
 ///
@@ -290,7 +290,7 @@ pub enum VerificationError {
     NoDirection,
 }
 
-/// Tests the tangent of a form: its residual along directions of its unknowns, one for each.
+/// Taylor test of a form's tangent: its residual along directions of its unknowns, one for each.
 ///
 /// # Errors
 /// Names of the sizes that do not fit.
@@ -322,7 +322,7 @@ pub fn tangent<const D: usize>(
     })
 }
 
-/// Tests a derivative by the shape of the domain along a movement: `value` computes the number on a mesh that has moved,
+/// Taylor test of a derivative by the shape of the domain along a movement: `value` computes the number on a mesh that has moved,
 /// whose spaces number their nodes as before ([`Field::carried_to`]). `derivative` is the derivative along `movement`. Where
 /// the diameter h of cells has a kink along it, the report says so: a function that reads h has no derivative there.
 ///

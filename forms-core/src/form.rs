@@ -156,7 +156,7 @@ impl<const D: usize> Inputs<D> {
         Constants { parameters: &self.parameters, tables: &self.tables }
     }
 
-    /// Appends a parameter of any rank.
+    /// One more parameter, of any rank.
     pub fn push_parameter<V: FieldValue>(&mut self, name: &str, value: &V) {
         let start = self.parameters.len();
         self.parameters.resize(start + V::COMPONENTS, 0.0);

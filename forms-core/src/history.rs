@@ -45,12 +45,12 @@ impl<V: FieldValue, const D: usize> History<V, D> {
         History { source: Source::History(handle.clone()), handle, value: PhantomData }
     }
 
-    /// Makes what was written what forms read.
+    /// Commitment of the written values: forms read them from now on.
     pub fn commit(&self) {
         self.handle.commit();
     }
 
-    /// Forgets what was written since the last commit.
+    /// Return to the last commit: values that were written since are lost.
     pub fn revert(&self) {
         self.handle.revert();
     }

@@ -8,8 +8,13 @@ RESULT = re.compile(r"\s*->\s*(?:[\w:]+::)?(?:Result|Outcome)\b")
 # Words that begin a riddle or refer to another item.
 RIDDLES = ("What", "Where", "How", "Which", "Who", "Why", "When", "If", "The same", "As", "Like", "Another", "That", "Those", "It", "Its", "Of", "Nothing")
 RIDDLE = re.compile(rf"(?:{'|'.join(RIDDLES)})\b")
-# A word in s before an article or the like: "Adds a row", but not "Values of a field".
-VERB = re.compile(r"[A-Z][a-z]+s (?:an?|the|all|each|every|its|one|this|these|what|some|no|another|several|two|further)\b")
+# A word in s before an article or the like: "Adds a row", but not "Values of a field". Some words are verbs before anything.
+ALWAYS_VERBS = (
+    "Accepts|Adds|Begins|Calls|Checks|Condenses|Descends|Draws|Fails|Finds|Forgets|Goes|Grows|Hands|Keeps|Lets|Loads|Looks|Makes|Marks|Minimises"
+    "|Moves|Prescribes|Puts|Replaces|Sends|Shows|Solves|Stores|Takes|Tells|Tests|Writes"
+)
+ARTICLES = "an?|the|all|each|every|its|one|this|these|what|some|no|another|several|two|further"
+VERB = re.compile(rf"(?:{ALWAYS_VERBS})\b(?! of\b)|[A-Z][a-z]+s (?:{ARTICLES})\b")
 ERRORS = re.compile(r"^# Errors\b", re.MULTILINE)
 
 

@@ -62,6 +62,8 @@ class Items(unittest.TestCase):
         items = {name: (kind, docs, signature) for _, kind, name, docs, signature in documented_items(SOURCE)}
         self.assertEqual([name for name, (_, docs, _) in items.items() if is_riddle(docs)], ["with"])
         self.assertEqual([name for name, (_, docs, _) in items.items() if is_verb_phrase(docs)], ["add"])
+        self.assertTrue(is_verb_phrase("Solves A x = b."))
+        self.assertFalse(is_verb_phrase("Loads of a tool."))
         # A result of a closure that is passed in is none of the function.
         self.assertEqual([name for name, item in items.items() if lacks_errors(*item)], ["find"])
 

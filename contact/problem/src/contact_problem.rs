@@ -57,7 +57,7 @@ impl<const D: usize, L: fmt::Debug> fmt::Debug for ContactProblem<D, L> {
 }
 
 impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
-    /// Prepares the matrix pattern that all states share.
+    /// A problem with the matrix pattern that all states share.
     ///
     /// # Errors
     /// When the matrix is too large to be numbered.
@@ -136,7 +136,7 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
         })
     }
 
-    /// Solves the direct problem from a state in which whatever presses sticks, for which a few steps are made first from
+    /// Solution of the direct problem from a state in which all points in contact stick. A few steps compute that state from
     /// `start`. Newton's method finds the places that slip from there; from u = 0, where nothing presses and nothing is held,
     /// it may go back and forth for ever, also by a line search. If it does so from stick, it is tried from `start`.
     /// `solver` serves all, `progress` is called with each iterate of all; the history that comes back is that of the last.

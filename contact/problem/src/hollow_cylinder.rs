@@ -115,7 +115,7 @@ impl From<SolveError> for CylinderError {
 }
 
 impl Settings {
-    /// Checks every value.
+    /// Check of every value.
     ///
     /// # Errors
     /// [`CylinderError::Setting`] names the first value that has no meaning.
@@ -276,7 +276,7 @@ pub struct Seconds {
     pub adjoint: f64,
 }
 
-/// Solves the direct problem and the three adjoint problems.
+/// Solutions of the direct problem and of the three adjoint problems.
 ///
 /// # Errors
 /// [`CylinderError`], with Newton's history where Newton failed.

@@ -50,7 +50,7 @@ impl<const D: usize> ContactProblem<D>
 where
     Dim: Dimension<D>,
 {
-    /// Solves for one of the paper's adjoint states at the displacement u; it vanishes on Γ_D. A solver that has solved the
+    /// One of the paper's adjoint states at the displacement u; it vanishes on Γ_D. A solver that has solved the
     /// direct problem reuses its analysis and, where it can, its factor.
     ///
     /// # Errors

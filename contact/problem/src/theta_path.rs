@@ -31,7 +31,7 @@ impl<const D: usize, L: WithTheta<D>> ContactProblem<D, L>
 where
     Dim: Dimension<D>,
 {
-    /// Solves the direct problem for hard starts: first at another θ (1 has a potential, so that a line search may help), then at
+    /// Solution of the direct problem for hard starts: first at another θ (1 has a potential, so that a line search may help), then at
     /// values between it and the problem's own θ, each from the solution before. A step that fails is halved.
     /// `progress` is called with θ and each iterate.
     ///

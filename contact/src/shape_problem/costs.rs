@@ -36,7 +36,7 @@ impl Costs<'_> {
         })
     }
 
-    /// Adds the derivatives of what is added to the criterion; that of the constraint.
+    /// The derivative of the constraint. The derivatives of the added costs are added to that of the criterion.
     ///
     /// # Errors
     /// Those of the derivatives of the perimeter and of the volume.

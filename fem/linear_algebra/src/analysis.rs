@@ -42,7 +42,7 @@ pub struct Analysis {
 }
 
 impl Analysis {
-    /// Analyses the pattern of a symmetric matrix. Where entries that vanish are stored on one side of the diagonal alone, the matrix on
+    /// Analysis of the pattern of a symmetric matrix. Where entries that vanish are stored on one side of the diagonal alone, the matrix on
     /// the pattern that was analysed, which has both, comes with it.
     ///
     /// # Errors
@@ -72,7 +72,7 @@ impl Analysis {
         }
     }
 
-    /// Analyses a symmetric pattern.
+    /// Analysis of a symmetric pattern.
     ///
     /// # Errors
     /// If the pattern is not square or not symmetric, the order is not a permutation, the factor passes 32-bit indices, or

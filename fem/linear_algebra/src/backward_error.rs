@@ -56,7 +56,7 @@ impl Residual {
         self.worst
     }
 
-    /// Fails unless each equation holds up to a part of its terms. A row whose terms are pure round-off, such as
+    /// Check that each equation holds up to a part of its terms. A row whose terms are pure round-off, such as
     /// that of a fluid at rest under a pressure, is scaled by the terms of neighbouring rows.
     ///
     /// # Errors
@@ -75,7 +75,7 @@ impl Residual {
     }
 }
 
-/// Fails unless each equation of A x = b holds up to a part `level` of its terms, where `rest` is b − A x and `sizes` gives
+/// Check that each equation of A x = b holds up to a part `level` of its terms, where `rest` is b − A x and `sizes` gives
 /// Σ_j |a_ij y_j| of each row for a y. For solvers that keep their matrix elsewhere: a norm over all rows says nothing of
 /// those with small terms.
 ///
@@ -134,7 +134,7 @@ impl<'a, E: Equations> Refinement<'a, E> {
         Ok(Refinement { equations, threads, b, x, residual, candidate: vec![], next: Residual::default() })
     }
 
-    /// Goes on from the residual: `solve` replaces it by A⁻¹ times it. [`Refinement::next`] is the residual that is left.
+    /// One step of refinement from the residual: `solve` replaces it by A⁻¹ times it. [`Refinement::next`] is the residual that is left.
     ///
     /// # Errors
     /// Those of `solve` and of the residual.
@@ -172,13 +172,13 @@ impl<'a, E: Equations> Refinement<'a, E> {
         &self.candidate
     }
 
-    /// Takes it.
+    /// The step, accepted.
     pub fn accept(&mut self) {
         std::mem::swap(&mut self.x, &mut self.candidate);
         std::mem::swap(&mut self.residual, &mut self.next);
     }
 
-    /// Fails unless each equation holds up to a part of its terms, as [`Residual::check`].
+    /// Check that each equation holds up to a part of its terms, as [`Residual::check`].
     ///
     /// # Errors
     /// Those of [`Residual::check`].

@@ -16,12 +16,12 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// Adds a cell with the coordinates of its centre \[length\], zero beyond the dimension, and its unknowns.
+    /// One more cell, with the coordinates of its centre \[length\], zero beyond the dimension, and its unknowns.
     pub fn add(&mut self, centre: [f64; 3], unknowns: impl IntoIterator<Item = u32>) {
         self.add_by(centre, |own| own.extend(unknowns));
     }
 
-    /// Adds a cell by a function that appends the cell's unknowns to those of all cells before it.
+    /// One more cell, by a function that appends the cell's unknowns to those of all cells before it.
     #[doc(hidden)]
     #[inline]
     pub fn add_by(&mut self, centre: [f64; 3], append: impl FnOnce(&mut Vec<u32>)) {

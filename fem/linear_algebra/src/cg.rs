@@ -4,7 +4,7 @@ use super::krylov::{Goal, KrylovError, KrylovOptions, KrylovReport, by_equations
 use super::operator::{LinearOperator, Preconditioner};
 use super::vector::{add_scaled, dot_on, norm_on};
 
-/// Solves A x = b from the given x.
+/// Solution of A x = b by conjugate gradients, from the given x.
 ///
 /// # Errors
 /// [`KrylovError`], with the history of residuals; it tells whether the operator or the preconditioner is not positive

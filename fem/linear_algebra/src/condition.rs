@@ -18,7 +18,7 @@ pub struct ConditionEstimate {
 /// Most steps of the search for a column of A⁻¹ of large norm; it nearly always ends after two.
 const STEPS: usize = 5;
 
-/// Estimates the condition of a matrix in the 1-norm. `solve` replaces b by A⁻¹ b, `solve_transposed` by A⁻ᵀ b.
+/// Estimate of the condition of a matrix in the 1-norm. `solve` replaces b by A⁻¹ b, `solve_transposed` by A⁻ᵀ b.
 ///
 /// # Errors
 /// As the solves.

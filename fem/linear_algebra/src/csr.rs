@@ -325,7 +325,7 @@ impl CsrMatrix {
         super::vector::largest(&sums)
     }
 
-    /// Fails at the first entry that is NaN or infinite.
+    /// Check for an entry that is NaN or infinite.
     ///
     /// # Errors
     /// [`LinearAlgebraError::EntryNotFinite`] with the entry's row and column.

@@ -45,7 +45,7 @@ pub struct WorstRow {
 }
 
 impl WorstRow {
-    /// Takes notice of b_i, (A x)_i and (|A| |x|)_i, and returns the difference of the first two.
+    /// Residual b_i − (A x)_i of a row, which is recorded with (|A| |x|)_i.
     #[inline(always)]
     pub fn visit(&mut self, row: usize, b: f64, sum: f64, size: f64) -> f64 {
         let (rest, size) = (b - sum, size + b.abs());

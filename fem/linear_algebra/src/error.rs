@@ -103,7 +103,7 @@ pub enum LinearAlgebraError {
     },
 }
 
-/// Fails unless `found` equals `expected`.
+/// Check that `found` equals `expected`.
 ///
 /// # Errors
 /// [`LinearAlgebraError::SizeMismatch`].
@@ -112,7 +112,7 @@ pub fn check_size(what: &'static str, expected: usize, found: usize) -> Result<(
     if expected == found { Ok(()) } else { Err(LinearAlgebraError::SizeMismatch { what, expected, found }) }
 }
 
-/// Fails at the first entry that is NaN or infinite.
+/// Check for an entry that is NaN or infinite.
 ///
 /// # Errors
 /// [`LinearAlgebraError::VectorNotFinite`].

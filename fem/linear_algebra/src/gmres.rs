@@ -91,7 +91,7 @@ pub enum GmresError<E> {
     },
 }
 
-/// Solves A x = b from the given x. `operator(v, w)` writes A v to w; `preconditioner(v)` replaces v by an
+/// Solution of A x = b by GMRES, from the given x. `operator(v, w)` writes A v to w; `preconditioner(v)` replaces v by an
 /// approximation of A⁻¹ v. Arnoldi's basis is orthogonalised by modified Gram–Schmidt, twice where
 /// cancellation asks for it.
 ///

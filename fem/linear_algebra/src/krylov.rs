@@ -113,7 +113,7 @@ pub fn rough(target: f64) -> f64 {
 #[doc(hidden)]
 pub const ROUNDS: usize = 6;
 
-/// Improves a solution that meets the tolerances in the norm until each equation holds relative to its own terms: the norm
+/// Refinement of a solution that meets the tolerances in the norm, until each equation holds relative to its own terms: the norm
 /// does not see equations of small numbers. `further` solves for a residual, from zero. Returns the report with its runs.
 ///
 /// # Errors

@@ -41,7 +41,7 @@ pub struct LuFactor {
 }
 
 impl LuFactor {
-    /// Factors a square matrix. `earlier` is the factor of a matrix with the same pattern, whose column order
+    /// Factors of a square matrix. `earlier` is the factor of a matrix with the same pattern, whose column order
     /// serves again.
     ///
     /// # Errors
@@ -157,7 +157,7 @@ impl LuFactor {
         }
     }
 
-    /// Replaces b by A⁻¹ b, or by A⁻ᵀ b, without refinement.
+    /// A⁻¹ b or A⁻ᵀ b in place of b, without refinement.
     ///
     /// # Errors
     /// If the size is wrong or an entry of b or of the solution is not finite.

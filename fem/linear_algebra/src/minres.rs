@@ -4,7 +4,7 @@ use super::krylov::{Goal, KrylovError, KrylovOptions, KrylovReport, by_equations
 use super::operator::{LinearOperator, Preconditioner};
 use super::vector::{add_scaled, dot_on};
 
-/// Solves A x = b from the given x. The preconditioner must be positive definite. It minimises the residual in the norm
+/// Solution of A x = b by MINRES, from the given x. The preconditioner must be positive definite. It minimises the residual in the norm
 /// of the preconditioner, which the history records; whether it stops is decided by ‖b − A x‖₂, computed from x.
 ///
 /// # Errors

@@ -9,7 +9,7 @@ use super::cholesky::SymmetricFactor;
 use super::error::{LinearAlgebraError, check_size};
 
 impl SymmetricFactor {
-    /// Replaces b by L⁻¹ P b, in elimination order, for an LLᵀ factor of P A Pᵀ.
+    /// L⁻¹ P b in place of b, in elimination order, for an LLᵀ factor of P A Pᵀ.
     ///
     /// # Errors
     /// If the size is wrong.

@@ -16,8 +16,8 @@ pub fn singular_ratio(size: usize) -> f64 {
     1e-14 + 2.0 * f64::EPSILON * (size as f64).sqrt()
 }
 
-/// Solves with an irregular right-hand side, which every null vector has a part in, and looks whether the solution is
-/// one. This proves it, however good or bad the factor is. Each row counts in its own unit.
+/// Check of a matrix by a solve with an irregular right-hand side, which every null vector has a part in. A solution that is
+/// a null vector proves that the matrix is singular, however good or bad the factor is. Each row counts in its own unit.
 ///
 /// # Errors
 /// [`LinearAlgebraError::Singular`] with the unknown that the null vector moves most,

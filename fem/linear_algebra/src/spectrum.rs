@@ -16,7 +16,7 @@ pub struct Spectrum {
     pub steps: usize,
 }
 
-/// Estimates the extreme eigenvalues of M⁻¹ A by some steps of Lanczos' method from a fixed irregular vector. Both must
+/// Estimates of the extreme eigenvalues of M⁻¹ A by some steps of Lanczos' method from a fixed irregular vector. Both must
 /// be symmetric, the preconditioner M positive definite; A may be indefinite.
 ///
 /// # Errors

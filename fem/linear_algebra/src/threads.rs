@@ -44,7 +44,7 @@ impl Threads {
         if numbers < WORTHWHILE { 1 } else { self.count() }
     }
 
-    /// Runs the tasks, no more than there are threads, and gives their results in their order.
+    /// Results of the tasks, in their order. There are at most as many tasks as threads.
     #[doc(hidden)]
     pub fn run<T: Send, R: Send>(self, tasks: Vec<T>, work: impl Fn(T) -> R + Send + Sync) -> Vec<R> {
         if self == Threads::ONE || tasks.len() < 2 {

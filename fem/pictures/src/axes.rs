@@ -46,7 +46,7 @@ pub struct Ticks {
 }
 
 impl Axis {
-    /// Checks that the range can be drawn.
+    /// Axis of a range that can be drawn.
     ///
     /// # Errors
     /// [`PictureError::Range`]: a range that is empty or not finite, or not positive on a logarithmic axis.
@@ -196,7 +196,7 @@ impl Frame {
         self.y.ticks(((self.area.height / 32.0) as usize).max(3))
     }
 
-    /// Draws a faint line at each labelled tick.
+    /// Faint lines at the labelled ticks.
     pub fn draw_grid(&self, drawing: &mut Drawing) {
         let stroke = Stroke::solid(Colour::grey(225), 0.5);
         for (value, _) in self.x_ticks().major {
@@ -209,7 +209,7 @@ impl Frame {
         }
     }
 
-    /// Draws the box, the ticks and the labels.
+    /// Drawing of the box, the ticks and the labels.
     pub fn draw(&self, drawing: &mut Drawing) {
         let stroke = Stroke::solid(Colour::BLACK, AXIS_LINE);
         let Rectangle { left, top, .. } = self.area;

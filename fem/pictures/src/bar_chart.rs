@@ -38,19 +38,19 @@ impl BarChart {
         BarChart { label: label.into(), ..BarChart::default() }
     }
 
-    /// Writes a title above the chart.
+    /// Title above the chart.
     pub fn title(mut self, title: &str) -> BarChart {
         self.title = title.into();
         self
     }
 
-    /// Adds a bar under those before; its ratio must be positive.
+    /// One more bar, under those before; its ratio must be positive.
     pub fn bar(mut self, name: &str, ratio: f64) -> BarChart {
         self.bars.push((name.into(), ratio));
         self
     }
 
-    /// Draws a dotted vertical line with a label at its top.
+    /// Dotted vertical line with a label at its top.
     pub fn line(mut self, ratio: f64, label: &str) -> BarChart {
         self.lines.push((ratio, label.into()));
         self

@@ -91,49 +91,49 @@ impl Curve {
         }
     }
 
-    /// Draws the curve in a colour; otherwise it takes the next one of [`Colour::of_series`].
+    /// Colour of the curve; without it the curve takes the next one of [`Colour::of_series`].
     pub fn colour(mut self, colour: Colour) -> Curve {
         self.colour = Some(colour);
         self
     }
 
-    /// Marks the points; otherwise curves of at most 30 points are marked, each in its own way.
+    /// Marker of the points; without it curves of at most 30 points are marked, each in its own way.
     pub fn marker(mut self, marker: Marker) -> Curve {
         self.marker = Some(Some(marker));
         self
     }
 
-    /// Draws the line only.
+    /// The curve as a line only.
     pub fn without_markers(mut self) -> Curve {
         self.marker = Some(None);
         self
     }
 
-    /// Draws the markers only, for values that have no order.
+    /// The curve as markers only, for values that have no order.
     pub fn without_line(mut self) -> Curve {
         self.line = false;
         self
     }
 
-    /// Draws a dashed line.
+    /// The curve as a dashed line.
     pub fn dashed(mut self) -> Curve {
         self.dashes = vec![5.0, 3.0];
         self
     }
 
-    /// Notes in the legend the slope of log y over log x, fitted to the last `points` points.
+    /// Slope of log y over log x for the legend, fitted to the last `points` points.
     pub fn fitted_order(mut self, points: usize) -> Curve {
         self.order_over = Some(points);
         self
     }
 
-    /// Draws a triangle of a slope below the curve, at its smallest x. Both axes must be logarithmic.
+    /// Triangle of a slope below the curve, at its smallest x. Both axes must be logarithmic.
     pub fn slope_triangle(mut self, order: f64) -> Curve {
         self.triangles.push(SlopeTriangle { order, above: false });
         self
     }
 
-    /// Draws a triangle of a slope above the curve, at its smallest x. Both axes must be logarithmic.
+    /// Triangle of a slope above the curve, at its smallest x. Both axes must be logarithmic.
     pub fn slope_triangle_above(mut self, order: f64) -> Curve {
         self.triangles.push(SlopeTriangle { order, above: true });
         self

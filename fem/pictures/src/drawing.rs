@@ -119,13 +119,13 @@ impl Drawing {
         self.size
     }
 
-    /// Draws a path.
+    /// Drawing of a path.
     #[doc(hidden)]
     pub fn path(&mut self, segments: Vec<Segment>, fill: Option<Colour>, stroke: Option<Stroke>) {
         self.clipped_path(segments, fill, stroke, None);
     }
 
-    /// Draws the part of a path inside a rectangle.
+    /// Drawing of the part of a path inside a rectangle.
     #[doc(hidden)]
     pub fn clipped_path(
         &mut self,
@@ -139,7 +139,7 @@ impl Drawing {
         }
     }
 
-    /// Draws an open polyline; nothing with a stroke of no width.
+    /// Drawing of an open polyline; nothing with a stroke of no width.
     #[doc(hidden)]
     pub fn polyline(&mut self, points: &[Point], stroke: Stroke, clip: Option<Rectangle>) {
         if stroke.width > 0.0 {
@@ -147,7 +147,7 @@ impl Drawing {
         }
     }
 
-    /// Draws a rectangle.
+    /// Drawing of a rectangle.
     #[doc(hidden)]
     pub fn rectangle(&mut self, area: Rectangle, fill: Option<Colour>, stroke: Option<Stroke>) {
         let corners = [
@@ -161,7 +161,7 @@ impl Drawing {
         self.path(segments, fill, stroke);
     }
 
-    /// Draws a surface shaded by values.
+    /// Drawing of a surface shaded by values.
     #[doc(hidden)]
     pub fn surface(&mut self, surface: ShadedSurface, clip: Option<Rectangle>) {
         self.items.push(Item::Surface { surface, clip });

@@ -86,7 +86,7 @@ impl Layout<'_> {
         Ok((drawing, frame))
     }
 
-    /// Draws the axes above the body.
+    /// The finished drawing, with the axes above the body.
     pub fn finish(&self, drawing: &mut Drawing, frame: &Frame) {
         if self.unit.is_some() {
             frame.draw(drawing);

@@ -77,7 +77,7 @@ impl Legend {
         })
     }
 
-    /// Draws the legend with its upper left corner at a point, in a number of columns.
+    /// Drawing of the legend with its upper left corner at a point, in a number of columns.
     pub fn draw(&self, drawing: &mut Drawing, at: Point, columns: usize) {
         if self.keys.is_empty() {
             return;

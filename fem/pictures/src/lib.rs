@@ -177,7 +177,7 @@ impl Picture for Drawing {
     }
 }
 
-/// Draws pictures on the given number of threads, in the order of the list.
+/// Drawings of pictures, made on the given number of threads, in the order of the list.
 ///
 /// # Errors
 /// The first [`PictureError`] in the list.
@@ -189,7 +189,7 @@ pub fn draw_all(
     on_threads(&order, threads, |number| pictures[number].draw()).into_iter().collect()
 }
 
-/// Writes drawings as PNG files at [`DOTS_PER_INCH`], each whole or not at all, on the given number of threads.
+/// PNG files of drawings at [`DOTS_PER_INCH`], each written whole or not at all, on the given number of threads.
 ///
 /// # Errors
 /// The first [`PictureError`] in the list, of a drawing that cannot be encoded or a file that cannot be written.

@@ -40,7 +40,7 @@ impl LinePlot {
         LinePlot::default()
     }
 
-    /// Writes a title above the plot.
+    /// Title above the plot.
     pub fn title(mut self, title: &str) -> LinePlot {
         self.title = title.into();
         self
@@ -70,25 +70,25 @@ impl LinePlot {
         self
     }
 
-    /// Adds a curve.
+    /// One more curve.
     pub fn curve(mut self, curve: Curve) -> LinePlot {
         self.curves.push(curve);
         self
     }
 
-    /// Draws a dotted vertical line with a label at its top.
+    /// Dotted vertical line with a label at its top.
     pub fn vertical_line(mut self, x: f64, label: &str) -> LinePlot {
         self.references.push((0, x, label.into()));
         self
     }
 
-    /// Draws a dotted horizontal line with a label at its right end.
+    /// Dotted horizontal line with a label at its right end.
     pub fn horizontal_line(mut self, y: f64, label: &str) -> LinePlot {
         self.references.push((1, y, label.into()));
         self
     }
 
-    /// Draws faint lines at the labelled ticks.
+    /// Faint lines at the labelled ticks.
     pub fn grid(mut self) -> LinePlot {
         self.grid = true;
         self

@@ -20,7 +20,7 @@ impl Panel {
         Panel { columns: columns.max(1), letters: false, title: String::new(), drawings: Vec::new() }
     }
 
-    /// Adds a picture.
+    /// One more picture.
     ///
     /// # Errors
     /// [`PictureError`] if the picture cannot be drawn.
@@ -29,13 +29,13 @@ impl Panel {
         Ok(self)
     }
 
-    /// Writes (a), (b), … at the upper left corner of each picture.
+    /// Letters (a), (b), … at the upper left corner of each picture.
     pub fn letters(mut self) -> Panel {
         self.letters = true;
         self
     }
 
-    /// Writes a title above all pictures.
+    /// Title above all pictures.
     pub fn title(mut self, title: &str) -> Panel {
         self.title = title.into();
         self

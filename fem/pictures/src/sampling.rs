@@ -31,7 +31,7 @@ pub struct Triangles<'a> {
 }
 
 impl Triangles<'_> {
-    /// Writes the colour of each sample inside the chosen triangles, one triangle after the other.
+    /// Colours of the samples inside the chosen triangles, one triangle after the other.
     pub fn sample(&self, chosen: &[u32], rows: &mut Rows<'_>) {
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx2") {

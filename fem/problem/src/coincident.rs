@@ -13,7 +13,7 @@ pub struct Coincident<'a, const D: usize> {
 const TOLERANCE: f64 = 1e-8;
 
 impl<'a, const D: usize> Coincident<'a, D> {
-    /// Prepares a set of points that are all different.
+    /// A set of points that are all different.
     pub fn new(points: &'a [[f64; D]]) -> Self {
         let extent = (0..D).fold(0.0_f64, |extent, k| {
             let (low, high) = points

@@ -59,7 +59,7 @@ impl<const D: usize> Constraints<D> {
         &self.space
     }
 
-    /// Prescribes all components on a region of facets (exterior or interior) or cells.
+    /// Prescribed values of all components on a region of facets (exterior or interior) or cells.
     ///
     /// # Errors
     /// An unknown region, a value that does not fit the space, is not finite, or contradicts an earlier one.
@@ -94,7 +94,7 @@ impl<const D: usize> Constraints<D> {
         self.insert(&place, &entries)
     }
 
-    /// Prescribes one component (counted from 0, row-major) on a facet or cell region.
+    /// Prescribed values of one component (counted from 0, row-major) on a facet or cell region.
     ///
     /// # Errors
     /// As [`Constraints::fix`], or a component that the space does not have.
@@ -124,7 +124,7 @@ impl<const D: usize> Constraints<D> {
         self.insert(&place, &entries)
     }
 
-    /// Prescribes one component at one node.
+    /// Prescribed value of one component at one node.
     ///
     /// # Errors
     /// A node or component that the space does not have, a value that is not finite or contradicts an
@@ -140,7 +140,7 @@ impl<const D: usize> Constraints<D> {
         self.insert(&place, &[(node * components + component, value)])
     }
 
-    /// Prescribes all components at the node nearest to a point. This pins what is determined only up to a
+    /// Prescribed values of all components at the node nearest to a point. This pins what is determined only up to a
     /// constant, as the pressure of a flow in a closed vessel is.
     ///
     /// # Errors
@@ -185,7 +185,7 @@ impl<const D: usize> Constraints<D> {
         (0..self.space.unknowns()).filter(is_free).collect()
     }
 
-    /// Writes the prescribed values into a vector of all unknowns, and then those that its free entries give.
+    /// The prescribed values, written into a vector of all unknowns, and then those that its free entries determine.
     ///
     /// # Panics
     /// When the vector is shorter than the space has unknowns.

@@ -360,7 +360,7 @@ impl<const D: usize> Space<D> {
         Ok(nodes)
     }
 
-    /// Finds cells by position; built at the first call.
+    /// Search for cells by position; built at the first call.
     pub fn locator(&self) -> &Locator<D> {
         self.locator.get_or_init(|| Locator::new(&self.mesh))
     }

@@ -205,7 +205,7 @@ impl<'a, const D: usize> Adaptation<'a, D> {
         Adaptation { aim, fraction: 0.5, surfaces: &[] }
     }
 
-    /// Gives a tolerance up beyond the given number of unknowns.
+    /// The largest number of unknowns, at which the cycle ends without its tolerance.
     pub fn with_at_most(mut self, unknowns: usize) -> Self {
         if let Aim::Tolerance { most_unknowns, .. } = &mut self.aim {
             *most_unknowns = unknowns;
@@ -213,19 +213,19 @@ impl<'a, const D: usize> Adaptation<'a, D> {
         self
     }
 
-    /// Marks cells whose indicators sum up to this fraction of all; one half where nothing is said.
+    /// Fraction of the sum of all indicators that the marked cells have; by default one half.
     pub fn marking(mut self, fraction: f64) -> Self {
         self.fraction = fraction;
         self
     }
 
-    /// Puts new nodes on curved boundaries, as [`AdaptiveMesh::refined_onto`] does.
+    /// Curved boundaries on which new nodes are placed, as [`AdaptiveMesh::refined_onto`] does.
     pub fn onto(mut self, surfaces: &'a [Surface<'a, D>]) -> Self {
         self.surfaces = surfaces;
         self
     }
 
-    /// Runs the cycle from a coarse mesh. `solve` is given the mesh and the solution on the mesh before, which
+    /// The cycle from a coarse mesh. `solve` is given the mesh and the solution on the mesh before, which
     /// [`Field::onto`] carries over; `progress` each row of the table as it is known.
     ///
     /// # Errors

@@ -75,7 +75,7 @@ macro_rules! choices_of {
                 self
             }
 
-            /// Stores at most the given number of states, and the others computed again on the way back; all are, unless this is said.
+            /// Largest number of stored states; the others are computed again on the way back. By default all are stored.
             pub fn stored_states(mut self, most: usize) -> Self {
                 self.storage.most = most;
                 self

@@ -167,7 +167,7 @@ impl<const D: usize> Controls<D> {
         Ok(entry.from..entry.from + entry.count())
     }
 
-    /// Takes other values.
+    /// Other values of the controls.
     ///
     /// # Errors
     /// [`ControlError::Length`]; [`ControlError::NotFinite`], which names the control.

@@ -84,7 +84,7 @@ impl<'a, const D: usize> Criterion<'a, D> {
         Ok(observed.fold(energy, |sum, observations| sum + observations.value(after.values())))
     }
 
-    /// Adds the slope of that by the state after the step.
+    /// The derivative of [`Self::value`] with respect to the state after the step, added to `slope`.
     ///
     /// # Errors
     /// Those of the energy.
@@ -104,7 +104,7 @@ impl<'a, const D: usize> Criterion<'a, D> {
         Ok(())
     }
 
-    /// Adds the second derivative of that by the state along a change of it.
+    /// The second derivative of [`Self::value`] with respect to the state along a change of it, added.
     ///
     /// # Errors
     /// Those of the energy.
@@ -173,7 +173,7 @@ impl<'a, const D: usize> Criterion<'a, D> {
         Ok(alone.value)
     }
 
-    /// Adds that to a value with its gradient.
+    /// The cost of the controls, added to a value with its gradient.
     ///
     /// # Errors
     /// A gradient of another length than that of the controls.

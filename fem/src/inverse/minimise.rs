@@ -96,7 +96,7 @@ const FLATTER: f64 = 0.9;
 const TRIALS: usize = 30;
 
 impl Minimise {
-    /// Minimises from the problem's start, put between the bounds. `progress` is called with each iterate.
+    /// Minimisation from the problem's start, put between the bounds. `progress` is called with each iterate.
     ///
     /// # Errors
     /// [`MinimisationError`].

@@ -106,7 +106,7 @@ pub enum ConstrainedError<E: std::error::Error + 'static> {
 }
 
 impl MovingAsymptotes {
-    /// Minimises from the problem's start, put between the bounds, which have to be finite. `progress` is called with each iterate.
+    /// Minimisation from the problem's start, put between the bounds, which have to be finite. `progress` is called with each iterate.
     ///
     /// # Errors
     /// [`ConstrainedError`].

@@ -38,12 +38,12 @@ impl Model {
         self.changes.is_empty()
     }
 
-    /// Forgets all changes.
+    /// The model without any changes.
     pub fn restart(&mut self, scale: f64) {
         *self = Model::new(self.most, scale);
     }
 
-    /// Takes in a change, if the gradient has grown along it.
+    /// A change for the model, which is kept if the gradient has grown along it.
     pub fn remember(&mut self, s: Vec<f64>, y: Vec<f64>) {
         let curvature = dot(&s, &y);
         if curvature.is_nan() || curvature <= CURVED * norm(&s) * norm(&y) {

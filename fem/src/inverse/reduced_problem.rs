@@ -37,7 +37,7 @@ pub trait ReducedProblem {
     fn value_and_gradient(&mut self, m: &[f64]) -> Result<(f64, Vec<f64>), Self::Error>;
 }
 
-/// Tests the gradient at m along a direction of the controls: the remainder |J(m + t δ) − J(m) − t dJ/dm·δ| has to fall with the
+/// Taylor test of the gradient at m along a direction of the controls: the remainder |J(m + t δ) − J(m) − t dJ/dm·δ| has to fall with the
 /// second order, from steps t = `first` on. Steps across a kink are reported and do not count.
 ///
 /// # Errors

@@ -44,7 +44,7 @@ pub trait TwiceDifferentiable: ReducedProblem {
     fn second_order(&mut self, m: &[f64], direction: &[f64]) -> Result<SecondOrder, Self::Error>;
 }
 
-/// Tests gradient and Hessian at m along a direction δ of the controls: |J(m + t δ) − J(m) − t dJ/dm·δ| has to fall with the second
+/// Taylor test of gradient and Hessian at m along a direction δ of the controls: |J(m + t δ) − J(m) − t dJ/dm·δ| has to fall with the second
 /// order, and what is left of it after −½ t² δ·(d²J/dm²) δ with the third, from steps t = `first` on. The reports are of the gradient
 /// and of the Hessian: `report.second_order()` and `report.third_order()` judge them.
 ///

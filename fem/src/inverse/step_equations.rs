@@ -61,7 +61,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         self.solver.get().report()
     }
 
-    /// Forgets which tangent the solver has: data may be others now.
+    /// The solver's tangent is out of date from now on: data may have changed.
     pub fn forget(&mut self) {
         self.tangent_of = None;
     }

@@ -71,7 +71,7 @@ impl StepMap {
         sum
     }
 
-    /// Adds the slope by a combination to that by the row whose states it reads.
+    /// The slope by a combination, added to that by the row whose states it reads.
     pub fn add_slope(&self, combination: &Combination, slope: &[f64], by_row: &mut [f64]) {
         let weights = combination.states.iter().flatten().zip(by_row.chunks_mut(self.unknowns));
         weights.filter(|(weight, _)| **weight != 0.0).for_each(|(weight, part)| {

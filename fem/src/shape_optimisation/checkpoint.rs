@@ -70,7 +70,7 @@ impl Checkpoint {
         Checkpoint { version: env!("CARGO_PKG_VERSION").to_owned(), settings, changeable, shapes, state }
     }
 
-    /// Writes the file whole or not at all: whoever is stopped while writing leaves the file before.
+    /// The file, written whole or not at all. A program that is stopped while writing leaves the earlier file.
     ///
     /// # Errors
     /// The system's error, with the name of the file.
@@ -81,7 +81,7 @@ impl Checkpoint {
         Ok(write_whole(path, |file| writeln!(file, "{text}"))?)
     }
 
-    /// Reads the file; `None` if there is none.
+    /// The checkpoint in the file; `None` if there is no file.
     ///
     /// # Errors
     /// [`CheckpointError`], with the name of the file.

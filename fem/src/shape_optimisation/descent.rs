@@ -73,7 +73,7 @@ impl<P: ShapeProblem<D>, const D: usize> Descent<'_, P, D>
 where
     Dim: Dimension<D>,
 {
-    /// Descends from the initial mesh, or goes on from a state of an earlier run with the same problem and options; then
+    /// The descent from the initial mesh, or from a state of an earlier run with the same problem and options; then
     /// the result is that of a run without interruption, to the last bit. One that stopped for its number of iterations
     /// goes on if there are more now. `hear` is called at the start and after each step; its error ends the run.
     ///

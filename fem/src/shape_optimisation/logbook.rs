@@ -28,7 +28,7 @@ pub struct Logbook {
 }
 
 impl Logbook {
-    /// Makes the directory where it does not exist. `settings` are all that the result depends on, by name; `changeable`
+    /// The logbook in a directory, which is made if needed. `settings` are all that the result depends on, by name; `changeable`
     /// those besides that a run which goes on may change, kept for the reader. Every n steps the shape is written
     /// (0: the first and the last alone).
     ///
@@ -65,7 +65,7 @@ impl Logbook {
         Ok(Some(state))
     }
 
-    /// Removes the checkpoint: the next descent begins again.
+    /// Removal of the checkpoint: the next descent begins again.
     ///
     /// # Errors
     /// The system's error.
@@ -77,7 +77,7 @@ impl Logbook {
         }
     }
 
-    /// Writes what a descent reports; `fields` on the shape go into its .vtu file.
+    /// A descent's report, written; `fields` on the shape go into its .vtu file.
     ///
     /// # Errors
     /// A file that cannot be written, by name.

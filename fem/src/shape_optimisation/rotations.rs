@@ -19,7 +19,7 @@ pub struct Rotations<const D: usize> {
 }
 
 impl<const D: usize> Rotations<D> {
-    /// Finds the image of each node of a space of movements, on the mesh that has the pattern; `count` is n. On the mesh
+    /// The images of the nodes of a space of movements, on the mesh that has the pattern; `count` is n. On the mesh
     /// after it has moved nodes have the same numbers, so the result holds there, too.
     ///
     /// # Errors
@@ -61,7 +61,7 @@ impl<const D: usize> Rotations<D> {
         Rotations::new(movements, self.centre, self.turns.len())
     }
 
-    /// Replaces a vector per node, a movement or a derivative by movements, by its mean over the rotations.
+    /// The mean over the rotations, in place of a vector per node (a movement, or a derivative by movements).
     ///
     /// # Errors
     /// [`ShapeOptimisationError::Length`] unless there are D numbers per node.

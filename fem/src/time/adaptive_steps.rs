@@ -56,7 +56,7 @@ impl AdaptiveSteps {
         self.rejected
     }
 
-    /// Takes one step, with as many attempts as it needs, which ends at `until` at the latest.
+    /// One step, with as many attempts as it needs, which ends at `until` at the latest.
     ///
     /// # Errors
     /// The [`StepError`] of the smallest step.

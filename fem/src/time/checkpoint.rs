@@ -55,7 +55,7 @@ pub enum CheckpointError {
 const TITLE: &str = "states in time, version 1";
 
 impl<const D: usize> Checkpoint<D> {
-    /// Writes the file whole or not at all, with decimal numbers that read back to the last bit.
+    /// The file, written whole or not at all, with decimal numbers that read back to the last bit.
     ///
     /// # Errors
     /// The system's error, with the name of the file.
@@ -76,7 +76,7 @@ impl<const D: usize> Checkpoint<D> {
         Ok(write_whole(path, |file| write!(file, "{TITLE}\n{steps}\n{count}\n{space}\n{sum}\n{text}"))?)
     }
 
-    /// Reads the file on the space on which it was written; `None` if there is none.
+    /// The checkpoint in the file, on the space on which it was written; `None` if there is no file.
     ///
     /// # Errors
     /// [`CheckpointError`], with the name of the file.

@@ -120,7 +120,7 @@ impl<'a, const D: usize> Events<'a, D> {
         Ok(self)
     }
 
-    /// Takes a step of a size, or a shorter one to its first event.
+    /// A step of a size, or a shorter one to its first event.
     ///
     /// # Errors
     /// [`StepError`]; the last state is then what it was.
@@ -128,7 +128,7 @@ impl<'a, const D: usize> Events<'a, D> {
         self.take_by(motion, &mut |motion| motion.take(size))
     }
 
-    /// Takes a step whose size adapts itself and which ends at `until` at the latest, or a shorter one to its first event.
+    /// A step whose size adapts itself and which ends at `until` at the latest, or a shorter one to its first event.
     ///
     /// # Errors
     /// As [`AdaptiveSteps::take`]; the last state is then what it was.

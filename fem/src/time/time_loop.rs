@@ -153,7 +153,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         self.number
     }
 
-    /// Goes on from where another run of the same form and scheme stood. What follows has the bits that it would have had there, as
+    /// A loop that continues another run of the same form and scheme. Its results are bit-identical to those of an uninterrupted run, as
     /// long as the solver depends on the current matrix alone: one that solves unsymmetric systems with a factor of an earlier
     /// matrix agrees to its tolerance.
     pub fn resumed(mut self, checkpoint: Checkpoint<D>) -> Self {
@@ -164,7 +164,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         self
     }
 
-    /// Takes one step.
+    /// One step.
     ///
     /// # Errors
     /// [`StepError`]; the last state is then what it was.

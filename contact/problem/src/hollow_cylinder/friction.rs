@@ -79,7 +79,7 @@ impl Law {
         Ok(Law::Frictional(Box::new(ContactProblem::new(assembler, &problem.space, model, constraints)?)))
     }
 
-    /// Solves the direct problem from the state before, with u_D on the inner circle.
+    /// Solution of the direct problem from the state before, with u_D on the inner circle.
     ///
     /// # Errors
     /// [`CylinderError`]: those of the constraints and of the solution.

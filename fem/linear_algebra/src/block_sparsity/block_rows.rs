@@ -16,7 +16,7 @@ pub struct NodeSet {
 }
 
 impl NodeSet {
-    /// Sets one after the other, from their nodes and components.
+    /// Sets of nodes one after the other, from their nodes and components.
     pub fn in_a_row(sizes: impl IntoIterator<Item = (usize, usize)>) -> Vec<NodeSet> {
         let mut offset = 0;
         let set = |(nodes, components)| {

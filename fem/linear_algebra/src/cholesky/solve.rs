@@ -30,7 +30,7 @@ pub struct Refined {
 }
 
 impl SymmetricFactor {
-    /// Replaces b by A⁻¹ b, without refinement.
+    /// A⁻¹ b in place of b, without refinement.
     ///
     /// # Errors
     /// If the size is wrong or an entry of b or of the solution is not finite.
@@ -82,7 +82,7 @@ impl SymmetricFactor {
         check_finite("the solution", b)
     }
 
-    /// Solves A x = b with iterative refinement, at most `max_steps` of it, until the residual is at the rounding
+    /// Solution of A x = b with iterative refinement, at most `max_steps` of it, until the residual is at the rounding
     /// level of the whole system or no longer halves; and further, as long as an equation is off by more than 1e-12
     /// of its own terms. `matrix` may differ slightly from the one that was factored.
     ///

@@ -60,7 +60,7 @@ impl<'a> KrylovSpace<'a> {
         self.basis.first().map_or(&[], |vector| vector)
     }
 
-    /// Adds vectors without a pattern.
+    /// More vectors, without a pattern.
     ///
     /// # Errors
     /// Those of the solution with the shifted matrix.
@@ -75,7 +75,7 @@ impl<'a> KrylovSpace<'a> {
         Ok(())
     }
 
-    /// Sends vectors through the operator until the given number have been, or the space is exhausted.
+    /// Growth of the space until the operator was applied to the given number of vectors, or the space is exhausted.
     ///
     /// # Errors
     /// Those of the solution with the shifted matrix.
@@ -165,7 +165,7 @@ impl<'a> KrylovSpace<'a> {
         ritz.iter().map(|pair| self.combination(pair.place)).collect()
     }
 
-    /// Keeps the Ritz vectors of the first values, some more than are wanted, and what has not gone through the operator yet.
+    /// Thick restart: the Ritz vectors of the first values stay, some more than are wanted, and the vectors that were not multiplied yet.
     pub fn restart(&mut self, ritz: &[Ritz], wanted: usize) {
         let size = self.images.len();
         let keep = (wanted + size.saturating_sub(wanted) / 2).min(ritz.len()).min(size);

@@ -13,7 +13,7 @@ pub struct BlockDiagonal {
 }
 
 impl BlockDiagonal {
-    /// Inverts the diagonal blocks of a matrix.
+    /// Inverses of the diagonal blocks of a matrix.
     ///
     /// # Errors
     /// If the matrix is not square, of one set of nodes, or a diagonal block is singular (the error names the unknown).

@@ -6,7 +6,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Writes a file by way of a temporary one in the same directory, which is renamed when it is complete. A
+/// A file written by way of a temporary one in the same directory, which is renamed when it is complete. A
 /// reader sees the old file or the new one, never a part. On an error the old file stays and the temporary one
 /// is removed. A file that was there passes its permissions on.
 ///

@@ -2,7 +2,7 @@
 
 const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
-/// Appends the bytes in base64, filled up with `=` to whole groups of four characters.
+/// Base64 of the bytes, appended to a text and filled up with `=` to whole groups of four characters.
 pub fn append(text: &mut String, bytes: &[u8]) {
     text.reserve(bytes.len().div_ceil(3) * 4);
     // Characters are gathered before they are appended, because each call checks the room that is left.

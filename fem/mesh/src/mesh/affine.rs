@@ -84,7 +84,7 @@ impl<const D: usize> AffineMaps<'_, D> {
 }
 
 impl<const D: usize> Mesh<D> {
-    /// Tells affine cells and facets from others.
+    /// A test that tells affine cells and facets from others.
     #[doc(hidden)]
     pub fn affine_maps(&self) -> AffineMaps<'_, D> {
         let of_shape = |shape: CellShape| {

@@ -42,7 +42,7 @@ impl<const D: usize> Mesh<D> {
         self.map(cell, &self.cell_shape(cell).centre()).0
     }
 
-    /// Calls `visit` with each of some cells and its [`Mesh::cell_centre`]; basis functions are evaluated once for each run of cells
+    /// A call of `visit` for each of some cells, with its [`Mesh::cell_centre`]; basis functions are evaluated once for each run of cells
     /// of one shape.
     ///
     /// # Panics

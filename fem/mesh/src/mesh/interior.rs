@@ -22,7 +22,7 @@ impl<const D: usize> Mesh<D> {
         self.interior_regions.keys().map(String::as_str)
     }
 
-    /// Names the interior facets of the region `within` ("interior" for all) whose centre satisfies a
+    /// A name for the interior facets of the region `within` ("interior" for all) whose centre satisfies a
     /// condition.
     ///
     /// # Errors
@@ -49,7 +49,7 @@ impl<const D: usize> Mesh<D> {
         self.insert_interior_facets(name, facets)
     }
 
-    /// Names the interior facets of a list; each is given from one of its cells, which becomes its first
+    /// A name for the interior facets of a list; each is given from one of its cells, which becomes its first
     /// side. Their order does not matter, and one that is listed twice counts once, as it came first. A facet with smaller ones on its
     /// other side represents all of them.
     ///
@@ -81,7 +81,7 @@ impl<const D: usize> Mesh<D> {
         self.insert_interior_facets(name, pairs)
     }
 
-    /// Names the interior facets between the cells of two regions; the normal points out of the first one.
+    /// A name for the interior facets between the cells of two regions; the normal points out of the first one.
     ///
     /// # Errors
     /// [`MeshError::UnknownCellRegion`], [`MeshError::RegionExists`] when a region has this name,

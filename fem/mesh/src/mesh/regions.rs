@@ -46,7 +46,7 @@ impl<const D: usize> Mesh<D> {
         self.facet_regions.keys().map(String::as_str)
     }
 
-    /// Names the cells whose centre satisfies a condition: the region of a material, or of a load.
+    /// A name for the cells whose centre satisfies a condition: the region of a material, or of a load.
     ///
     /// ```
     /// # use forms_mesh as forms_fem;
@@ -84,7 +84,7 @@ impl<const D: usize> Mesh<D> {
         Ok(())
     }
 
-    /// Names the cells of a list, for example one read from a file; their order does not matter, and one that
+    /// A name for the cells of a list, for example one read from a file; their order does not matter, and one that
     /// is listed twice counts once.
     ///
     /// # Errors
@@ -104,7 +104,7 @@ impl<const D: usize> Mesh<D> {
         Ok(())
     }
 
-    /// Names the cells that own the facets of a region.
+    /// A name for the cells that own the facets of a region.
     ///
     /// # Errors
     /// [`MeshError::UnknownFacetRegion`], or [`MeshError::RegionExists`] when a cell or facet region has
@@ -119,7 +119,7 @@ impl<const D: usize> Mesh<D> {
         Ok(())
     }
 
-    /// Names the facets of the region `within` whose centre satisfies a condition.
+    /// A name for the facets of the region `within` whose centre satisfies a condition.
     ///
     /// # Errors
     /// [`MeshError::UnknownFacetRegion`] for `within`, [`MeshError::RegionExists`] when a cell or facet
@@ -145,7 +145,7 @@ impl<const D: usize> Mesh<D> {
         self.insert_facets(name, facets)
     }
 
-    /// Names the facets of a list, for example one read from a file; their order does not matter, and one
+    /// A name for the facets of a list, for example one read from a file; their order does not matter, and one
     /// that is listed twice counts once.
     ///
     /// # Errors

@@ -48,7 +48,7 @@ pub fn facet_rule<const D: usize>(
     map_to_facet(shape, local, &facet_reference_rule(shape, degree)?)
 }
 
-/// Maps a rule from the facet's own reference cell to a local facet: the first facet coordinate runs from
+/// A rule of the facet's own reference cell, mapped to a local facet: the first facet coordinate runs from
 /// the facet's first vertex to its second, the second one from the first vertex to the last
 /// ([`CellShape::facet_vertices`]).
 ///
@@ -70,7 +70,7 @@ pub fn map_to_facet<const D: usize>(
     Ok(map_to_corners(corners, rule))
 }
 
-/// Maps a rule from the facet's own reference cell to the facet, or a part of one, with these vertices in the cell's
+/// A rule of the facet's own reference cell, mapped to the facet, or a part of one, with these vertices in the cell's
 /// reference coordinates: the first facet coordinate runs from the first to the second, the other from the first to the
 /// last. In two dimensions the last one does not matter. Any order of a facet's vertices that runs around it will do, so
 /// that the points of one side of an interior facet can be found on the other.

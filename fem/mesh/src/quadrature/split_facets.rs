@@ -18,7 +18,7 @@ pub struct SplitFacets {
 }
 
 impl SplitFacets {
-    /// Cuts a facet; the pieces cover it without overlap. Without pieces it is whole again.
+    /// The pieces of a facet that is cut; they cover it without overlap. Without pieces the facet is whole again.
     pub fn cut(&mut self, facet: Facet, pieces: Vec<Piece>) {
         let key = (facet.cell, facet.local);
         match pieces.is_empty() {

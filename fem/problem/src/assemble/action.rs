@@ -170,7 +170,7 @@ impl<'a, const D: usize> TangentAction<'a, D> {
         self.unknowns.iter().map(|field| field.space().unknowns()).sum()
     }
 
-    /// Writes the tangent times `direction` to `product`, both over all unknowns in a row.
+    /// The tangent times `direction`, written to `product`. Both have all unknowns in a row.
     ///
     /// # Errors
     /// As [`Assembler::action`]; also where a vector is not of the operator's [`size`](TangentAction::size).

@@ -145,7 +145,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
         (side.determinant, side.inverse)
     }
 
-    /// Loads `filled` of the group's entities (at most one per lane, at least one) from `start` on, and gives
+    /// Data of `filled` of the group's entities (at most one per lane, at least one) from `start` on, loaded. The result is
     /// what is constant on their cells. Other lanes repeat the last entity.
     #[inline(always)]
     pub fn load(&mut self, start: usize, filled: usize) -> CellGeometry<L> {
@@ -236,7 +236,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
         &self.buffers.geometry
     }
 
-    /// Moves to the q-th point: geometry, basis functions, fields.
+    /// Data at the q-th point: geometry, basis functions, fields.
     ///
     /// # Errors
     /// A Jacobian determinant that is not positive, or a value that is not finite.

@@ -144,7 +144,7 @@ impl<'a, const D: usize> Binding<'a, D> {
         self
     }
 
-    /// Binds the directions of an action, one per unknown and on its space.
+    /// The directions of an action, bound: one per unknown and on its space.
     ///
     /// # Errors
     /// [`AssemblyError`]: another number of directions, or one that does not fit its unknown.
@@ -278,7 +278,7 @@ impl<'a, const D: usize> Binding<'a, D> {
         self.elements.len() - 1
     }
 
-    /// Checks the spaces of the test functions against the form.
+    /// Check of the test functions' spaces against the form.
     ///
     /// # Errors
     /// [`AssemblyError`]: a space that does not fit its test function.

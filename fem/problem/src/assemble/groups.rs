@@ -122,7 +122,7 @@ impl<const D: usize> Group<D> {
         }
     }
 
-    /// Checks that a space on facets has nodes on all of this; of contact pairs, on one side.
+    /// Check that a space on facets has nodes on all of this; of contact pairs, on one side.
     ///
     /// # Errors
     /// [`AssemblyError`]: a facet where the space has no nodes.

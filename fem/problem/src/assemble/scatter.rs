@@ -83,7 +83,7 @@ impl MatrixScatter<'_> {
         }
     }
 
-    /// Adds the matrices of the entities from `first` on. `None`: a block is not in the pattern.
+    /// The matrices of the entities from `first` on, added. `None`: a block is not in the pattern.
     pub fn add(&self, set: InstructionSet, first: usize, matrices: &[f64], part: &mut OwnRows) -> Option<()> {
         set.checked().run_without_kernel(Addition { scatter: self, first, matrices, part })
     }
@@ -224,14 +224,14 @@ impl MatrixScatter<'_> {
         part.written = part.written.max(end);
     }
 
-    /// Sets the rows to zero that the thread never came to, and gives what belongs to other threads.
+    /// The values that belong to other threads. Rows that the thread did not reach are set to zero.
     pub fn finish(&self, mut part: OwnRows) -> Deferred {
         let end = part.rows.end;
         self.clear_to(&mut part, end);
         part.into_deferred()
     }
 
-    /// Adds what threads kept for rows of others, in the values of all rows. Each row is one thread's, which adds to it in the
+    /// The values that threads kept for rows of others, added to those of all rows. Each row is one thread's, which adds to it in the
     /// order of those that kept something.
     pub fn add_deferred(
         &self,
@@ -362,7 +362,7 @@ impl VectorScatter<'_> {
         parts
     }
 
-    /// Adds the vectors of the entities from `first` on.
+    /// The vectors of the entities from `first` on, added.
     pub fn add(&self, first: usize, vectors: &[f64], part: &mut OwnRows) {
         let components = self.components;
         for (number, vector) in vectors.chunks_exact(self.nodes * components).enumerate() {
@@ -381,7 +381,7 @@ impl VectorScatter<'_> {
         }
     }
 
-    /// Adds what a thread kept for rows of others, in the unknowns of the space.
+    /// The values that a thread kept for rows of others, added to those of the space's unknowns.
     pub fn add_deferred(&self, part: &Deferred, values: &mut [f64]) {
         let components = self.components;
         for (&row, contribution) in part.rows.iter().zip(part.values.chunks_exact(components)) {

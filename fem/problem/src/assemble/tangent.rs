@@ -43,7 +43,7 @@ impl<const D: usize> Assembler<D> {
         Ok(matrix.into_csr())
     }
 
-    /// Replaces the values of a matrix on the pattern by the tangent of some of the integrals. The pattern must be
+    /// The tangent of some of the integrals, in place of the values of a matrix on the pattern. The pattern must be
     /// of the same spaces and hold every entry that the form touches. This is the fastest way to assemble a matrix
     /// again: rows are set to zero when they are first needed.
     ///
@@ -62,7 +62,7 @@ impl<const D: usize> Assembler<D> {
         self.write_tangent(form, arguments, parts, pattern, matrix, ValuesBefore::Vanish)
     }
 
-    /// Adds the tangent of some of the integrals to a matrix on the pattern, which must be of the same spaces and
+    /// The tangent of some of the integrals, added to a matrix on the pattern. The pattern must be of the same spaces and
     /// hold every entry that the form touches.
     ///
     /// # Errors

@@ -33,7 +33,7 @@ fn bodies<const D: usize>(mesh: &Mesh<D>) -> Vec<u32> {
 }
 
 impl<const D: usize> Constraints<D> {
-    /// Makes fields continuous where coarse cells meet fine ones, in meshes of
+    /// Continuity of fields where coarse cells meet fine ones, in meshes of
     /// [`Mesh::from_nonconforming_blocks`](crate::mesh::Mesh::from_nonconforming_blocks): the unknowns on each small facet are given
     /// by those on the large facet that it is a part of ([`Mesh::hanging_facets`](crate::mesh::Mesh::hanging_facets)), through the basis
     /// functions there. In the middle of an edge of degree 1 these are ½ and ½; at a quarter of one of degree 2, 3/8, 3/4 and −1/8. Polynomials of the space's

@@ -9,7 +9,7 @@ use crate::norms::basis_integrals;
 const MOST: usize = 4096;
 
 impl<const D: usize> Constraints<D> {
-    /// Prescribes the mean of one component (counted from 0, row-major) over a region of cells or facets:
+    /// Prescribed mean of one component (counted from 0, row-major) over a region of cells or facets:
     /// ∫_ω u_c = value · |ω|. One unknown is given by all others there, which so get to know each other: the tangent
     /// has a dense block of the size of the region.
     ///
@@ -35,7 +35,7 @@ impl<const D: usize> Constraints<D> {
         self.sum(&place, &terms, value)
     }
 
-    /// Prescribes a sum: Σ coefficient × unknown = `value`, with unknowns by their numbers. `name` is what messages call
+    /// Prescribed sum: Σ coefficient × unknown = `value`, with unknowns by their numbers. `name` is what messages call
     /// it.
     ///
     /// # Errors
@@ -49,7 +49,7 @@ impl<const D: usize> Constraints<D> {
         Ok(())
     }
 
-    /// Gives one unknown by others: u_dependent = Σ coefficient × unknown + `value`, with unknowns by their numbers. It is this unknown
+    /// Relation of one unknown to others: u_dependent = Σ coefficient × unknown + `value`, with unknowns by their numbers. It is this unknown
     /// that is eliminated, where [`Constraints::sum`] chooses. Unknowns on the right that are given already, or prescribed, are
     /// put in; a relation that follows from earlier conditions changes nothing. `name` is what messages call it.
     ///

@@ -53,7 +53,7 @@ impl<const D: usize> Constraints<D> {
         Ok(())
     }
 
-    /// Prescribes a motion of a region, finite rotations included: u(x) = map(x) − x at its nodes.
+    /// Prescribed rigid motion of a region, finite rotations included: u(x) = map(x) − x at its nodes.
     ///
     /// # Errors
     /// As [`Constraints::fix`]; [`ConstraintsError::NotRigid`].

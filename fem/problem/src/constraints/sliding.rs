@@ -5,7 +5,7 @@ use crate::element::PerShape;
 use crate::space::Family;
 
 impl<const D: usize> Constraints<D> {
-    /// Prescribes u · n on a region, with the normal n at each node as given (of any length but zero); tangential
+    /// Prescribed u · n on a region, with the normal n at each node as given (of any length but zero); tangential
     /// components stay free.
     ///
     /// # Errors
@@ -24,7 +24,7 @@ impl<const D: usize> Constraints<D> {
         self.slide_on(&place, &nodes, normals, value)
     }
 
-    /// Prescribes u · n on a region of facets, with the mean of the outward normals of the facets around each node,
+    /// Prescribed u · n on a region of facets, with the mean of the outward normals of the facets around each node,
     /// weighted by their area elements there: on a smooth boundary. Where it has an edge or corner, state one
     /// condition for each smooth part.
     ///

@@ -91,7 +91,7 @@ fn header<const D: usize>(space: &Space<D>) -> [String; 7] {
 }
 
 impl<const D: usize> Field<D> {
-    /// Writes the field to a file, which appears whole or not at all; [`Field::read`] gives it back to the last bit.
+    /// A file with the field, which appears whole or not at all; [`Field::read`] reads it to the last bit.
     ///
     /// ```
     /// use forms_fem::prelude::*;

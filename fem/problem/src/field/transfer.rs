@@ -100,14 +100,14 @@ impl<const D: usize> Field<D> {
 }
 
 impl<const D: usize> Transfer<'_, D> {
-    /// Accepts points of the target up to this distance \[length\] from the field's mesh; a tenth of the diameter of its
+    /// Largest distance \[length\] of a target's point from the field's mesh; by default a tenth of the diameter of its
     /// largest cell where nothing is said.
     pub fn within(mut self, distance: f64) -> Self {
         self.reach = Some(distance);
         self
     }
 
-    /// Uses the given number of threads.
+    /// Number of threads.
     pub fn with_threads(mut self, threads: Threads) -> Self {
         self.threads = threads;
         self

@@ -114,7 +114,7 @@ impl<const D: usize> Assembler<D> {
         Ok(Source::History(Arc::new(storage)))
     }
 
-    /// Evaluates a function of a forms module at the points of a history and keeps the values aside, until
+    /// Values of a function of a forms module at the points of a history, kept aside until
     /// [`History::commit`] or [`History::revert`]. All histories that the function reads have their committed
     /// values, so that several can be written in any order.
     ///

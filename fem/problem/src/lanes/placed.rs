@@ -44,7 +44,7 @@ impl<'a> PlacedBlocks<'a> {
         PlacedBlocks { target: &mut target[..L::WIDTH * width * width], places: &places.places, width }
     }
 
-    /// Writes the block of a pair, two numbers of a row after the other, and its mirror image.
+    /// The block of a pair, written two numbers of a row after the other, and its mirror image.
     ///
     /// # Panics
     /// When there are fewer pairs.

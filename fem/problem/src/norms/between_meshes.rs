@@ -26,7 +26,7 @@ pub struct Comparison<const D: usize> {
 }
 
 impl<const D: usize> Comparison<D> {
-    /// Locates the quadrature points of the assembler's mesh, the reference, in the mesh of a space. Where the
+    /// The quadrature points of the assembler's mesh, the reference, located in the mesh of a space. Where the
     /// assembler takes the compiler's estimate, the rule has `degree`. Where the coarse mesh's curved boundary deviates
     /// from the reference's, coarse fields are extrapolated from their nearest cell.
     ///

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::write_whole;
 use crate::linear_algebra::CsrMatrix;
 
-/// Writes a matrix with 17 significant digits, which read back to the same numbers. An exactly symmetric matrix
+/// A Matrix Market file of a matrix with 17 significant digits, which read back to the same numbers. An exactly symmetric matrix
 /// is written in the `symmetric` flavour (its lower triangle), any other one in the `general` flavour. Stored
 /// zeros are written. The file appears whole or not at all. `scipy.io.mmread`, MATLAB's `mmread` and Julia's `MatrixMarket` read it.
 ///

@@ -27,7 +27,7 @@ impl StandardOutput {
         self.attempt(|stream| writeln!(stream, "{text}"));
     }
 
-    /// Writes out what is left.
+    /// The remaining output, written.
     ///
     /// # Errors
     /// The first failure since the beginning.

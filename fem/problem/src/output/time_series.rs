@@ -162,7 +162,7 @@ impl TimeSeries {
         csv
     }
 
-    /// Writes that file, whole or not at all.
+    /// The file, written whole or not at all.
     ///
     /// # Errors
     /// Those of the file system.

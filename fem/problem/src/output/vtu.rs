@@ -46,7 +46,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
         VtuFile { mesh, points: Vec::new(), corners: Vec::new(), cells: Vec::new() }
     }
 
-    /// Adds the values of a field at the mesh's nodes. The field's degree need not be the mesh's: the
+    /// The values of a field at the mesh's nodes, as one more array. The field's degree need not be the mesh's: the
     /// field is evaluated at the nodes. A discontinuous field has its value of each cell there; one of degree
     /// 0 becomes data of the cells.
     ///
@@ -82,7 +82,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
         }
     }
 
-    /// Adds values at the mesh's nodes, `values[node * components + component]`.
+    /// Values at the mesh's nodes, `values[node * components + component]`.
     ///
     /// # Errors
     /// [`VtuError`] if there is not one value per node and component, a value is not finite, or the
@@ -95,7 +95,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
         Ok(self)
     }
 
-    /// Adds values of the cells, `values[cell * components + component]`.
+    /// Values of the cells, `values[cell * components + component]`.
     ///
     /// # Errors
     /// [`VtuError`] if there is not one value per cell and component, a value is not finite, or the
@@ -107,7 +107,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
         Ok(self)
     }
 
-    /// Adds regions of cells as an array "region" of whole numbers: 1 for the cells of the first region in the list, 2
+    /// Regions of cells as an array "region" of whole numbers: 1 for the cells of the first region in the list, 2
     /// for those of the second and so on, −1 for the cells of none. [`VtkReader`](crate::mesh::VtkReader) makes
     /// regions of it again.
     ///
@@ -134,7 +134,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
         Ok(self)
     }
 
-    /// Writes the file, whole or not at all.
+    /// The file, written whole or not at all.
     ///
     /// # Errors
     /// [`VtuError`] if the file cannot be written.

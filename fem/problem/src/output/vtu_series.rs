@@ -44,7 +44,7 @@ impl VtuSeries {
         Ok(VtuSeries { stem: stem.to_owned(), path, times: Vec::new() })
     }
 
-    /// Writes the next step, and lists it: after each step the series can be opened.
+    /// The next step, written and listed. After each step the series can be opened.
     ///
     /// # Errors
     /// [`VtuError`] for a time that is not finite, or if a file cannot be written.

@@ -43,7 +43,7 @@ impl<const D: usize> RayBundle<D> {
         RayBundle { centre: own.centre, radius: 0.0, direction, spread: 0.0, reach }
     }
 
-    /// Grows until it holds the first `count` of some rays.
+    /// Room for the first `count` of some rays.
     #[inline(always)]
     pub fn hold<L: SimdLane>(&mut self, rays: &Rays<D, L>, count: usize) {
         let off = minus(&rays.x, &splat(&self.centre));

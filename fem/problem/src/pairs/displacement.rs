@@ -56,7 +56,7 @@ impl<const D: usize> CellDisplacement<D> {
         self.parts.iter().map(|(element, _)| element.degree).max().unwrap_or(0)
     }
 
-    /// Adds the displacement and its derivatives along the reference cell's axes at a point of that cell.
+    /// The displacement and its derivatives along the reference cell's axes at a point of that cell, added.
     pub fn add_at(&self, reference: &[f64; D], position: &mut [f64; D], jacobian: &mut [[f64; D]; D]) {
         for (element, coefficients) in &self.parts {
             let (mut value, mut gradient) = ([0.0; MAXIMUM_NODES], [[0.0; D]; MAXIMUM_NODES]);

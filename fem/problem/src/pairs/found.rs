@@ -117,7 +117,7 @@ impl<const D: usize> Found<D> {
         }
     }
 
-    /// Begins with a further own facet.
+    /// Beginning of one more own facet.
     pub fn begin(&mut self) {
         self.counts.push(Counts::default());
     }
@@ -133,7 +133,7 @@ impl<const D: usize> Found<D> {
         FirstPoint { numbers: self.points.len(), rigid_normals: self.rigid_normals.len() }
     }
 
-    /// Adds a point's numbers as [`PairGroup::points`] has them, straight into place: what is put together first is read before it has
+    /// One more point, its numbers as in [`PairGroup::points`] and straight into place: what is put together first is read before it has
     /// come to the cache.
     #[inline(always)]
     pub fn add_point(&mut self, point: &PairPoint<D>) {
@@ -149,7 +149,7 @@ impl<const D: usize> Found<D> {
         self.rigid_normals.extend(point.rigid_normal);
     }
 
-    /// Sorts the pairs of the last own facet by opposite facets, in the order of its points. All facets of a rigid surface move with one
+    /// End of an own facet: its pairs are sorted by opposite facets, in the order of its points. All facets of a rigid surface move with one
     /// cell, and count as one.
     pub fn end(
         &mut self,

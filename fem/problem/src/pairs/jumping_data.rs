@@ -64,7 +64,7 @@ impl<const D: usize> fmt::Debug for SmoothFunctions<D> {
 }
 
 impl<const D: usize> SmoothFunctions<D> {
-    /// Looks at a function on the surfaces of one side of a pairing, at the points of the rule for whole facets.
+    /// Check of a function on the surfaces of one side of a pairing, at the points of the rule for whole facets.
     ///
     /// # Errors
     /// [`PairError::Jump`](super::PairError::Jump), or those of the search.

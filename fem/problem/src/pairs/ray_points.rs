@@ -52,7 +52,7 @@ impl<const D: usize, L: SimdLane> RayRoom<D, L> {
 }
 
 impl<const D: usize> Search<'_, '_, D> {
-    /// Adds the opposite points on the rays from the points of a whole facet.
+    /// Opposite points on the rays from the points of a whole facet, added.
     #[inline(always)]
     pub fn add_rays_of<L: SimdLane>(&self, index: usize, found: &mut Found<D>, room: &mut RayRoom<D, L>) {
         let own = &self.own[index];

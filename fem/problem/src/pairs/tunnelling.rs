@@ -172,7 +172,7 @@ pub(crate) struct Follower<'a, const D: usize> {
 }
 
 impl<const D: usize> Follower<'_, D> {
-    /// Follows the motion from one displacement of a space to another one, both by their coefficients.
+    /// The motion from one displacement of a space to another one, followed; both are given by their coefficients.
     ///
     /// # Errors
     /// [`PairError`]: surfaces that are missing or do not fit, a reach that is no length.

@@ -53,7 +53,7 @@ const DOUBTFUL: f64 = 1e-9;
 /// Most steps of iterative refinement of the whole solution.
 const REFINEMENTS: usize = 4;
 
-/// Condenses to the unknowns that change, and falls back to a [`TangentSolver`].
+/// A solver that condenses to the unknowns that change. Its fallback is a [`TangentSolver`].
 #[derive(Debug, Default)]
 pub struct CondensedSolver {
     fallback: TangentSolver,

@@ -133,7 +133,7 @@ impl Elimination {
         &self.free
     }
 
-    /// Writes the prescribed values into a full vector, and those that its free entries give.
+    /// The prescribed values, written into a full vector, and then those that its free entries determine.
     ///
     /// # Errors
     /// If the size is wrong.

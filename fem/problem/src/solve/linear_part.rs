@@ -133,7 +133,7 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         self.form.slides()
     }
 
-    /// Gives the tangent at u other positions, where those known do not hold its entries. Whether it did.
+    /// True if the tangent at u has entries outside the known positions. The positions are then found again.
     ///
     /// # Errors
     /// [`AssemblyError`]: a vector of another length, or pairs at u that cannot be found.
@@ -160,7 +160,7 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         self.assembler.pairs_of_form(&self.form, &self.views(u)?, &self.spaces.each_ref())
     }
 
-    /// Follows the motion of all pairs that an unknown displaces from one state to another; see [`Assembler::follow`].
+    /// The motion of all pairs that an unknown displaces, followed from one state to another; see [`Assembler::follow`].
     ///
     /// # Errors
     /// [`AssemblyError`]: those of [`System::pairs`], and surfaces that may have passed through each other.
@@ -228,7 +228,7 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         self.assembler.active_set_of(&self.form, &self.views(u)?)
     }
 
-    /// Assembles what no iterate changes, in the memory of an earlier assembly, or of a matrix with the same positions.
+    /// The parts that no iterate changes, assembled in the memory of an earlier assembly, or of a matrix with the same positions.
     ///
     /// # Errors
     /// [`AssemblyError`] of the pattern, the load or the linear integrals.
@@ -313,7 +313,7 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         self.assembler_at(u)?.residual_of(&self.form, &views, &spaces, Parts::NONLINEAR)
     }
 
-    /// Visits the forces on rigid surfaces with their unknowns among those of all spaces. Of several processes the one that owns the cell
+    /// A visit to each force on rigid surfaces, with its unknowns among those of all spaces. Of several processes the one that owns the cell
     /// that carries a surface has its loads.
     ///
     /// # Errors
@@ -343,7 +343,7 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         Ok(sizes)
     }
 
-    /// Makes the matrix the tangent at u, in a time proportional to what nonlinear integrals touch.
+    /// The tangent at u, in a time proportional to the number of entries that nonlinear integrals touch.
     ///
     /// # Errors
     /// [`AssemblyError::NotFinite`] where u is not finite at an unknown that nonlinear integrals read; otherwise those of the integrals.

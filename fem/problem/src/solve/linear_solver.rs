@@ -9,7 +9,7 @@ use crate::linear_algebra::{
     CsrMatrix, GmresReport, KrylovReport, LinearAlgebraError, ResidualHistory, SparsityPattern, Transpose,
 };
 
-/// Solves systems with one square matrix after another. An implementation may keep whatever serves the next
+/// A solver of systems with one square matrix after another. An implementation may keep whatever serves the next
 /// matrix: the analysis of the pattern, a factor.
 pub trait LinearSolver {
     /// Says that the coming matrices are parts of this process, which add up over `count` processes to the matrix that is meant; 1: that

@@ -9,7 +9,7 @@ use crate::linear_algebra::error::{check_finite, check_size};
 use crate::linear_algebra::{BlockMatrix, LinearAlgebraError};
 use crate::threads::Threads;
 
-/// Solves A u = b with the prescribed unknowns eliminated: on free rows A u = b, elsewhere u is as prescribed.
+/// Solution of A u = b with the prescribed unknowns eliminated: on free rows A u = b, elsewhere u is as prescribed.
 /// The solver keeps the reduced matrix and its factor for further solves.
 ///
 /// # Errors
@@ -25,7 +25,7 @@ pub fn solve_linear(
     finish(matrix, rest, lifted, elimination, solver, Transpose::No)
 }
 
-/// Solves Aᵀ u = b in the same way.
+/// Solution of Aᵀ u = b in the same way.
 ///
 /// # Errors
 /// As [`solve_linear`].

@@ -152,7 +152,7 @@ impl LoadSteps {
         LoadSteps { start_of_steps, ..self }
     }
 
-    /// Goes through the factors. `solve(increment)` gives the state at the increment's factor, or fails:
+    /// The steps through the factors. `solve(increment)` gives the state at the increment's factor, or fails:
     ///
     /// ```no_run
     /// # use forms_fem::prelude::*;
@@ -187,7 +187,7 @@ impl LoadSteps {
         self.go_through(state, self.start_of_steps.rule(), solve, &mut |_| (), &mut |_| ())
     }
 
-    /// Goes through the factors with any state. `solve(factor, state)` gives the state at a factor from the last one, or fails.
+    /// The steps through the factors with any state. `solve(factor, state)` gives the state at a factor from the last one, or fails.
     ///
     /// # Errors
     /// [`LoadStepError`] with the reason and the last state that was reached.

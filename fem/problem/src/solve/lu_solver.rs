@@ -21,7 +21,7 @@ const UNCERTAIN: f64 = 1e-6;
 /// Most steps of iterative refinement of the whole solution; with partial pivoting one nearly always suffices.
 const REFINEMENTS: usize = 2;
 
-/// Factors each matrix by LU with partial pivoting, and refines each solution until every equation holds relative to the sizes
+/// A solver that factors each matrix by LU with partial pivoting, and refines each solution until every equation holds relative to the sizes
 /// of its own terms. It is what a [`super::TangentSolver`] turns to when a
 /// matrix has zeros on its diagonal, as saddle points have, or defeats its own factors.
 ///

@@ -30,7 +30,7 @@ pub use partly_linear::{LinearPart, NonlinearTangent, PartlyLinear};
 pub use report::{NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep, WorstEquation};
 pub use tangent::{Products, Tangent};
 
-/// Solves R(u) = 0 on the free unknowns from `start`, with the prescribed values imposed on it. `progress` is called once
+/// Newton's method for R(u) = 0 on the free unknowns from `start`, with the prescribed values imposed on it. `progress` is called once
 /// per iterate. Afterwards the solver still holds the last tangent that it was given. [`NewtonOptions`] says when an iterate
 /// is the solution.
 ///

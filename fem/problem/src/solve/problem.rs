@@ -144,7 +144,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         self
     }
 
-    /// Lets the iterate choose who assembles the nonlinear integrals, as when facets are split where a scalar of the
+    /// A function that chooses the assembler of the nonlinear integrals by the iterate, as when facets are split where a scalar of the
     /// iterate changes its sign ([`Assembler::split_at_zeros`]). There is then no active set of fixed points in Newton's
     /// history. What no iterate changes is assembled as before.
     pub fn assembler_at(
@@ -207,7 +207,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         self
     }
 
-    /// Solves on several processes; each assembles the integrals over its part of the cells. The linear solver
+    /// Solution on several processes; each assembles the integrals over its part of the cells. The linear solver
     /// has to take matrices that are sums over the processes ([`LinearSolver::set_processes`]); another one is refused where there are
     /// several. So are problems that are not the same on all of them.
     pub fn on(mut self, communicator: &'a dyn Communicator) -> Self {

@@ -81,7 +81,7 @@ impl<const D: usize> RigidLoads<D> {
         }
     }
 
-    /// Adds a force \[force; in the plane per depth\] at a point of the tool, which is where it was before it moved \[length\]; the point
+    /// A force \[force; in the plane per depth\] at a point of the tool, which is where it was before it moved \[length\]; the point
     /// need not lie on the surface. It goes with the tool, and the force keeps its direction.
     ///
     /// # Errors
@@ -103,7 +103,7 @@ impl<const D: usize> RigidLoads<D> {
         Ok(())
     }
 
-    /// Adds a couple \[force × length; in the plane per depth\]: one number in the plane, counter-clockwise, a vector along its axis in space.
+    /// A couple \[force × length; in the plane per depth\]: one number in the plane, counter-clockwise, a vector along its axis in space.
     /// `motion` is where the tool is when it turns on: that of [`Constraints::rigid_body_from`](crate::constraints::Constraints::rigid_body_from).
     ///
     /// # Errors

@@ -135,7 +135,7 @@ impl TangentSolver {
         self.factor.as_ref().map(SymmetricFactor::is_positive_definite)
     }
 
-    /// Estimates the condition of the current matrix in the 1-norm by about five solves, and reports it.
+    /// Estimate of the current matrix's condition in the 1-norm, by about five solves; it is also reported.
     ///
     /// # Errors
     /// If there is no matrix, or a solve fails.

@@ -37,7 +37,7 @@ pub struct GmshMesh<const D: usize> {
 }
 
 impl<const D: usize> GmshMesh<D> {
-    /// Reads a file, as [`Mesh::read_gmsh`].
+    /// The mesh of a file, as [`Mesh::read_gmsh`] reads it.
     ///
     /// # Errors
     /// As [`Mesh::read_gmsh`].
@@ -53,7 +53,7 @@ impl<const D: usize> GmshMesh<D> {
         }
     }
 
-    /// Reads the bytes of a file, as [`Mesh::read_gmsh`]; `name` is for messages.
+    /// The mesh of a file's bytes, as [`Mesh::read_gmsh`] reads it; `name` is for messages.
     ///
     /// # Errors
     /// As [`Mesh::read_gmsh`].
@@ -71,7 +71,7 @@ impl<const D: usize> GmshMesh<D> {
 }
 
 impl<const D: usize> Mesh<D> {
-    /// Reads a Gmsh file: MSH 4.1 or 2.2, text or binary of either byte order, first or second order.
+    /// The mesh of a Gmsh file: MSH 4.1 or 2.2, text or binary of either byte order, first or second order.
     ///
     /// Cells are the elements of dimension D: triangles, quadrilaterals, tetrahedra or hexahedra, all of one type, or
     /// triangles and quadrilaterals of one order. Nodes and cells keep the file's order, but where there are both, all
@@ -101,7 +101,7 @@ impl<const D: usize> Mesh<D> {
         GmshMesh::read(path).map(|read| read.mesh)
     }
 
-    /// Reads the bytes of a Gmsh file, as [`Mesh::read_gmsh`]; `name` is for messages.
+    /// The mesh of a Gmsh file's bytes, as [`Mesh::read_gmsh`] reads it; `name` is for messages.
     ///
     /// # Errors
     /// As [`Mesh::read_gmsh`].

@@ -69,7 +69,7 @@ impl<'a> Remeshing<'a> {
         Remeshing { sizes, surfaces: &[], cells_of_facets: &[], sectors: None }
     }
 
-    /// Puts the nodes of some regions of facets onto curves. Without this they are where the old facets are, which is not
+    /// Curves for the nodes of some regions of facets. Without them the nodes are on the old facets, which is not
     /// where the curve is that these approximate.
     pub fn onto(mut self, surfaces: &'a [Surface<'a, 2>]) -> Self {
         self.surfaces = surfaces;
@@ -82,7 +82,7 @@ impl<'a> Remeshing<'a> {
         self
     }
 
-    /// Fills one sector of a ring and repeats it, so that the mesh has the pattern that the outline has: `count` sectors
+    /// One sector of a ring, filled and repeated, so that the mesh has the outline's pattern: `count` sectors
     /// around the centre, where the first begins at an angle \[rad\]. The boundary has nodes on the sides of the sectors.
     pub fn in_sectors(mut self, centre: [f64; 2], count: usize, angle: f64) -> Self {
         self.sectors = Some(Sectors { centre, count, angle });

@@ -88,28 +88,28 @@ impl VtkReader {
         VtkReader::default()
     }
 
-    /// Names the array on cells whose numbers are the regions; then it must be there.
+    /// Name of the array on cells whose numbers are the regions. A file without it is an error.
     #[must_use]
     pub fn region_array(mut self, name: &str) -> Self {
         self.array = Some(name.to_owned());
         self
     }
 
-    /// Names the region of the cells of dimension D that have a number; numbers may share a name.
+    /// Name of the region of the cells of dimension D that have a number; numbers may share a name.
     #[must_use]
     pub fn name_cells(mut self, number: i64, name: &str) -> Self {
         self.cells.insert(number, name.to_owned());
         self
     }
 
-    /// Names the region of facets that the cells of dimension D − 1 with a number are; numbers may share a name.
+    /// Name of the region of the facets that are cells of dimension D − 1 with a number; numbers may share a name.
     #[must_use]
     pub fn name_facets(mut self, number: i64, name: &str) -> Self {
         self.facets.insert(number, name.to_owned());
         self
     }
 
-    /// Makes one node of points with equal coordinates, to the last bit. Programs write the points of each cell by
+    /// One node in place of points with equal coordinates, to the last bit. Programs write the points of each cell by
     /// themselves where data jump between cells, and so do the files that `VtuFile` writes.
     #[must_use]
     pub fn join_points(mut self) -> Self {
@@ -117,7 +117,7 @@ impl VtkReader {
         self
     }
 
-    /// Reads a file, XML or legacy as it begins.
+    /// The mesh of a file, XML or legacy as it begins.
     ///
     /// # Errors
     /// As [`Mesh::read_vtk`].
@@ -174,7 +174,7 @@ fn coincident<const D: usize>(mesh: &Mesh<D>, places: &[usize]) -> Option<Note> 
 }
 
 impl<const D: usize> Mesh<D> {
-    /// Reads an unstructured grid of VTK: XML (`.vtu`; text, base64 or appended, also compressed by zlib) or legacy
+    /// The mesh of an unstructured grid of VTK: XML (`.vtu`; text, base64 or appended, also compressed by zlib) or legacy
     /// (`.vtk`; text or binary).
     ///
     /// Cells are those of dimension D: triangles, quadrilaterals, tetrahedra or hexahedra of first or second order, all

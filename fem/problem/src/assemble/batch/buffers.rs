@@ -49,7 +49,7 @@ impl<L: SimdLane, const D: usize> Default for BatchBuffers<L, D> {
 }
 
 impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
-    /// Checks that the kernel finds what it reads, and makes room for it.
+    /// Memory for the values that the kernel reads, after a check that they exist.
     ///
     /// # Errors
     /// [`AssemblyError`]: something that the kernel reads and the group does not have.

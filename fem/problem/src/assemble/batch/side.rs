@@ -68,7 +68,7 @@ impl<L: SimdLane, const D: usize> Default for SideBuffers<L, D> {
 }
 
 impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
-    /// Makes room for a group.
+    /// Memory for a group.
     pub fn prepare(&mut self, tables: &GroupSide<D>) {
         let zero = L::splat(0.0);
         let empty = Basis { value: zero, gradient: [zero; D] };

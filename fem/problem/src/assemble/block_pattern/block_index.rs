@@ -62,7 +62,7 @@ pub(in crate::assemble) enum Slots {
 }
 
 impl Slots {
-    /// Adds a run of them to a list.
+    /// A run of the slots, added to a list.
     pub fn copy(&self, run: Range<usize>, to: &mut Vec<u32>) {
         match self {
             Slots::Bytes(places) => to.extend(places[run].iter().map(|place| u32::from(*place))),
@@ -71,7 +71,7 @@ impl Slots {
         }
     }
 
-    /// Adds those at some distances from a start to a list.
+    /// The slots at some distances from a start, added to a list.
     pub fn copy_some(&self, start: usize, distances: &[u32], to: &mut Vec<u32>) {
         let at = |distance: &u32| start + *distance as usize;
         match self {

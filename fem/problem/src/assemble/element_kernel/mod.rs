@@ -87,7 +87,7 @@ impl<const D: usize> ElementKernel<D> {
         Self::with_sizes::<I, Counted>(form, layout, quadrature)
     }
 
-    /// Prepares a form of one test function and one unknown.
+    /// The kernel of a form of one test function and one unknown.
     ///
     /// # Errors
     /// An [`AssemblyError`] that names the form and what does not fit: a region, a field, a size.

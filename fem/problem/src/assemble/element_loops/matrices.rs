@@ -83,7 +83,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
         [nodes(0), nodes(1)]
     }
 
-    /// Computes the element matrices of the group's entities in a range, and hands them over in their order:
+    /// The element matrices of the group's entities in a range, handed over in their order:
     /// `deliver(first, matrices)` gets whole element matrices, that of entity `first` first, each as
     /// `[test node][trial node][row component][column component]`.
     ///

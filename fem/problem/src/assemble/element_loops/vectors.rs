@@ -58,7 +58,7 @@ impl<const D: usize> ElementVectors<'_, D> {
         self.group.sides[self.side].elements[self.element].nodes
     }
 
-    /// Computes the element vectors of the group's entities in a range, and hands them over in their order:
+    /// The element vectors of the group's entities in a range, handed over in their order:
     /// `deliver(first, vectors)` gets whole element vectors, that of entity `first` first, each as
     /// `[node][component]`.
     ///

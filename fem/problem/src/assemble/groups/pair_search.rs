@@ -118,7 +118,7 @@ impl<const D: usize> PairSearch<D> {
         Ok(facets)
     }
 
-    /// Lets sliding pairs couple what they do at an iterate, and their neighbours.
+    /// Couplings of sliding pairs at an iterate, and of their neighbours.
     ///
     /// # Errors
     /// [`AssemblyError`] with a [`PairError`] of the search.

@@ -14,7 +14,7 @@ pub(in crate::assemble) struct Deferred {
 }
 
 impl Deferred {
-    /// Keeps blocks of a row at their places.
+    /// Blocks of a row, kept at their places.
     #[inline(never)]
     pub fn keep<P: Slot>(&mut self, row: u32, places: &[P], blocks: &[f64]) {
         self.rows.push(row);

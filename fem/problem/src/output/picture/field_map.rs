@@ -89,13 +89,13 @@ impl<'a> FieldMap<'a> {
         }
     }
 
-    /// Draws the body displaced by `factor` times a vector field.
+    /// The body displaced by `factor` times a vector field.
     pub fn deformed(mut self, displacement: &'a Field<2>, factor: f64) -> Self {
         self.displacement = Some((displacement, factor));
         self
     }
 
-    /// Writes a title above the picture.
+    /// Title above the picture.
     pub fn title(mut self, title: &str) -> Self {
         self.title = title.into();
         self
@@ -113,7 +113,7 @@ impl<'a> FieldMap<'a> {
         self
     }
 
-    /// Draws no axes.
+    /// The picture without axes.
     pub fn without_axes(mut self) -> Self {
         self.unit = None;
         self
@@ -125,7 +125,7 @@ impl<'a> FieldMap<'a> {
         self
     }
 
-    /// Draws bands of equal colour instead of a continuous map.
+    /// Bands of equal colour instead of a continuous map.
     pub fn levels(mut self, count: usize) -> Self {
         self.levels = Some(count);
         self
@@ -137,7 +137,7 @@ impl<'a> FieldMap<'a> {
         self
     }
 
-    /// Shows only a part of the plane.
+    /// Part of the plane that is shown.
     pub fn window(mut self, x: [f64; 2], y: [f64; 2]) -> Self {
         self.window = Some([[x[0], y[0]], [x[1], y[1]]]);
         self
@@ -149,25 +149,25 @@ impl<'a> FieldMap<'a> {
         self
     }
 
-    /// Draws no edges of cells.
+    /// The picture without edges of cells.
     pub fn without_mesh_lines(mut self) -> Self {
         self.mesh_lines = false;
         self
     }
 
-    /// Draws the outline of the body before its deformation, with a name for the legend.
+    /// Outline of the body before its deformation, with a name for the legend.
     pub fn undeformed_outline(mut self, name: &str) -> Self {
         self.undeformed = Some(name.into());
         self
     }
 
-    /// Draws a line, as of the ground below a body, with a name for the legend.
+    /// A line, for example the ground below a body, with a name for the legend.
     pub fn line(mut self, points: &[[f64; 2]], name: &str, colour: Colour) -> Self {
         self.lines.push((points.to_vec(), name.into(), Stroke::solid(colour, 1.4)));
         self
     }
 
-    /// Draws arrows of a vector field; the legend says how long the longest one is, in the
+    /// Arrows of a vector field; the legend says how long the longest one is, in the
     /// unit given.
     pub fn arrows(mut self, field: &'a Field<2>, name: &str, unit: &str) -> Self {
         self.arrows = Some((field, name.into(), unit.into()));

@@ -38,7 +38,7 @@ impl<'a> MeshDrawing<'a> {
         }
     }
 
-    /// Draws a region of facets in a colour of its own, with its name in the legend.
+    /// A region of facets in a colour of its own, with its name in the legend.
     ///
     /// # Errors
     /// [`PictureError::Mesh`] if there is no such region.
@@ -46,7 +46,7 @@ impl<'a> MeshDrawing<'a> {
         self.named_region(name, name)
     }
 
-    /// Draws a region of facets in a colour of its own, with another name than its own in the legend.
+    /// A region of facets in a colour of its own, with another name than its own in the legend.
     ///
     /// # Errors
     /// [`PictureError::Mesh`] if there is no such region.
@@ -55,7 +55,7 @@ impl<'a> MeshDrawing<'a> {
         Ok(self)
     }
 
-    /// Fills a region of cells in a colour of its own, with its name in the legend.
+    /// A region of cells, filled with a colour of its own, with its name in the legend.
     ///
     /// # Errors
     /// [`PictureError::Mesh`] if there is no such region.
@@ -64,7 +64,7 @@ impl<'a> MeshDrawing<'a> {
         Ok(self)
     }
 
-    /// Draws all regions of facets but the whole boundary, smaller ones over larger ones.
+    /// All regions of facets except the whole boundary, smaller ones over larger ones.
     pub fn all_regions(mut self) -> Self {
         let names = self.mesh.facet_region_names().filter(|&name| name != "boundary");
         for name in names {
@@ -76,7 +76,7 @@ impl<'a> MeshDrawing<'a> {
         self
     }
 
-    /// Writes a title above the picture.
+    /// Title above the picture.
     pub fn title(mut self, title: &str) -> Self {
         self.title = title.into();
         self
@@ -88,13 +88,13 @@ impl<'a> MeshDrawing<'a> {
         self
     }
 
-    /// Draws no axes.
+    /// The picture without axes.
     pub fn without_axes(mut self) -> Self {
         self.unit = None;
         self
     }
 
-    /// Shows only a part of the plane.
+    /// Part of the plane that is shown.
     pub fn window(mut self, x: [f64; 2], y: [f64; 2]) -> Self {
         self.window = Some([[x[0], y[0]], [x[1], y[1]]]);
         self

@@ -52,7 +52,7 @@ impl CondensedSystem {
         self.unknowns().iter().map(|unknown| x[*unknown as usize]).collect()
     }
 
-    /// Brings the entries of x that N reads up to date with x_c.
+    /// The entries of x that N reads, brought up to date with x_c.
     ///
     /// # Errors
     /// Vectors of other sizes.

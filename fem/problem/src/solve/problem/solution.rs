@@ -42,7 +42,7 @@ impl Solver<'_> {
 pub(in crate::solve) type EachStep<'a> = Box<dyn FnMut(&NewtonStep) + 'a>;
 
 impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
-    /// Solves the problem.
+    /// Solution of the problem.
     ///
     /// # Errors
     /// [`SolveError`] with the reason, and of Newton's method the history and the last iterate.

@@ -37,7 +37,7 @@ pub(super) struct PointMap<L, const D: usize> {
 }
 
 impl<'a, L: SimdLane, S: Sizes, const D: usize> FixedBatch<'a, L, S, D> {
-    /// Loads `filled` cells from `start` on.
+    /// Data of `filled` cells from `start` on, loaded.
     #[inline(always)]
     pub fn load(
         requirements: &Requirements,

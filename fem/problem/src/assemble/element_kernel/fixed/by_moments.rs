@@ -62,7 +62,7 @@ impl<L: SimdLane> ByMoments<L> {
         })
     }
 
-    /// Writes the matrices of some cells, or adds them.
+    /// The matrices of some cells, written or added.
     #[inline(always)]
     pub fn write<K: BilinearKernel<D>, S: Sizes, const D: usize>(
         &mut self,

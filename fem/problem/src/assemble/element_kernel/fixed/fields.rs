@@ -28,7 +28,7 @@ impl<L: SimdLane> FieldBuffers<L> {
         FieldBuffers(coefficients.collect())
     }
 
-    /// Loads the coefficients of some cells.
+    /// The coefficients of some cells, loaded.
     #[inline(always)]
     pub fn load<S: Sizes, const D: usize>(
         &mut self,
@@ -75,7 +75,7 @@ impl<L: SimdLane> FieldBuffers<L> {
 }
 
 impl<L: SimdLane, S: Sizes, const D: usize> FixedBatch<'_, L, S, D> {
-    /// Evaluates what one slot reads at the q-th point.
+    /// The value that one slot reads at the q-th point.
     #[inline(always)]
     pub fn evaluate_slot(
         &self,

@@ -79,7 +79,7 @@ impl Destination {
         self.rearranged.is_none()
     }
 
-    /// Hands over the matrices of some lanes, of `size` numbers each, that were written elsewhere.
+    /// Matrices of some lanes, of `size` numbers each, copied from where they were written.
     #[cold]
     #[inline(never)]
     pub fn copy(&self, target: &mut [f64], size: usize, add: bool) {

@@ -122,7 +122,7 @@ impl<S: Sizes, const D: usize> FixedTables<S, D> {
     /// The basis functions of the unknown are the barycentric coordinates of a straight simplex: no other cell has D + 1 nodes.
     pub(super) const LINEAR: bool = Self::AFFINE && <S::Nodes<f64> as Array<f64>>::LENGTH == D + 1;
 
-    /// Copies a group's tables; their lengths are those of the arrays.
+    /// Copies of a group's tables; their lengths are those of the arrays.
     pub fn new(group: &Group<D>, values: &[Values<D>], layout: &ElementLayout) -> Self {
         let side = &group.sides[0];
         let mut weights = S::Points::filled(0.0);

@@ -51,7 +51,7 @@ pub(in crate::assemble) struct PairSums<'a, L, const D: usize> {
 }
 
 impl<L: SimdLane> MatrixStages<L> {
-    /// Makes room.
+    /// Memory for the sums.
     #[inline(never)]
     pub fn prepare<const D: usize>(&mut self, tables: &ProductTables, symmetric: bool) {
         let (n, m) = (tables.nodes, tables.points);
