@@ -221,7 +221,9 @@ fn plate(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let largest = amounts.values().iter().copied().fold(0.0, f64::max);
     out.line(format!("largest plastic strain {largest:.4}"));
     assert!(largest > 1e-3, "it flows at the clamp");
+    // The projection goes a little below zero.
     FieldMap::of(&amounts, Shown::Component(0), "plastic strain")
+        .range(0.0, largest)
         .length_unit("mm")
         .deformed(&path.state, 1.0)
         .write_png("out/05_plasticity.png")?;

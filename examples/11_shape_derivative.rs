@@ -33,8 +33,8 @@ mod bar {
         derivative(rigidity(u) + twist(u, p), u, q)
     }
 
-    /// The derivative of the rigidity along a movement Θ of all points, u solved for again: the outline and everything
-    /// inside move, u and p keep their values at the nodes.
+    /// The derivative of the rigidity along a movement Θ of all points. The outline and everything inside move, and u and p keep
+    /// their values at the nodes. The adjoint state p accounts for the change of u.
     pub fn along(u: State<Scalar>, p: State<Scalar>, Theta: State<Vector>) -> Functional {
         derivative(rigidity(u) + twist(u, p), shape, Theta)
     }

@@ -1,7 +1,8 @@
 //! Regenerates the pictures of README and of the documentation with the programs that draw them.
 //!
 //! `cargo run --release --bin gallery` runs them one after the other and puts their pictures into `docs/pictures`;
-//! `-- --list` says which program makes which, `-- NAME ...` makes some alone.
+//! `-- --list` says which program makes which, `-- NAME ...` makes only some.
+//! Pictures of the tutorials are reduced to at most 150 kB, about the width of a page of the book.
 
 use std::error::Error;
 use std::ffi::OsString;
@@ -32,7 +33,28 @@ struct Maker {
     pictures: &'static [(&'static str, &'static str)],
 }
 
-const MAKERS: [Maker; 23] = [
+/// A tutorial with its picture.
+macro_rules! tutorial {
+    ($program:literal, $number:literal) => {
+        Maker {
+            arguments: &["--bin", $program],
+            pictures: &[(concat!("out/", $program, ".png"), concat!("tutorial_", $number, ".png"))],
+        }
+    };
+}
+
+const MAKERS: [Maker; 35] = [
+    tutorial!("01_poisson", "01"),
+    tutorial!("02_elasticity", "02"),
+    tutorial!("03_neo_hookean", "03"),
+    tutorial!("04_signorini", "04"),
+    tutorial!("05_plasticity", "05"),
+    tutorial!("06_stokes", "06"),
+    tutorial!("07_interior_penalty", "07"),
+    tutorial!("08_ghost_penalty", "08"),
+    tutorial!("09_multiplier_contact", "09"),
+    tutorial!("10_thermoelasticity", "10"),
+    tutorial!("11_shape_derivative", "11"),
     Maker {
         arguments: &["--bin", "hollow_cylinder"],
         pictures: &[("out/displacement.png", "hollow_cylinder.png")],
@@ -205,6 +227,14 @@ const MAKERS: [Maker; 23] = [
         arguments: &["--bin", "shape_optimisation", "--", "cantilever", "--anew"],
         pictures: &[("out/shape_optimisation/cantilever.png", "cantilever.png")],
     },
+    // The bars of docs/speed.md, from its measurements in docs/*.csv.
+    Maker {
+        arguments: &["--bin", "speed_charts"],
+        pictures: &[
+            ("out/speed_kernels.png", "speed_kernels.png"),
+            ("out/speed_assembly.png", "speed_assembly.png"),
+        ],
+    },
     // Six minutes, and 2.1 million unknowns.
     Maker {
         arguments: &[
@@ -289,8 +319,50 @@ fn make(maker: &Maker, root: &Path) -> Result<(), Box<dyn Error>> {
     for (from, to) in maker.pictures {
         let from: PathBuf = root.join(from);
         let bytes = std::fs::read(&from).map_err(|error| format!("{}: {error}", from.display()))?;
+        let bytes = if to.starts_with("tutorial_") { reduced(&bytes)? } else { bytes };
         let to = root.join("docs").join("pictures").join(to);
         write_whole(to, |file| std::io::Write::write_all(file, &bytes))?;
     }
     Ok(())
+}
+
+/// Most bytes of a tutorial's picture.
+const MOST_BYTES: usize = 150_000;
+
+/// A PNG file of RGB at half of its resolution, or a third and so on if that has too many bytes.
+fn reduced(bytes: &[u8]) -> Result<Vec<u8>, Box<dyn Error>> {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info()?;
+    let mut pixels = vec![0; reader.output_buffer_size().ok_or("the picture is too large")?];
+    let info = reader.next_frame(&mut pixels)?;
+    let size = [info.width as usize, info.height as usize];
+    let mut factor = 2;
+    loop {
+        let reduced = with_means(&pixels, size, factor)?;
+        if reduced.len() <= MOST_BYTES {
+            return Ok(reduced);
+        }
+        factor += 1;
+    }
+}
+
+/// A PNG file whose pixels are the means of squares of pixels.
+fn with_means(pixels: &[u8], [width, height]: [usize; 2], factor: usize) -> Result<Vec<u8>, Box<dyn Error>> {
+    let (columns, rows) = (width / factor, height / factor);
+    let count = factor * factor;
+    let mut means = Vec::with_capacity(3 * columns * rows);
+    for place in 0..3 * columns * rows {
+        let (channel, x, y) = (place % 3, place / 3 % columns * factor, place / 3 / columns * factor);
+        let inside = (0..count).map(|k| 3 * ((y + k / factor) * width + x + k % factor) + channel);
+        let sum: usize = inside.map(|at| usize::from(pixels[at])).sum();
+        means.push(((sum + count / 2) / count) as u8);
+    }
+    let mut written = Vec::new();
+    let mut encoder = png::Encoder::new(&mut written, columns as u32, rows as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::High);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&means)?;
+    writer.finish()?;
+    Ok(written)
 }

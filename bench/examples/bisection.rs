@@ -45,7 +45,7 @@ fn every<const D: usize>(mesh: &BisectedMesh<D>, step: usize) -> Vec<u32> {
     (0..mesh.mesh().cell_count() as u32).step_by(step).collect()
 }
 
-/// The least time of five, and the mesh that comes of it.
+/// Least time of five runs, and the mesh.
 fn least_of_five<const D: usize>(
     out: &mut StandardOutput,
     what: &str,

@@ -65,7 +65,7 @@ unsafe fn give(what: &str, values: &[f64], to: *mut f64, length: usize) -> Resul
     if to.is_null() && length > 0 {
         return Err(missing(&format!("the {what}")));
     }
-    // SAFETY: the caller says that there is room for the values; ours are our own, so that they do not overlap.
+    // SAFETY: the caller guarantees memory for the values. It does not overlap `values`, which this library owns.
     unsafe { std::ptr::copy_nonoverlapping(values.as_ptr(), to, length) };
     Ok(())
 }
@@ -76,7 +76,7 @@ unsafe fn put<T>(what: &str, value: T, to: *mut T) -> Result<(), Failure> {
     if to.is_null() {
         return Err(missing(what));
     }
-    // SAFETY: the caller says that it is a place for a value; what was there is not read.
+    // SAFETY: the caller guarantees memory for a value. Its earlier content is not read.
     unsafe { to.write(value) };
     Ok(())
 }
@@ -103,7 +103,7 @@ pub unsafe fn open<M: DifferentiableMap + 'static>(
     problem: *mut *mut Handle,
 ) -> c_int {
     status(|| {
-        // SAFETY: the caller's promises are those asked for.
+        // SAFETY: the caller guarantees that both pointers lead to `count` values, as `array` requires.
         let (names, values) =
             unsafe { (array("the names", names, count)?, array("the values", values, count)?) };
         let mut given = vec![];
@@ -123,7 +123,7 @@ pub unsafe fn open<M: DifferentiableMap + 'static>(
         let names = |parts: &[Part]| parts.iter().map(|part| text(&part.name)).collect();
         let (inputs, outputs) = (names(opened.inputs()), names(opened.outputs()));
         let handle = Box::into_raw(Box::new(Handle { problem: opened, inputs, outputs }));
-        // SAFETY: the caller says that it is a place for a pointer.
+        // SAFETY: the caller guarantees memory for a pointer.
         unsafe { put("the place for the problem", handle, problem) }
     })
 }

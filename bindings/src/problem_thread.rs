@@ -135,7 +135,7 @@ impl ProblemThread {
     /// # Errors
     /// [`Failure`].
     pub fn value_and_gradient(&self, m: Vec<f64>) -> Result<Vec<f64>, Failure> {
-        // The gradient first: with it the value is known.
+        // The gradient is computed first, because the value comes with it.
         self.ask(Box::new(move |map| {
             let gradient = map.vjp(&m, &[1.0])?;
             let mut both = map.value(&m)?;
@@ -211,7 +211,7 @@ fn serve<M: DifferentiableMap>(map: M, requests: &Receiver<Request>) {
     }
 }
 
-/// A panic of what is called becomes a failure.
+/// A panic of the called function becomes a failure.
 pub(crate) fn caught<T>(call: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     // After a panic the interrupted state is not used again.
     catch_unwind(AssertUnwindSafe(call)).unwrap_or_else(|panic| Err(Failure::Panic(message(&*panic))))

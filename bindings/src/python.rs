@@ -199,7 +199,7 @@ fn number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     if value.is_instance_of::<PyBool>() || value.is_instance_of::<PyComplex>() {
         return Err(refused());
     }
-    // NumPy's numbers and arrays tell their kind: 'i', 'u' and 'f' are integers and floats.
+    // NumPy's numbers and arrays have a kind: 'i', 'u' and 'f' are integers and floats.
     if let Ok(dtype) = value.getattr("dtype") {
         let kind = dtype.getattr("kind").and_then(|kind| kind.extract::<String>());
         let dimensions = value.getattr("ndim").and_then(|count| count.extract::<usize>());

@@ -88,7 +88,7 @@ pub struct HalfSpaces<const D: usize> {
     pub space: Arc<Space<D>>,
     /// The contact under the force that the bodies are cut out for.
     pub hertz: Hertz,
-    /// P, that force \[N, in the plane N/mm\].
+    /// The force P \[N, in the plane N/mm\].
     pub force: f64,
     /// Surfaces that are integrated over, and those opposite to them.
     pairing: Pairing,

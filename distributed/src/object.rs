@@ -60,7 +60,7 @@ struct Dropped {
     destroy: Destroy,
 }
 
-/// The objects that are to be destroyed.
+/// Objects that wait for their destruction.
 #[derive(Debug, Default)]
 pub(crate) struct DroppedObjects {
     /// Objects made so far.

@@ -69,9 +69,9 @@ impl World {
         })
     }
 
-    /// A program on all processes: says on each why it failed there, and on the first if its standard output could not be
-    /// written. An error on one process ends all: the others have errors in what they do together, and where they do not come to it
-    /// within five seconds they are ended.
+    /// A program on all processes. Each process reports why it failed, and the first one also if its standard output could not be
+    /// written. An error on one process ends all: the others get errors from their next common call, and are ended if they do not
+    /// reach one within five seconds.
     pub fn run(run: impl FnOnce(&World) -> Result<(), Box<dyn Error>>) -> ExitCode {
         let mut failed = false;
         let ended = program(|out| -> Result<(), String> {

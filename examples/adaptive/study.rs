@@ -31,7 +31,7 @@ pub struct Study {
     pub uniform: Vec<Row>,
     /// Meshes that follow the estimate.
     pub adaptive: Vec<Row>,
-    /// One of these whose cells can be seen in a picture.
+    /// A mesh whose cells can be seen in a picture.
     pub mesh: Arc<Mesh<2>>,
 }
 

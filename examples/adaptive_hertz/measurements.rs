@@ -47,7 +47,7 @@ pub struct Row {
     pub iterations: Option<usize>,
     /// Seconds by the clock to solve.
     pub seconds: f64,
-    /// Most memory of the program so far \[MB\], where the system tells.
+    /// Largest memory of the program so far \[MB\], where the system reports it.
     pub memory: Option<f64>,
 }
 

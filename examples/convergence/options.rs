@@ -48,7 +48,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// Checks what belongs together; [`Settings::check`] looks at each value.
+    /// Checks options that depend on each other; [`Settings::check`] checks each value.
     pub fn check(&self) -> Outcome<()> {
         if self.coarsest < COARSEST {
             return Err(format!("--coarsest {}: at least {COARSEST} cells are needed", self.coarsest).into());

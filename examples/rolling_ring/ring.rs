@@ -37,7 +37,7 @@ pub struct Record {
     pub kinetic: f64,
     /// Work of friction so far.
     pub lost: f64,
-    /// Momentum along the flat and off it.
+    /// Momentum along the flat and normal to it.
     pub momentum: [f64; 2],
     /// The flat's mean force in the step.
     pub force: [f64; 2],

@@ -141,7 +141,7 @@ pub enum TaylorFailure {
         kinked: KinkedDiameters,
         report: TaylorReport,
     },
-    /// The remainder is rounding, but so would be that of a wrong derivative; or it comes out of rounding at one step alone.
+    /// The remainder is round-off, which it would also be for a wrong derivative, or it exceeds round-off at only one step.
     #[error(
         "the remainder is rounding before its order can be seen: the steps are too small, and the test says nothing\n{report}"
     )]

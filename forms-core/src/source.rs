@@ -116,6 +116,13 @@ impl<V, const D: usize> From<Given<V, D>> for Source<D> {
 /// A coefficient: a member of `Data` declared as `Given<Scalar>`, `Given<Vector>` or `Given<Tensor>`, which is a constant,
 /// a function of x, or a field on a space. Declared as `Carried<..>` it is a material (Lagrangian) coefficient, which moves
 /// with the body where the shape is varied. `V` is `f64`, `[f64; D]` or `[[f64; D]; D]`.
+///
+/// ```
+/// # use forms_core::contract::Given;
+/// let density: Given<f64, 2> = Given::constant(7.8);
+/// let gravity: Given<[f64; 2], 2> = Given::constant([0.0, -9.81]);
+/// let gap: Given<f64, 2> = Given::function(|x| x[1] + 0.02);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Given<V, const D: usize> {
     source: Source<D>,

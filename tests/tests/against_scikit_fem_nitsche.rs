@@ -84,7 +84,7 @@ fn compare(file: ReferenceFile) -> f64 {
     reference.compare_vector("consistent_adjoint_right_hand_side", &right_side);
     let right_side = negative(assembler.residual(&extended, &unknowns, &tests).unwrap());
     reference.compare_vector("extended_adjoint_right_hand_side", &right_side);
-    // Without N all three have one right side.
+    // Without N all three have the same right-hand side.
     let sides = [
         assembler.residual(
             &forms::discrete_adjoint(&interior, &omega, &gamma_n, &gamma_c, &boundary, &u),

@@ -161,7 +161,7 @@ fn split_facets_follow_the_transition_inside_a_facet() {
             }
             assert!(found.history.iter().all(|step| step.active_points.is_none()));
             assert!(found.history.len() < 15, "{:?}", found.history);
-            // One zero, in the facet about x = 0; a rule whose pieces meet there says the same on every facet.
+            // One zero, in the facet about x = 0. A rule whose pieces meet there gives the same on every facet.
             let parts = whole.positive_parts(&membrane::indicator(&data, &u), "bottom", 2).unwrap();
             let inside = |s: &&f64| **s > 0.0 && **s < 1.0;
             let zeros: Vec<f64> = parts

@@ -1,4 +1,4 @@
-//! γ₀ from 0.01 E to 10⁵ E, θ = −1, 0, 1, on straight and curved cells: an answer that is off comes with a warning.
+//! γ₀ from 0.01 E to 10⁵ E, θ = −1, 0, 1, on straight and curved cells: a wrong answer comes with a warning.
 //! FORMS_SWEEPS=1: fifteen γ₀ on all cells; else four, except for curved quadrilaterals.
 
 use forms_contact::ContactProblem;

@@ -71,7 +71,7 @@ fn the_residual_is_differentiable_where_facets_are_partly_in_contact() {
             .unwrap()
         };
         let order = test(&split).second_order().unwrap_or_else(|failure| panic!("θ = {theta}: {failure}"));
-        // Points jump in and out of contact if the facets are whole, which nobody declares here.
+        // With whole facets points jump in and out of contact. The test has to notice that.
         let jumps = test(&whole).second_order();
         println!("θ = {theta}: order {order:.3} with split facets");
         assert!(jumps.is_err(), "θ = {theta}: no facet is partly in contact");

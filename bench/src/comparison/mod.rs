@@ -4,6 +4,7 @@ mod assembly;
 mod bodies;
 mod kernels;
 mod machine;
+mod plain_names;
 mod process;
 mod report;
 
@@ -16,9 +17,10 @@ pub use assembly::{AssemblyRow, ContactRow, WORKER, work};
 pub use bodies::BodiesRow;
 pub use kernels::{KernelRow, Timing, read_timings};
 pub use machine::Machine;
+pub use plain_names::plain_name;
 pub use report::Report;
 
-/// The comparison, and where to write it.
+/// Choices of the comparison, and the directory for its results.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Few samples, and small meshes.

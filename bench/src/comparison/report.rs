@@ -9,6 +9,7 @@ use forms_fem::output::write_whole;
 use serde::Serialize;
 
 use super::bodies;
+use super::plain_names::plain_name;
 use super::{AssemblyRow, BodiesRow, ComparisonError, ContactRow, KernelRow, Machine};
 use crate::assembly::Measured;
 
@@ -55,7 +56,7 @@ impl Report {
 
     /// The tables as Markdown.
     pub fn markdown(&self) -> String {
-        let mut text = String::from("# Kernels and assembly beside other programs\n\n");
+        let mut text = String::from("# Kernels and assembly compared with other programs\n\n");
         self.write_machine(&mut text);
         if !self.kernels.is_empty() {
             self.write_kernels(&mut text);
@@ -77,13 +78,13 @@ impl Report {
         // Writing to a string does not fail.
         let _ = writeln!(
             text,
-            "{processor}, {cores} cores; our kernels run with {instruction_set}, the peers' are compiled for {architecture}.\n"
+            "{processor}, {cores} cores; the kernels of this library run with {instruction_set}, those of the others are compiled for {architecture}.\n"
         );
         for (name, version) in versions {
             let _ = writeln!(text, "- {name}: {version}");
         }
         if self.quick {
-            text.push_str("- A quick look: few samples, small meshes\n");
+            text.push_str("- A quick run: few samples, small meshes\n");
         }
         for (name, install) in &self.missing {
             let _ = writeln!(text, "- {name} is not installed: {install}");
@@ -100,7 +101,7 @@ impl Report {
              `old` is 0.5.0, `n` the instructions named above, `fm` -ffast-math, `sumfact` elements with sum factorisation. \
              Each form has one row, against FFCx's fastest variant. The error is the largest difference from FFCx \
              (gcc -O2) over the largest entry.\n\n\
-             | form | ours | FFCx at its best | variant | ratio | FFCx -O2 | ratio | error |\n\
+             | form | here | FFCx, fastest variant | variant | ratio | FFCx -O2 | ratio | error |\n\
              |---|--:|--:|---|--:|--:|--:|--:|\n",
         );
         for row in &self.kernels {
@@ -110,7 +111,7 @@ impl Report {
             let _ = writeln!(
                 text,
                 "| {} | {} | {} | {variant} | {:.1} | {} | {:.1} | {error:.0e} |",
-                row.form,
+                plain_name(&row.form),
                 figures(ours),
                 figures(best.ns),
                 best.ns / ours,
@@ -120,11 +121,11 @@ impl Report {
         }
         let _ = write!(
             text,
-            "\nGeometric mean of the ratios to FFCx at its best: **{:.2}**",
+            "\nGeometric mean of the ratios to FFCx's fastest variant: **{:.2}**",
             self.geometric_mean()
         );
         if let Some((form, ratio)) = self.slowest() {
-            let _ = write!(text, "; the least is {ratio:.2} ({form})");
+            let _ = write!(text, "; the least is {ratio:.2} ({})", plain_name(form));
         }
         text.push_str(".\n\n");
     }
@@ -154,14 +155,13 @@ impl Report {
 
     fn chart_of_kernels(&self) -> Option<BarChart> {
         let mean = self.geometric_mean();
-        let mut chart = BarChart::new("times faster than FFCx at its best")
+        let mut chart = BarChart::new("times as fast as FFCx's fastest variant")
             .title("Element kernels")
-            .line(2.0, "2")
             .line(mean, &format!("mean {mean:.1}"));
         let mut any = false;
         for row in &self.kernels {
             if let Some(ratio) = row.ratio() {
-                (chart, any) = (chart.bar(&row.form, ratio), true);
+                (chart, any) = (chart.bar(&plain_name(&row.form), ratio), true);
             }
         }
         any.then_some(chart)
@@ -169,7 +169,7 @@ impl Report {
 
     fn chart_of_assembly(&self) -> Option<BarChart> {
         let mut chart =
-            BarChart::new("times faster on one thread").title("Assembly of elasticity").line(1.0, "");
+            BarChart::new("times as fast, one thread, pattern known").title("Assembly of elasticity");
         let mut any = false;
         for row in &self.assembly {
             let Some((ours, peers)) = row.programs.split_first() else { continue };
@@ -217,7 +217,7 @@ fn write_assembly(text: &mut String, row: &AssemblyRow) {
     let _ = write!(
         text,
         "## Assembly: {}, {} cells, {} unknowns\n\nSeconds, medians. Programs without re-assembly into a known \
-         pattern have the same number twice. Equal norms tell that all did the same.\n\n\
+         pattern have the same number twice. Equal norms show that all programs computed the same matrix.\n\n\
          | program | re-assembly | ratio | with pattern and maps | ratio | norm of the matrix |\n\
          |---|--:|--:|--:|--:|--:|\n",
         row.case.name(),
@@ -237,7 +237,7 @@ fn write_assembly(text: &mut String, row: &AssemblyRow) {
     }
     let _ = writeln!(
         text,
-        "\nOurs beside: residual {:.4} s, tangent times a vector without a matrix {:.4} s, matrix times a vector {:.4} s.",
+        "\nOther operations here: residual {:.4} s, tangent times a vector without a matrix {:.4} s, matrix times a vector {:.4} s.",
         median(&ours.residual),
         median(&ours.action),
         median(&ours.product)
@@ -246,7 +246,7 @@ fn write_assembly(text: &mut String, row: &AssemblyRow) {
         let mega = |bytes: usize| bytes as f64 / 1e6;
         let _ = writeln!(
             text,
-            "\nMemory of ours: {:.0} MB at most in the process, {:.0} MB the matrix: {:.2} times.",
+            "\nMemory: at most {:.0} MB in the process and {:.0} MB for the matrix, a ratio of {:.2}.",
             mega(peak),
             mega(matrix),
             mega(peak) / mega(matrix)

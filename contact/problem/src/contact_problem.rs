@@ -115,6 +115,16 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
     /// γ₀ is below the law's [threshold](crate::threshold) the solution has a note that names it, and so has the error of a
     /// solve that fails.
     ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # use forms_contact::{ContactProblem, law::ContactLaw};
+    /// fn displacement<const D: usize, L: ContactLaw<D>>(
+    ///     problem: &ContactProblem<D, L>,
+    /// ) -> Result<Field<D>, Box<dyn std::error::Error>> {
+    ///     Ok(problem.direct()?.solve()?.into_field())
+    /// }
+    /// ```
+    ///
     /// # Errors
     /// A parameter out of its range.
     pub fn direct(&self) -> Result<Problem<'_, D>, AssemblyError> {

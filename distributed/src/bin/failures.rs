@@ -74,7 +74,7 @@ fn run(world: &World) -> Outcome {
     }
 }
 
-/// Elasticity, with this weight in the last cells of the walk, in at most this number of iterations.
+/// Elasticity of a hanging block: with a given weight in the last cells, and at most a given number of iterations.
 fn hanging_block(world: &World, max_iterations: u16, last_weight: f64) -> Outcome {
     let last = 0.8;
     let weight = move |x: &[f64; 3]| [0.0, 0.0, if x[0] > last { last_weight } else { -1.0 }];

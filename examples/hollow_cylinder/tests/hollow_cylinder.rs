@@ -233,7 +233,7 @@ fn places_that_cannot_be_written_stop_the_program_at_once() {
     assert_eq!(std::fs::read_to_string(directory.path().join("file")).expect("a file"), "kept");
 }
 
-/// Programs that need more memory than any machine has say so before they begin.
+/// A program that needs more memory than any machine has reports it before it begins.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_needs_too_much_memory_is_refused() {
@@ -270,7 +270,7 @@ fn results_are_written_whatever_the_standard_output_does() {
     let last = errors.lines().last().expect("a line");
     assert!(last.starts_with("error: the standard output cannot be written: "), "{errors}");
     everything_is_there(directory.path());
-    // A reader who goes away at once: nothing is said, and the code is that of a broken pipe.
+    // A reader that closes the pipe at once: no message, and the exit code of a broken pipe.
     let directory = tempfile::tempdir().expect("a directory");
     let mut child = start(directory.path()).stdout(Stdio::piped()).spawn().expect("the program starts");
     drop(child.stdout.take());
@@ -352,7 +352,7 @@ fn friction_and_load_steps() {
     assert!(number(&listed[0], "tangential_force").abs() < 1e-9 * normal, "by symmetry");
     assert_eq!(listed[1]["tangential_force"], coulomb["tangential_force"]);
     assert_eq!(coulomb["settings"]["coulomb"], 0.3);
-    // At once the slip has another history.
+    // In one step the slip has another history.
     let at_once = solve(&["--coulomb", "0.3", "--push", "0.2", "-1"], directory.path());
     assert!((number(&at_once, "tangential_force") - tangential).abs() > 1e-6 * normal);
     let tresca = solve(&[&["--tresca", "0.5"], &steps[..]].concat(), directory.path());

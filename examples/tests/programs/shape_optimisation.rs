@@ -1,4 +1,4 @@
-//! The program `shape_optimisation`: what it shows, and that it may be killed.
+//! The program `shape_optimisation`: its output, and its resumption after it was killed.
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -104,7 +104,7 @@ const MOST_BARREN: usize = 8;
 
 impl SymmetricPencil {
     /// The next `count` eigenvalues above a shift in ascending order, with their vectors, which are orthonormal in the positive matrix.
-    /// Equal eigenvalues count as often as they are there.
+    /// Multiple eigenvalues are returned with their multiplicity.
     ///
     /// # Errors
     /// [`EigenError`].

@@ -46,7 +46,7 @@ pub fn rigid_motions<const D: usize>(positions: &[[f64; D]]) -> Vec<Vec<f64>> {
     motions
 }
 
-/// Length, relative to a motion's, below which what hinders it is rounding. A body held at one node of 10⁶ leaves more than 1e-4.
+/// Relative length below which the resistance to a motion is round-off. A body held at one node of 10⁶ has more than 1e-4.
 const NOTHING: f64 = 1e-11;
 
 /// A function that makes one vector of a motion and of its forces; see [`free_motions`].

@@ -77,6 +77,11 @@ pub(super) struct SlopeTriangle {
 
 impl Curve {
     /// A curve; the name is in the legend unless it is empty.
+    ///
+    /// ```
+    /// # use forms_pictures::Curve;
+    /// let curve = Curve::new("measured", &[0.0, 1.0, 2.0], &[0.0, 0.9, 2.1]).without_line();
+    /// ```
     pub fn new(name: &str, x: &[f64], y: &[f64]) -> Curve {
         Curve {
             name: name.into(),
@@ -116,6 +121,11 @@ impl Curve {
     }
 
     /// The curve as a dashed line.
+    ///
+    /// ```
+    /// # use forms_pictures::Curve;
+    /// let curve = Curve::new("closed form", &[0.0, 2.0], &[0.0, 2.0]).dashed();
+    /// ```
     pub fn dashed(mut self) -> Curve {
         self.dashes = vec![5.0, 3.0];
         self

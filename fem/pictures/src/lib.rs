@@ -135,6 +135,12 @@ pub trait Picture {
 
     /// Writes the picture as PNG at [`DOTS_PER_INCH`]. The file is written whole or not at all.
     ///
+    /// ```no_run
+    /// # use forms_pictures::{Curve, LinePlot, Picture};
+    /// LinePlot::new().curve(Curve::new("", &[0.0, 1.0], &[0.0, 1.0])).write_png("line.png")?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// [`PictureError`] if the data cannot be drawn or the file cannot be written.
     fn write_png(&self, path: impl AsRef<Path>) -> Result<(), PictureError>

@@ -41,12 +41,22 @@ impl LinePlot {
     }
 
     /// Title above the plot.
+    ///
+    /// ```
+    /// # use forms_pictures::{Curve, LinePlot};
+    /// LinePlot::new().title("Force over stretch").curve(Curve::new("", &[1.0, 2.0], &[0.0, 3.0]));
+    /// ```
     pub fn title(mut self, title: &str) -> LinePlot {
         self.title = title.into();
         self
     }
 
     /// Label, with the unit, and scale of the horizontal axis.
+    ///
+    /// ```
+    /// # use forms_pictures::{LinePlot, Scale};
+    /// LinePlot::new().x_axis("time [s]", Scale::Linear).y_axis("force [N]", Scale::Linear);
+    /// ```
     pub fn x_axis(mut self, label: &str, scale: Scale) -> LinePlot {
         (self.labels[0], self.scales[0]) = (label.into(), scale);
         self

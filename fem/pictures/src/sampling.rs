@@ -199,7 +199,7 @@ struct Edge {
 enum Side {
     Right,
     Left,
-    /// The edge is too flat to tell.
+    /// The edge is too flat for a decision.
     Unknown,
 }
 

@@ -45,7 +45,7 @@ impl Shading {
     }
 }
 
-/// Triangles with a value at each point. Copies share what they are made of: a panel shows surfaces that are drawn alone, too.
+/// Triangles with a value at each point. Copies share their data, because a panel shows surfaces that are also drawn by themselves.
 #[derive(Clone, Debug)]
 pub struct ShadedSurface {
     /// Points, counted from `origin`.

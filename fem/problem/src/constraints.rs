@@ -49,6 +49,15 @@ const SAME: f64 = 1e-13;
 
 impl<const D: usize> Constraints<D> {
     /// No condition at all.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let space = Space::scalar(&mesh, 1)?;
+    /// let mut constraints = Constraints::new(&space);
+    /// constraints.fix("left", |_| 0.0)?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[inline(never)]
     pub fn new(space: &Arc<Space<D>>) -> Self {
         Constraints { space: Arc::clone(space), conditions: Arc::default() }
@@ -60,6 +69,15 @@ impl<const D: usize> Constraints<D> {
     }
 
     /// Prescribed values of all components on a region of facets (exterior or interior) or cells.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// let space = Space::vector(&mesh, 1)?;
+    /// let mut constraints = Constraints::new(&space);
+    /// constraints.fix("left", |x| [0.0, 0.1 * x[1]])?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// An unknown region, a value that does not fit the space, is not finite, or contradicts an earlier one.
@@ -95,6 +113,15 @@ impl<const D: usize> Constraints<D> {
     }
 
     /// Prescribed values of one component (counted from 0, row-major) on a facet or cell region.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// let space = Space::vector(&mesh, 1)?;
+    /// let mut constraints = Constraints::new(&space);
+    /// constraints.fix_component("bottom", 1, |_| 0.0)?; // a symmetry: no vertical motion
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Constraints::fix`], or a component that the space does not have.

@@ -24,6 +24,15 @@ pub use transfer::{Transfer, TransferError};
 const FEW_NODES: usize = 10;
 
 /// A field on a space: one coefficient per unknown, `values[node * components + component]`.
+///
+/// ```
+/// # use forms_fem::prelude::*;
+/// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+/// # let space = Space::scalar(&mesh, 1)?;
+/// let u = Field::interpolate(&space, |x| x[0])?;
+/// let known: Given<f64, 2> = Given::field(&u); // data of a form
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Field<const D: usize> {
     pub(crate) space: Arc<Space<D>>,
@@ -123,6 +132,14 @@ impl<const D: usize> From<Field<D>> for Source<D> {
 
 impl<const D: usize> Field<D> {
     /// The field that is zero.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let space = Space::scalar(&mesh, 1)?;
+    /// assert_eq!(Field::zero(&space).values(), [0.0; 15]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[inline(never)]
     pub fn zero(space: &Arc<Space<D>>) -> Self {
         Field::of_known(space, vec![0.0; space.unknowns()])
@@ -130,6 +147,15 @@ impl<const D: usize> Field<D> {
 
     /// The field with the function's values at the nodes: `f64` for a scalar space, `[f64; D]` for vectors,
     /// `[[f64; D]; D]` for tensors.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let space = Space::scalar(&mesh, 1)?;
+    /// let field = Field::interpolate(&space, |x| x[0] + 2.0 * x[1])?;
+    /// assert_eq!(field.evaluate(&[1.0, 0.5])?, [2.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// [`FieldError::Components`] when the value does not fit the space, [`FieldError::NotFinite`] names
@@ -269,6 +295,16 @@ impl<const D: usize> Field<D> {
     }
 
     /// The coefficients.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let space = Space::scalar(&mesh, 1)?;
+    /// // All components of node 0, then those of node 1.
+    /// let field = Field::from_values(&space, vec![3.0; 15])?;
+    /// assert_eq!(field.values(), [3.0; 15]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn values(&self) -> &[f64] {
         &self.coefficients.values
     }
@@ -283,6 +319,15 @@ impl<const D: usize> Field<D> {
     }
 
     /// The components at a point of the mesh; of a discontinuous field, in the cell with the lowest index.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// let space = Space::vector(&mesh, 1)?;
+    /// let field = Field::interpolate(&space, |x| [x[1], -x[0]])?;
+    /// assert_eq!(field.evaluate(&[0.5, 0.5])?, [0.5, -0.5]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// [`FieldError::OnFacets`]; [`FieldError::Outside`], where [`crate::locate::Locator::find_nearest`] helps

@@ -44,6 +44,14 @@ pub struct Space<const D: usize> {
 impl<const D: usize> Space<D> {
     /// The continuous scalar Lagrange space of a degree, which need not be that of the geometry.
     ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// let space = Space::scalar(&mesh, 2)?;
+    /// assert_eq!(space.components(), 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// [`SpaceError::Element`] unless the degree is 1 to 4; [`SpaceError::TooLarge`].
     pub fn scalar(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
@@ -51,6 +59,14 @@ impl<const D: usize> Space<D> {
     }
 
     /// The continuous space of vectors with D components.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// let space = Space::vector(&mesh, 2)?;
+    /// assert_eq!(space.components(), 2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Space::scalar`].
@@ -267,6 +283,14 @@ impl<const D: usize> Space<D> {
     }
 
     /// Number of unknowns: nodes times components.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// // 5 × 3 nodes with two components.
+    /// assert_eq!(Space::vector(&mesh, 1)?.unknowns(), 30);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn unknowns(&self) -> usize {
         self.node_count() * self.components()
     }

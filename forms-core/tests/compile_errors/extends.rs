@@ -13,7 +13,7 @@ pub mod elasticity {
     }
 }
 
-/// Names that the data would have brought are no further mistakes, here and in modules that include these.
+/// Names that the missing data would have defined give no further errors, here and in modules that include this one.
 #[forms(crate = forms_core)]
 pub mod contact {
     use super::elasticity::{Omega, stress};

@@ -32,7 +32,7 @@ pub mod in_two_ways {
     pub struct Data {}
 }
 
-/// Names that the data would have brought are no further mistakes.
+/// Names that the missing data would have defined give no further errors.
 #[forms(crate = forms_core)]
 pub mod of_a_function {
     use super::elasticity::stress;

@@ -1,4 +1,4 @@
-//! Pairs of displaced surfaces: what displaces nothing, and what is not differentiated.
+//! Pairs of displaced surfaces: unknowns that displace no surface, and quantities without a derivative.
 
 use forms_core::forms;
 

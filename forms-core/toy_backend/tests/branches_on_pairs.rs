@@ -9,7 +9,7 @@ use toy_backend::mesh::Mesh;
 use toy_backend::random::Random;
 use toy_backend::{Nodal, residual, tangent};
 
-/// No number below zero, nor are its derivatives.
+/// Not a number below zero, and neither are its derivatives.
 pub fn root<R: Real>(p: R) -> R {
     p.powf(R::from(0.3))
 }

@@ -245,7 +245,7 @@ fn each_pair_of_sides_is_an_integral_and_equal_sides_may_be_symmetric() {
     let form = discontinuous::burgers(&data(), &skeleton);
     let told = Told::of_tangent::<discontinuous::burgers::Kernels, 2>(&form, 0);
     assert_eq!(told.sides, pairs);
-    // f′(u) u v on one side is symmetric, whatever f; between the sides nothing is promised.
+    // f′(u) u v on one side is symmetric for every f. The blocks between the sides need not be.
     assert_eq!(told.symmetric, [true, false, false, true]);
     assert_eq!(told.dependence, [Dependence::Nonlinear; 4]);
     let form = discontinuous::cohesive(&data(), &omega, &skeleton);

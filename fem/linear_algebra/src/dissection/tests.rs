@@ -234,7 +234,7 @@ fn couplings_of_no_cell_are_kept() {
 #[test]
 fn a_row_in_no_cell_goes_where_its_neighbours_are() {
     let (cells, size) = biquadratic(16, 16, false);
-    // Coupled with the nodes of the first cell alone, as the multiplier of a facet is.
+    // Coupled only with the nodes of the first cell, like the multiplier of a facet.
     let others: Vec<_> = cells.unknowns(0).iter().map(|unknown| (size, *unknown as usize)).collect();
     let (graph, parts) = parts(&pattern(&cells, size + 1, &others));
     assert!(is_dissected(&graph, &parts));

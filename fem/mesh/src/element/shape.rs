@@ -1,6 +1,11 @@
 //! Reference cells: vertices, edges, facets, and how facets are parametrised.
 
 /// The shape of a cell. Reference cells live on \[0,1\]: the unit simplex or the unit cube.
+///
+/// ```
+/// # use forms_mesh::element::CellShape;
+/// assert_eq!((CellShape::Hexahedron.dimension(), CellShape::Hexahedron.facets()), (3, 6));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum CellShape {
     /// Vertices (0,0) (1,0) (0,1).

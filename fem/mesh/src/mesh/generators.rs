@@ -6,6 +6,16 @@ use crate::element::CellShape;
 /// A rectangle \[length\] of quadrilaterals, or of triangles (each block split along its rising diagonal).
 /// Facet regions: left, right, bottom, top.
 ///
+/// ```
+/// # use forms_mesh as forms_fem;
+/// # use forms_fem::element::CellShape;
+/// # use forms_fem::mesh::rectangle;
+/// // 4 × 2 blocks of two triangles each, on [0, 2] × [0, 1].
+/// let mesh = rectangle([0.0, 0.0], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
+/// assert_eq!((mesh.cell_count(), mesh.facet_region("left")?.len()), (16, 2));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`MeshError::Parameter`] unless `lower` < `upper` and all divisions are at least 1; a shape that is not
 /// plane, a degree that does not exist.
@@ -21,6 +31,15 @@ pub fn rectangle(
 
 /// A box \[length\] of hexahedra, or of tetrahedra (six per block). Facet regions: left, right (x), front,
 /// back (y), bottom, top (z).
+///
+/// ```
+/// # use forms_mesh as forms_fem;
+/// # use forms_fem::element::CellShape;
+/// # use forms_fem::mesh::cuboid;
+/// let mesh = cuboid([0.0; 3], [2.0, 1.0, 1.0], [4, 2, 2], CellShape::Hexahedron, 1)?;
+/// assert_eq!(mesh.cell_count(), 16);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// As [`rectangle`], with a shape in space.

@@ -50,7 +50,7 @@ impl<const D: usize> Mesh<D> {
     }
 
     /// A name for the interior facets of a list; each is given from one of its cells, which becomes its first
-    /// side. Their order does not matter, and one that is listed twice counts once, as it came first. A facet with smaller ones on its
+    /// side. Their order does not matter, and a facet that is listed twice counts once, with its first side. A facet with smaller ones on its
     /// other side represents all of them.
     ///
     /// # Errors

@@ -36,6 +36,12 @@ pub struct QuadratureRule<const D: usize> {
 }
 
 /// The user's choice of quadrature.
+///
+/// ```
+/// # use forms_mesh::quadrature::Quadrature;
+/// let rule = Quadrature::<2>::Degree(4);
+/// assert_ne!(rule, Quadrature::default()); // the compiler's estimate
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Quadrature<const D: usize> {
     /// Rules that are exact for polynomials of this degree: total degree on simplices, degree per

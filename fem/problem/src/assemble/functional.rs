@@ -18,6 +18,16 @@ use crate::threads::Threads;
 impl<const D: usize> Assembler<D> {
     /// The value of a functional.
     ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let space = Space::scalar(&mesh, 1)?;
+    /// let u = Field::interpolate(&space, |x| x[0])?;
+    /// let integral = form!(|u: State<Scalar>| -> Functional { integral(cells("all"), u) });
+    /// assert!((Assembler::new(&mesh).functional(&integral(&u))? - 2.0).abs() < 1e-14);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// An [`AssemblyError`] that names the functional and what does not fit.
     pub fn functional(&self, functional: &Functional<D>) -> Result<f64, AssemblyError> {

@@ -139,6 +139,14 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// An assembler that takes the quadrature degree from the compiler's estimate, and all cores.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// let area = form!(|| -> Functional { integral(cells("all"), 1) });
+    /// assert!((Assembler::new(&mesh).functional(&area)? - 2.0).abs() < 1e-14);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn new(mesh: &Arc<Mesh<D>>) -> Self {
         Assembler {
             mesh: mesh.clone(),
@@ -151,6 +159,13 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// This assembler with another choice of quadrature.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn with_quadrature(self, quadrature: Quadrature<D>) -> Self {
         Assembler { quadrature, ..self }
     }

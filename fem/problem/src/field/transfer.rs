@@ -47,7 +47,7 @@ pub struct Transfer<'a, const D: usize> {
 #[derive(Clone, Debug, Error, PartialEq)]
 #[allow(missing_docs)]
 pub enum TransferError {
-    /// One of the two lives on facets alone.
+    /// One of the two spaces lives only on facets.
     #[error(
         "fields are carried between spaces on cells, but {which} lives on the facets of \"{region}\" alone"
     )]

@@ -23,6 +23,12 @@ impl StandardOutput {
     }
 
     /// A line.
+    ///
+    /// ```
+    /// # use forms_fem::output::StandardOutput;
+    /// let mut out = StandardOutput::new();
+    /// out.line(format!("force {:.3} N", 17.58));
+    /// ```
     pub fn line(&mut self, text: impl Display) {
         self.attempt(|stream| writeln!(stream, "{text}"));
     }

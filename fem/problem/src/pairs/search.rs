@@ -66,7 +66,7 @@ fn in_both<const D: usize>(own: &[SurfaceFacet<D>], opposite: &[SurfaceFacet<D>]
     shared
 }
 
-/// A surface, the one opposite to it, and how points of the two belong together.
+/// A surface, its opposite surface, and the rule that pairs their points.
 pub(super) struct Search<'s, 'm, const D: usize> {
     pub mesh: &'m Mesh<D>,
     pub own: &'s [SurfaceFacet<'m, D>],

@@ -21,7 +21,7 @@ use crate::space::Space;
 /// brings about and λ the factor by which the load is multiplied. Forms that are not linear are linearised about a state. Modes are
 /// zero where the constraints prescribe values, and follow their relations.
 ///
-/// The eigenvalues are those next above a shift, by shift and invert and Lanczos' method; equal ones are there as often as they are, and
+/// The eigenvalues are those next above a shift, by shift and invert and Lanczos' method; multiple ones are returned with their multiplicity, and
 /// a count by the signs of pivots has confirmed that none is missing ([`SymmetricPencil::eigenpairs_above`]).
 ///
 /// ```

@@ -87,6 +87,15 @@ pub type SolveError = NewtonError;
 impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     /// The form on the space of its unknown, or on `[&first, &second]`, the spaces of its unknowns in the order of its
     /// arguments. Nothing is computed yet; [`Problem::solve`] reports what does not fit.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let space = Space::scalar(&mesh, 1)?;
+    /// let form = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), dot(grad(u), grad(v)) - v));
+    /// let problem = Problem::new(&form, &space);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn new<'s>(form: &Form<D>, spaces: impl PerUnknown<'s, Arc<Space<D>>, N>) -> Self {
         const { assert!(N > 0, "a problem has an unknown") };
         Self::on_spaces(form.clone(), spaces.per_unknown())
@@ -121,6 +130,17 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     }
 
     /// Conditions on one unknown: the first one on the constraints' space that has none yet.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let space = Space::scalar(&mesh, 1)?;
+    /// # let mut held = Constraints::new(&space);
+    /// # held.fix("boundary", |_| 0.0)?;
+    /// # let form = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), dot(grad(u), grad(v)) - v));
+    /// let u = Problem::new(&form, &space).constrained(&held).solve()?.into_field();
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn constrained(mut self, constraints: &'a Constraints<D>) -> Self {
         self.constraints.push(Cow::Borrowed(constraints));
         self
@@ -139,6 +159,16 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     }
 
     /// The assembler, in place of the default one: for its quadrature, its threads, its cells.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let space = Space::scalar(&mesh, 1)?;
+    /// # let form = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), dot(grad(u), grad(v)) - v));
+    /// let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));
+    /// let problem = Problem::new(&form, &space).assembler(&assembler);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn assembler(mut self, assembler: impl Into<Cow<'a, Assembler<D>>>) -> Self {
         self.system.assembler = assembler.into();
         self
@@ -183,6 +213,19 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
 
     /// The linear solver, in place of a [`TangentSolver`](super::TangentSolver) of the problem's own. It keeps the last matrix and what it factored,
     /// for adjoint problems as well.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let space = Space::scalar(&mesh, 1)?;
+    /// # let mut held = Constraints::new(&space);
+    /// # held.fix("boundary", |_| 0.0)?;
+    /// # let form = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), dot(grad(u), grad(v)) - v));
+    /// let mut solver = TangentSolver::default();
+    /// Problem::new(&form, &space).constrained(&held).solver(&mut solver).solve()?;
+    /// println!("{:?}", solver.report());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn solver(mut self, solver: &'a mut dyn LinearSolver) -> Self {
         self.solver = Solver::Lent(solver);
         self
@@ -195,6 +238,18 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     }
 
     /// Is called with the start and each iterate.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let space = Space::scalar(&mesh, 1)?;
+    /// # let mut held = Constraints::new(&space);
+    /// # held.fix("boundary", |_| 0.0)?;
+    /// # let form = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), dot(grad(u), grad(v)) - v));
+    /// let problem = Problem::new(&form, &space).constrained(&held);
+    /// problem.each_step(|step| println!("{}: {:.1e}", step.iteration, step.residual)).solve()?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn each_step(mut self, progress: impl FnMut(&NewtonStep) + 'a) -> Self {
         self.progress = Some(Box::new(progress));
         self

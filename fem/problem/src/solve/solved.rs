@@ -125,11 +125,35 @@ impl<const D: usize, const N: usize> Solved<D, N> {
 
 impl<const D: usize> Solved<D, 1> {
     /// The unknown.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let space = Space::scalar(&mesh, 1)?;
+    /// # let mut held = Constraints::new(&space);
+    /// # held.fix("boundary", |_| 0.0)?;
+    /// # let form = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), dot(grad(u), grad(v)) - v));
+    /// let solved = Problem::new(&form, &space).constrained(&held).solve()?;
+    /// let mean = form!(|u: State<Scalar>| -> Functional { integral(cells("all"), u) / 2 });
+    /// println!("{}", solved.functional(&mean(solved.field()))?);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn field(&self) -> &Field<D> {
         &self.fields[0]
     }
 
     /// The unknown alone.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let space = Space::scalar(&mesh, 1)?;
+    /// # let mut held = Constraints::new(&space);
+    /// # held.fix("boundary", |_| 0.0)?;
+    /// # let form = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), dot(grad(u), grad(v)) - v));
+    /// let u = Problem::new(&form, &space).constrained(&held).solve()?.into_field();
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn into_field(self) -> Field<D> {
         let [field] = self.fields;
         field

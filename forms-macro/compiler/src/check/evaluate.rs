@@ -55,7 +55,7 @@ pub struct Evaluator<'a> {
     pub(super) given_calls: HashMap<Call, Option<Value>>,
     /// Too large to go on, which has been reported.
     pub(super) exhausted: bool,
-    /// Places of the operands of the operation at hand (a `let` name's value is elsewhere).
+    /// Places of the operands of the current operation (a `let` name's value is elsewhere).
     pub(super) uses: HashMap<Tensor, SourceSpan>,
     /// Functions of the module and `let`s stay names, as a formula shows them.
     pub(super) outlined: bool,

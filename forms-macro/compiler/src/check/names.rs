@@ -197,7 +197,7 @@ fn suggestion<'a>(
     let did_you_mean = |name: &str| format!("did you mean `{name}`?");
     let folded = text.to_lowercase();
     let in_other_case = own().chain(built_in.clone()).find(|known| known.to_lowercase() == folded);
-    // A short word is near to any other.
+    // Short words are close to every other word.
     let near_own = || builtins::nearest(text, own());
     in_other_case
         .or_else(|| near_own().filter(|_| text.chars().count() > SHORT))

@@ -139,7 +139,7 @@ fn read_expression(expression: &Expr, diagnostics: &mut Diagnostics) -> Option<E
             let base = read(&index.expr, diagnostics);
             let indices = read_indices(&index.index, diagnostics);
             match base? {
-                // `F[0][1]` is `F[(0, 1)]`; what follows a range indexes what the range gave.
+                // `F[0][1]` is `F[(0, 1)]`; an index behind a range applies to the result of the range.
                 Expression { kind: ExpressionKind::Index(inner, mut first), .. }
                     if first.iter().all(|index| matches!(index.kind, IndexKind::One(_))) =>
                 {

@@ -60,7 +60,7 @@ pub fn linear_map(map: LinearMap, a: &[Number], shape: &[usize]) -> Vec<Number> 
             let unit = identity(shape[0]);
             unit.iter().enumerate().map(|(entry, one)| one.times(&a[entry / shape[0]])).collect()
         }
-        // A map that is new: add its meaning here.
+        // A new map needs its meaning here.
         other => panic!("the reference evaluator has no rule for {other:?}"),
     }
 }

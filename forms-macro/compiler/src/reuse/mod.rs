@@ -58,7 +58,7 @@ impl State {
 }
 
 impl Subject {
-    /// The module; of a `form!` the one that says the same.
+    /// The module; for a `form!` the equivalent module.
     pub fn item(&self) -> &ItemMod {
         match self {
             Subject::Module(item) => item,

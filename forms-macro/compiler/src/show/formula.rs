@@ -116,7 +116,7 @@ impl Formula {
             Sum(_) => Level::Sum,
             Product(_) => Level::Product,
             Infix(..) => Level::Infix,
-            // A fraction needs no parentheses next to others, but as a base.
+            // A fraction needs parentheses only as a base.
             Fraction(..) => Level::Product,
             Power(..) => Level::Power,
             Prefix(..) | Derivative { .. } => Level::Prefix,

@@ -112,7 +112,7 @@ impl Subtract<'_> {
             for (part, sum) in S::as_mut_simd_f64s(&mut buffer).0.iter_mut().zip(sums) {
                 *part = *sum;
             }
-            // Above the diagonal there is nothing to take.
+            // Above the diagonal there are no entries to read.
             let skipped = (from + k).saturating_sub(row);
             if skipped >= rows {
                 continue;

@@ -36,7 +36,7 @@ pub enum Sign<const D: usize> {
     Positive,
     /// Not positive at this reference point, up to round-off.
     Folded { reference: [f64; D], determinant: f64 },
-    /// After many halves there is still a part, around this reference point, where only a lower bound is known.
+    /// After many subdivisions a part around this reference point still has only a lower bound.
     Undecided { reference: [f64; D], bound: f64 },
 }
 

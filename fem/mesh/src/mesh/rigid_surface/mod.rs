@@ -222,7 +222,7 @@ impl<const D: usize> Mesh<D> {
         (self.node_count() - carriers, self.cells.len() - carriers)
     }
 
-    /// Whether this is a mesh of bodies alone, for what can do nothing with rigid surfaces.
+    /// Check that the mesh has no rigid surfaces, for functions that do not support them.
     pub(super) fn without_rigid_surfaces(&self, what: &'static str) -> Result<(), MeshError> {
         match self.rigid.first() {
             None => Ok(()),

@@ -142,7 +142,7 @@ impl<const D: usize> Assembler<D> {
     /// ```
     ///
     /// # Errors
-    /// A [`PairError`]: unknown surfaces, surfaces that overlap or face each other nowhere, a reach that is no length.
+    /// A [`PairError`]: unknown surfaces, surfaces that overlap or have no opposite points, a reach that is no length.
     pub fn pairs(&self, pairing: &Pairing, degree: usize) -> Result<PairReport<D>, PairError> {
         Ok(self.pairs_of(pairing, degree)?.report)
     }

@@ -47,7 +47,7 @@ impl<const D: usize> RegionPairs<D> {
         ))
     }
 
-    /// A word on surfaces that face each other nowhere, where there are such: no contact was possible between them.
+    /// A note on pairs of surfaces without opposite points, if there are any: no contact is possible between them.
     pub fn note(&self) -> Option<String> {
         if self.unpaired.is_empty() {
             return None;

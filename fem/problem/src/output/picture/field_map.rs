@@ -16,6 +16,12 @@ use crate::mesh::Mesh;
 use crate::output::lives_on;
 
 /// The scalar of a field that is shown.
+///
+/// ```
+/// # use forms_fem::output::picture::Shown;
+/// // The displacement along x; `Shown::Magnitude` shows its length.
+/// let shown = Shown::Component(0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown {
     /// A component by its number; tensors are numbered row by row.
@@ -33,6 +39,20 @@ enum Values<'a> {
 }
 
 /// A picture of a field on a body.
+///
+/// ```no_run
+/// # use forms_fem::prelude::*;
+/// # use forms_fem::output::picture::{FieldMap, Picture, Shown};
+/// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+/// # let space = Space::vector(&mesh, 1)?;
+/// let u = Field::interpolate(&space, |x| [0.1 * x[0], 0.0])?;
+/// FieldMap::of(&u, Shown::Magnitude, "|u| [mm]")
+///     .title("Stretched")
+///     .length_unit("mm")
+///     .deformed(&u, 10.0)
+///     .write_png("stretched.png")?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct FieldMap<'a> {
     mesh: &'a Mesh<2>,
     values: Values<'a>,

@@ -44,6 +44,18 @@ pub(in crate::solve) type EachStep<'a> = Box<dyn FnMut(&NewtonStep) + 'a>;
 impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     /// Solution of the problem.
     ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let space = Space::scalar(&mesh, 1)?;
+    /// # let mut held = Constraints::new(&space);
+    /// # held.fix("boundary", |_| 0.0)?;
+    /// # let form = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), dot(grad(u), grad(v)) - v));
+    /// let solved = Problem::new(&form, &space).constrained(&held).solve()?;
+    /// assert!(solved.field().evaluate(&[1.0, 0.5])?[0] > 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// [`SolveError`] with the reason, and of Newton's method the history and the last iterate.
     #[inline(never)]
