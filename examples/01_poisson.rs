@@ -1,4 +1,4 @@
-//! Tutorial 1: Poisson's equation, −Δu = 1 on the unit square with u = 0 on its boundary.
+//! Tutorial 1: Poisson's equation, `−Δu = 1` on the unit square with u = 0 on its boundary.
 //!
 //! u is the deflection of a soap film under pressure, or the stress function of a square bar in torsion.
 //! Its value at the centre is known as a series, so the program can check itself.

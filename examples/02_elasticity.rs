@@ -1,8 +1,12 @@
 //! Tutorial 2: linear elasticity. A thick-walled pipe under internal pressure, Lamé's problem.
 //!
-//! Plane strain, inner radius a, outer radius b, pressure p inside. In closed form
-//!   u_r(r) = (1+ν)/E · p a²/(b²−a²) · ((1−2ν) r + b²/r),
-//! and the hoop stress at the inner wall is p (a²+b²)/(b²−a²).
+//! Plane strain, inner radius a, outer radius b, pressure p inside. In closed form the radial displacement is
+//!
+//! ```text
+//! u_r(r) = (1+ν)/E · p a²/(b²−a²) · ((1−2ν) r + b²/r)
+//! ```
+//!
+//! and the hoop stress at the inner wall is `p (a²+b²)/(b²−a²)`.
 //!
 //! Run it with `cargo run --release --bin 02_elasticity`.
 

@@ -1,15 +1,15 @@
 //! Tutorial 3: finite strain from an energy. A neo-Hookean bar is pulled to 1.76 times its length.
 //!
-//! From the strong to the weak form, on the undeformed body, with F = I + ∇u, the energy W(F) per undeformed
-//! volume and the first Piola–Kirchhoff stress P = ∂W/∂F:
-//! 1. Equilibrium without load: −Div P = 0 in Ω, P N = 0 on the free sides, u given at the ends.
-//! 2. Times v, which vanishes where u is given, and integrated by parts: ∫_Ω P(F):∇v = 0 for all v.
-//! 3. That is d/dε ∫_Ω W(F + ε∇v) at ε = 0: the first variation of the energy Π(u) = ∫_Ω W(I + ∇u).
+//! From the strong to the weak form, on the undeformed body, with `F = I + ∇u`, the energy W(F) per undeformed
+//! volume and the first Piola–Kirchhoff stress `P = ∂W/∂F`:
+//! 1. Equilibrium without load: `−Div P = 0` in Ω, P N = 0 on the free sides, u given at the ends.
+//! 2. Times v, which vanishes where u is given, and integrated by parts: `∫_Ω P(F):∇v = 0` for all v.
+//! 3. That is `d/dε ∫_Ω W(F + ε∇v)` at `ε = 0`, the first variation of the energy `Π(u) = ∫_Ω W(I + ∇u)`.
 //!
 //! So only Π is written down; the compiler derives the residual (its first variation), the tangent
 //! (its second) and the stress. For the bar everything is known: with the stretch s along the bar and t
-//! across it, the free sides give μ(t² − 1) + λ ln(s t²) = 0, so s = exp(μ(1 − t²)/λ)/t², and the force per
-//! undeformed area is μ(s − 1/s) + λ ln(s t²)/s.
+//! across it, the free sides give `μ(t² − 1) + λ ln(s t²) = 0`, so `s = exp(μ(1 − t²)/λ)/t²`, and the force per
+//! undeformed area is `μ(s − 1/s) + λ ln(s t²)/s`.
 //!
 //! Run it with `cargo run --release --bin 03_neo_hookean`.
 

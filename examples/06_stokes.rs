@@ -1,9 +1,13 @@
 //! Tutorial 6: two unknowns. A viscous fluid flows through a bend, driven by a difference of pressure.
 //!
 //! The bend is half a ring, a < r < b. Far from the ends of a long pipe, and here by the boundary conditions
-//! everywhere, the flow goes along circles and the pressure falls linearly with the angle. With G = Δp/π
-//!   u(r) = G/(2μ) (A r + B/r − r ln r),   A and B such that u(a) = u(b) = 0,
-//! and the flux is its integral over a < r < b.
+//! everywhere, the flow goes along circles and the pressure falls linearly with the angle. With `G = Δp/π`
+//!
+//! ```text
+//! u(r) = G/(2μ) (A r + B/r − r ln r)
+//! ```
+//!
+//! where A and B are such that u(a) = u(b) = 0. The flux is the integral of u over a < r < b.
 //!
 //! Run it with `cargo run --release --bin 06_stokes`.
 

@@ -1,17 +1,17 @@
 //! Tutorial 9: contact with a Lagrange multiplier. A rigid cylinder is pressed into a block.
 //!
-//! From the strong to the weak form, with w_n = w·n_y along the normal n_y into the cylinder. The pressure p is an
-//! unknown of its own and lives on the facets of the contact boundary Γ_C alone.
-//! 1. −div σ(u) = 0 in Ω, and without friction σ(u) n = −p n_y on Γ_C. Times v, integrated by parts:
-//!    ∫_Ω σ(u):ε(v) + ∫_ΓC p v_n = 0.
-//! 2. Contact: u_n ≤ g, p ≥ 0, one of the two an equation. For any c > 0 this is one equation with a kink,
-//!    p − max(0, p + c (u_n − g)) = 0. Times q/c: ∫_ΓC (p − max(0, p + c (u_n − g))) q/c = 0.
+//! From the strong to the weak form, with `w_n = w·n_y` along the normal `n_y` into the cylinder. The pressure p is an
+//! unknown of its own and lives only on the facets of the contact boundary `Γ_C`.
+//! 1. `−div σ(u) = 0` in Ω, and without friction `σ(u) n = −p n_y` on `Γ_C`. Times v, integrated by parts:
+//!    `∫_Ω σ(u):ε(v) + ∫_ΓC p v_n = 0`.
+//! 2. Contact: `u_n ≤ g`, `p ≥ 0`, one of the two an equation. For any c > 0 this is one equation with a kink,
+//!    `p − max(0, p + c (u_n − g)) = 0`. Times q/c: `∫_ΓC (p − max(0, p + c (u_n − g))) q/c = 0`.
 //!
 //! The form below has the sum of both. Newton's method differentiates through the kink.
 //!
 //! Two things are known. Nitsche's method (tutorial 4) solves the same problem on the same mesh without a
 //! multiplier. And for a contact that is small against the block Hertz gives the largest pressure from the
-//! force F and the radius R: p₀ = √(F E* / (π R)), E* = E/(1−ν²).
+//! force F and the radius R: `p₀ = √(F E' / (π R))` with `E' = E/(1−ν²)`.
 //!
 //! Run it with `cargo run --release --bin 09_multiplier_contact`.
 

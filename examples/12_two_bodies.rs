@@ -5,8 +5,8 @@
 //! ∫ P(u):∇v − Σ ½ ∫ T(u)·(v(X) − v(Y)) dA = 0
 //! ```
 //!
-//! X is a point of one surface, Y the point of the other one that a ray along the deformed normal meets. Both move with u, and the
-//! tangent knows. The law is `sliding_bodies` of `forms-contact`; a law of your own names `gap`, `toward`, `jump(u)` and
+//! X is a point of one surface, Y the point of the other one that a ray along the deformed normal meets. Both move with u, which the
+//! tangent includes. The law is `sliding_bodies` of `forms-contact`; a law of your own names `gap`, `toward`, `jump(u)` and
 //! integrates over `Touch(u)` in the same way.
 //!
 //! Publications disagree on the forces of this benchmark by a quarter. At the end of pressing and half of the way they have, in

@@ -130,7 +130,7 @@ class Reader:
             return self.group()
         if value.isalpha():
             return f"<mi>{value}</mi>"
-        if value in "+-=:,;()[]|/<>.":
+        if value in "+-=:,;()[]|/<>.⟦⟧":
             if value in "+-" and self.begins_term():
                 return f'<mo form="prefix">{"−" if value == "-" else value}</mo>'
             # Brackets have the size of the text.

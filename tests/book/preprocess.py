@@ -1,11 +1,15 @@
-"""The preprocessor of the book for formulas and links, as docs/book.toml names it. mdBook runs it."""
+"""The preprocessor of the book for formulas and links, as docs/book.toml names it. mdBook runs it.
+
+With the argument `heads` it typesets the formulas in head comments of programs, which are on the pages by then.
+"""
 
 import json
 import sys
 from pathlib import Path
 
 from links import Links
-from mathml import typeset
+from mathml import Unknown, typeset
+from plain_formulas import typeset_head
 
 
 def chapters(value):
@@ -21,12 +25,21 @@ def chapters(value):
 
 
 def main():
-    if sys.argv[1:2] == ["supports"]:
+    if "supports" in sys.argv[1:]:
         return
     context, book = json.load(sys.stdin)
     root = Path(context["root"]) / context["config"]["book"]["src"]
     repository = context["config"]["output"]["html"].get("git-repository-url")
     found = list(chapters(book))
+    if sys.argv[1:2] == ["heads"]:
+        for chapter in found:
+            if Path(chapter["path"]).parent.name == "tutorials":
+                try:
+                    chapter["content"] = typeset_head(chapter["content"])
+                except Unknown as error:
+                    sys.exit(f"{chapter['path']}: {error}")
+        json.dump(book, sys.stdout)
+        return
     links = Links(root, {chapter["path"]: chapter["content"] for chapter in found})
     for chapter in found:
         text = links.in_page(chapter["path"], chapter["content"], repository)
