@@ -31,6 +31,13 @@ def closing(text, start):
     raise Unknown(") is missing")
 
 
+def function(name, before, after):
+    """The name of a function, apart from letters next to it: r ln r, but ln(r)."""
+    begin = r"\," if re.search(r"[\w)] *$", before) else ""
+    end = "" if after.startswith("(") else r"\,"
+    return rf"{begin}\operatorname{{{name}}}{end}"
+
+
 def latex(plain):
     """A formula in Unicode as LaTeX."""
     written, place = [], 0
@@ -48,7 +55,7 @@ def latex(plain):
             inside = subscript if len(subscript) == 1 else f"{subscript[0]}_{{{subscript[1:]}}}"
             written.append(f"_{{{inside}}}")
         elif word:
-            written.append(rf"\operatorname{{{word}}}\," if word in FUNCTIONS else " ".join(word))
+            written.append(function(word, plain[:match.start()], plain[place:]) if word in FUNCTIONS else " ".join(word))
         elif sign in SUPERSCRIPTS:
             written.append(f"^{{{SUPERSCRIPTS[sign]}}}")
         elif sign in SUBSCRIPTS:

@@ -11,7 +11,8 @@ class PlainFormulas(unittest.TestCase):
         self.assertEqual(latex("∫_ΓC σ_n"), r"\int _{Γ_{C}} σ_{n}")
         self.assertEqual(latex("e^((x−1)/ε)"), "e^{(x-1)/ε}")
         self.assertEqual(latex("√(F/(π R))"), r"\sqrt{F/(π R)}")
-        self.assertEqual(latex("ln(t²)"), r"\operatorname{ln}\,(t^{2})")
+        self.assertEqual(latex("ln(t²)"), r"\operatorname{ln}(t^{2})")
+        self.assertEqual(latex("r ln r"), r"r \,\operatorname{ln}\, r")
         with self.assertRaises(Unknown):
             latex("e^(x")
 
