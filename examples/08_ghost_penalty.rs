@@ -3,7 +3,7 @@
 //! `−ε Δu + ∂u/∂x = 1` on the unit square, u = 0 on the left and on the right. The solution
 //! `u = x − (e^((x−1)/ε) − e^(−1/ε)) / (1 − e^(−1/ε))` is a ramp with a layer of width ε on the right. On cells wider than the layer
 //! the plain method oscillates everywhere. A small multiple of `∫ h² ⟦∂u/∂n⟧⟦∂v/∂n⟧` over the facets between cells cures it (continuous
-//! interior penalty); the same term, then called ghost penalty, holds cut elements.
+//! interior penalty); the same term, then called ghost penalty, stabilises cut elements.
 //!
 //! Run it with `cargo run --release --bin 08_ghost_penalty`.
 

@@ -134,7 +134,7 @@ class Reader:
             if value in "+-" and self.begins_term():
                 return f'<mo form="prefix">{"−" if value == "-" else value}</mo>'
             # Brackets have the size of the text.
-            rigid = ' stretchy="false"' if value in "()[]" else ""
+            rigid = ' stretchy="false"' if value in "()[]⟦⟧" else ""
             return f"<mo{rigid}>{html.escape('−' if value == '-' else value)}</mo>" if value != "|" else BAR
         raise Unknown(f"what is {value}?")
 
