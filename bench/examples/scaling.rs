@@ -159,8 +159,8 @@ fn exponent(x: &[f64], y: &[f64]) -> f64 {
     products / logs.iter().map(|[x, _]| (x - mean_x).powi(2)).sum::<f64>()
 }
 
-/// Seconds of all cores that this process has had, where the system says it: on a machine with other work they tell
-/// more than the clock.
+/// CPU seconds of this process on all cores, if the system reports them. On a machine with other work they say more
+/// than the clock.
 fn cpu_seconds() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/stat").ok()?;
     // After the name in brackets: the 12th and 13th field, in hundredths of a second.

@@ -27,7 +27,7 @@ pub enum ParameterError {
     /// A value that is not finite.
     #[error("the parameter `{name}` is {value}, which is not finite")]
     NotFinite { name: String, value: f64 },
-    /// A value that is no number of things.
+    /// A value that is not a count.
     #[error("the parameter `{name}` is {value}, which is no whole number from 1 to {MOST}")]
     NoCount { name: String, value: f64 },
 }
@@ -71,7 +71,7 @@ impl Parameters {
         }
     }
 
-    /// Whether all that was given has been asked for.
+    /// Check that each given parameter was read.
     pub(crate) fn all_known(&self) -> Result<(), ParameterError> {
         let unknown = self.given.iter().find(|(given, _)| self.asked.iter().all(|(name, _)| name != given));
         let Some((name, _)) = unknown else { return Ok(()) };

@@ -1,5 +1,5 @@
-//! The thread in which a problem lives: it is made there and never leaves, so that callers may be any threads of any language, and a
-//! panic of it ends that thread alone.
+//! The thread of a problem. The problem is made there and stays there, so that callers may be threads of any language, and a panic
+//! ends only that thread.
 
 use std::any::Any;
 use std::error::Error;
@@ -78,7 +78,7 @@ impl ProblemThread {
         let live = move || {
             let made = caught(|| {
                 let made = constructor(&mut parameters);
-                // A name that is unknown may be the reason for which a constructor fails.
+                // An unknown name may be the reason why a constructor fails.
                 parameters.all_known().map_err(|why| Failure::Input(why.to_string()))?;
                 made.map_err(|why| match why.downcast_ref::<ParameterError>() {
                     Some(why) => Failure::Input(why.to_string()),

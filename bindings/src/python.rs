@@ -167,7 +167,7 @@ fn no_buffer(what: &str, object: &Bound<'_, PyAny>) -> PyErr {
     ))
 }
 
-/// Whether a format of Python's module `struct` is that of doubles as this machine has them.
+/// True if a format of Python's module `struct` is that of this machine's doubles.
 fn is_in_native_order(format: &CStr) -> bool {
     match format.to_bytes() {
         b"d" | b"@d" | b"=d" => true,
@@ -177,7 +177,7 @@ fn is_in_native_order(format: &CStr) -> bool {
     }
 }
 
-/// Whether values of a masked array are masked: the buffer has numbers in their places.
+/// True if a masked array has masked values, for which the buffer has arbitrary numbers.
 fn has_masked_values(object: &Bound<'_, PyAny>) -> PyResult<bool> {
     static MASKED: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     static IS_MASKED: PyOnceLock<Py<PyAny>> = PyOnceLock::new();

@@ -14,7 +14,7 @@ use programs::mpirun;
 /// All processes have ended this long after the cause was printed.
 const LIMIT: Duration = Duration::from_secs(10);
 
-/// Most time of a whole run, with the start of the processes on a machine that has other work.
+/// Time limit of a whole run, including the start of the processes on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(300);
 
 /// Runs the program, which has to fail, say why, and leave no process.

@@ -49,8 +49,8 @@ impl KernelRow {
     }
 }
 
-/// Builds the plugin and gives its place. It is asked for as what this program, an example, is linked with, which is
-/// built already: by itself it would be compiled once more, with other features of what it depends on.
+/// Builds the plugin and returns its path. It is built as a dependency of this program, an example, because that is
+/// built already. By itself it would be compiled once more, with other features of its dependencies.
 fn build() -> Result<PathBuf, ComparisonError> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);

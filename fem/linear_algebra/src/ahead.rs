@@ -5,7 +5,7 @@
 /// Bytes that the processor fetches at once.
 const LINE: usize = 64;
 
-/// Has the processor fetch a list while other work goes on.
+/// Lets the processor fetch a list in advance, while other work goes on.
 #[inline(always)]
 pub(crate) fn ask_for<T>(list: &[T]) {
     #[cfg(target_arch = "x86_64")]

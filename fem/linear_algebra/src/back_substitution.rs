@@ -41,7 +41,7 @@ impl PartialBackSubstitution {
         for &place in &places {
             let mut s = holder(place);
             while !std::mem::replace(&mut needed[s], true) {
-                // The rows below a supernode belong to its ancestors, the first of them to its parent.
+                // The rows below a supernode belong to its ancestors, and the first of them to its parent.
                 let Some(&first) = llt.supernode(s).pattern().first() else { break };
                 s = holder(first);
             }

@@ -94,7 +94,7 @@ fn judged(
     Ok(worst)
 }
 
-/// Cuts the rows into pieces, and the pieces among threads. `work` judges the rows of a piece from a first one on.
+/// Divides the rows into pieces, and the pieces among threads. `work` judges the rows of a piece, which starts at a given row.
 fn by_pieces(
     threads: Threads,
     numbers: usize,

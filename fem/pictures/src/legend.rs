@@ -101,7 +101,7 @@ impl Legend {
     }
 }
 
-/// Whether a polyline passes through a rectangle, looked at every two points of length.
+/// True if a polyline passes through a rectangle, tested every two points of length.
 pub fn passes(curve: &[Point], room: &Rectangle) -> bool {
     let alone = curve.len() == 1 && room.contains(curve[0]);
     alone

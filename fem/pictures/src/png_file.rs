@@ -142,7 +142,7 @@ fn path(segments: &[Segment]) -> Option<Path> {
     builder.finish()
 }
 
-/// The mask of the area that was asked for last: it is as large as the page, and items that follow each other share it.
+/// The mask of the last requested area. It is as large as the page, and consecutive items share it.
 #[derive(Default)]
 struct Masks(Option<(Rectangle, Option<Mask>)>);
 

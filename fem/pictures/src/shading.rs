@@ -143,8 +143,8 @@ impl ShadedSurface {
     }
 }
 
-/// A colour, and one for the sample that has it, as four numbers of sixteen bits: sums over the samples of a pixel do not
-/// pass from one into the next.
+/// A colour and a count of one, as four numbers of sixteen bits. Sums over the samples of a pixel do not overflow from
+/// one number into the next.
 fn packed([red, green, blue]: [u8; 3]) -> u64 {
     u64::from(red) | u64::from(green) << 16 | u64::from(blue) << 32 | 1 << 48
 }

@@ -265,7 +265,7 @@ fn energies_functions_of_position_and_multipliers() {
     let whole: Vec<f64> = u.values().iter().chain(l.values()).copied().collect();
     let product = matrix.multiply(&whole).unwrap();
     assert!(product.iter().zip(&residual).all(|(a, b)| (a - b).abs() < 1e-13));
-    // On the other surface the multiplier has no nodes.
+    // The multiplier has no nodes on the other surface.
     let reversed = springs::tied(&springs::Touch::on(Pairing::onto("above", "below")));
     let refused = assembler.residual(&reversed, &[&u, &l], &[&vectors, &multipliers]);
     assert!(matches!(refused, Err(AssemblyError::OffItsFacets { .. })), "{refused:?}");

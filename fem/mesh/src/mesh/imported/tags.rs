@@ -46,7 +46,7 @@ pub(super) fn check_element_tags(contents: &Contents) -> Result<()> {
     }
 }
 
-// For each entry of the elements' lists of nodes the node's place in the file's list.
+// For each entry of the elements' node lists, the place of the node in the file's list.
 pub(super) fn element_places(contents: &Contents, tags: &Tags) -> Result<Vec<u32>> {
     let mut places = Vec::with_capacity(contents.element_nodes.len());
     for element in &contents.elements {

@@ -9,7 +9,7 @@ use crate::mesh::nesting::{Nesting, Parts};
 use crate::mesh::refine::{Division, key};
 use crate::mesh::{Facet, Mesh, MeshError, Surface};
 
-/// The nodes of divisions by the vertices that they lie between, with weights.
+/// The nodes of divided cells, identified by the vertices that they lie between and their weights.
 struct SharedNodes<'a, const D: usize> {
     division: &'a Division<D>,
     /// For each point of the division the node of the whole cell at that point.
