@@ -56,6 +56,21 @@ pub enum ElementError {
     /// Only degrees 1 to 4 exist with continuous values.
     #[error("there is no Lagrange element of degree {degree} on the {}; the degrees are 1 to 4", shape.name())]
     Degree { shape: CellShape, degree: usize },
+    /// Elements that only triangles and tetrahedra have.
+    #[error("there are no {elements} on the {}; they exist on triangles and tetrahedra", shape.name())]
+    Shape { elements: String, shape: CellShape },
+    /// Bubbles come with degree 1 or 2.
+    #[error("there are no elements of degree {degree} with bubbles; the degrees are 1 and 2")]
+    Bubbles { degree: usize },
+    /// A user's elements lack one of the shapes of a mesh.
+    #[error("the mesh has {} cells, for which there is no element among those given", shape.name())]
+    Missing { shape: CellShape },
+    /// The values at the nodes do not determine a polynomial.
+    #[error("values at the nodes of the element \"{name}\" on the {} do not determine its polynomials", shape.name())]
+    NotUnisolvent { name: String, shape: CellShape },
+    /// What an element must have.
+    #[error("the element \"{name}\" is not as it must be: {reason}")]
+    Table { name: String, reason: &'static str },
     /// Cells are straight or quadratic.
     #[error("there is no geometry of degree {degree} for the {}; the degrees are 1 and 2", shape.name())]
     Geometry { shape: CellShape, degree: usize },

@@ -5,7 +5,7 @@ use std::ops::Index;
 use super::CellShape;
 
 /// A value for each of the shapes that a mesh's cells have, by shape. A list: there are two of them at most.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PerShape<T> {
     values: Vec<(CellShape, T)>,
 }
@@ -13,6 +13,13 @@ pub struct PerShape<T> {
 impl<T> FromIterator<(CellShape, T)> for PerShape<T> {
     fn from_iter<I: IntoIterator<Item = (CellShape, T)>>(values: I) -> Self {
         PerShape { values: values.into_iter().collect() }
+    }
+}
+
+impl<T> PerShape<T> {
+    /// The values.
+    pub fn values(&self) -> impl Iterator<Item = &T> {
+        self.values.iter().map(|(_, value)| value)
     }
 }
 
