@@ -251,14 +251,14 @@ fn cells_and_points() {
     let edges =
         XML.replace("0 1 2 0 2 3 0 1", "0 1 1 2 2 3").replace("3 6 8", "2 4 6").replace("5 5 3", "3 3 3");
     assert_eq!(message(&edges), "square: the file has no cells");
-    let eight = XML
-        .replace("NumberOfPoints=\"4\"", "NumberOfPoints=\"8\"")
-        .replace("0 0 0 1 0 0 1 1 0 0 1 0", "0 0 0 1 0 0 1 1 0 0 1 0 0.5 0 0 1 0.5 0 0.5 1 0 0 0.5 0");
-    let eight = eight.replace("0 1 2 0 2 3 0 1", "0 1 2 3 4 5 6 7 0 1 1 2").replace("3 6 8", "8 10 12");
+    let seven = XML
+        .replace("NumberOfPoints=\"4\"", "NumberOfPoints=\"7\"")
+        .replace("0 0 0 1 0 0 1 1 0 0 1 0", "0 0 0 1 0 0 1 1 0 0 1 0 0.5 0 0 1 0.5 0 0.5 1 0");
+    let seven = seven.replace("0 1 2 0 2 3 0 1", "0 1 2 4 5 6 3 0 1 1 2").replace("3 6 8", "7 9 11");
     assert_eq!(
-        changed(&eight, "5 5 3", "23 3 3"),
-        "square: cell 0 is a quadratic quadrilateral of 8 points; second-order cells are QUADRATIC_TRIANGLE, \
-         BIQUADRATIC_QUAD, QUADRATIC_TETRA or TRIQUADRATIC_HEXAHEDRON"
+        changed(&seven, "5 5 3", "34 3 3"),
+        "square: cell 0 is a biquadratic triangle; second-order cells are QUADRATIC_TRIANGLE, QUADRATIC_QUAD, \
+         BIQUADRATIC_QUAD, QUADRATIC_TETRA, QUADRATIC_HEXAHEDRON or TRIQUADRATIC_HEXAHEDRON"
     );
 }
 

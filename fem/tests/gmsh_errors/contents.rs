@@ -58,9 +58,8 @@ fn elements_of_several_types() {
     let eight = TWO_SHAPES.replace("5\n1 0 0 0\n", "8\n6 0 2 0\n7 1 2 0\n8 2 2 0\n1 0 0 0\n");
     assert_eq!(
         changed(&eight, "2 3 2 3 1 1 2 3 4", "2 16 2 3 1 1 2 3 4 5 6 7 8"),
-        "square.msh, line 23, in $Elements: element 2 is a quadrilateral of 8 nodes; second-order cells need all their \
-         nodes (option Mesh.SecondOrderIncomplete = 0), and a mesh consists of triangles, quadrilaterals, tetrahedra or \
-         hexahedra"
+        "square.msh, line 24, in $Elements: the cells are of two types: element 2 is a quadrilateral of 8 nodes, element 3 \
+         a triangle of 3 nodes; a mesh has one, or triangles and quadrilaterals of one order"
     );
     assert_eq!(
         message::<3>(

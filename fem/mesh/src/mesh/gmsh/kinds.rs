@@ -10,7 +10,14 @@ const KINDS: [Kind; 19] = [
     kind(2, "triangle of 3 nodes", 2, 3, 3, cell(CellShape::Triangle, 1, &[0, 1, 2])),
     kind(9, "triangle of 6 nodes", 2, 6, 3, cell(CellShape::Triangle, 2, &[0, 1, 2, 3, 4, 5])),
     kind(3, "quadrilateral of 4 nodes", 2, 4, 4, cell(CellShape::Quadrilateral, 1, &[0, 1, 2, 3])),
-    kind(16, "quadrilateral of 8 nodes", 2, 8, 4, None),
+    kind(
+        16,
+        "quadrilateral of 8 nodes",
+        2,
+        8,
+        4,
+        cell(CellShape::Quadrilateral, 2, &[0, 1, 2, 3, 4, 5, 6, 7]),
+    ),
     kind(
         10,
         "quadrilateral of 9 nodes",
@@ -30,7 +37,18 @@ const KINDS: [Kind; 19] = [
         cell(CellShape::Tetrahedron, 2, &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8]),
     ),
     kind(5, "hexahedron of 8 nodes", 3, 8, 8, cell(CellShape::Hexahedron, 1, &[0, 1, 2, 3, 4, 5, 6, 7])),
-    kind(17, "hexahedron of 20 nodes", 3, 20, 8, None),
+    kind(
+        17,
+        "hexahedron of 20 nodes",
+        3,
+        20,
+        8,
+        cell(
+            CellShape::Hexahedron,
+            2,
+            &[0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15],
+        ),
+    ),
     // Gmsh's edges: 01 03 04 12 15 23 26 37 45 47 56 67. Its faces: bottom, front, left, right, back, top.
     kind(
         12,
@@ -61,12 +79,6 @@ pub(super) fn of(code: i64) -> Option<&'static Kind> {
 }
 
 /// Help where a cell is not supported.
-pub(super) fn advice(kind: &Kind) -> &'static str {
-    match kind.code {
-        16..=19 => {
-            "second-order cells need all their nodes (option Mesh.SecondOrderIncomplete = 0), and a mesh consists of \
-             triangles, quadrilaterals, tetrahedra or hexahedra"
-        }
-        _ => "a mesh consists of triangles, quadrilaterals, tetrahedra or hexahedra",
-    }
+pub(super) fn advice(_: &Kind) -> &'static str {
+    "a mesh consists of triangles, quadrilaterals, tetrahedra or hexahedra"
 }

@@ -3,11 +3,13 @@
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
 
+use super::complete::{Completed, Completion};
 use super::contents::{Contents, Element, Node};
 use super::kinds::{Cell, Kind};
 use super::plane::{check_plane, turn_clockwise_surfaces};
 use super::problem::{Flaw, ImportProblem, Note, Result};
 use super::tags::{Tags, check_element_tags, element_places};
+use crate::element::Lagrange;
 use crate::mesh::{Mesh, MeshError};
 
 /// The mesh, and how its numbers belong to the file's tags.
@@ -19,6 +21,8 @@ pub(super) struct Cells<const D: usize> {
     cell_of_element: Vec<(usize, u32)>,
     /// For each of the file's nodes its number in the mesh; `u32::MAX` where no cell uses it.
     numbers: Vec<u32>,
+    /// Nodes of the mesh after the file's.
+    pub(super) completed: Vec<Completed>,
     tags: Tags,
 }
 
@@ -51,7 +55,11 @@ fn choose<'a>(contents: &'a Contents, dimension: usize) -> Result<Chosen<'a>> {
         }
         // Triangles and quadrilaterals of one order make a mesh.
         let other = kinds.first().filter(|(_, known)| {
-            dimension != 2 || kind.cell.as_ref().is_some_and(|cell| cell.degree != known.degree)
+            dimension != 2
+                || kind
+                    .cell
+                    .as_ref()
+                    .is_some_and(|cell| cell.degree != known.degree || cell.shape == known.shape)
         });
         let problem = match (&kind.cell, other) {
             (Some(cell), None) => {
@@ -159,6 +167,7 @@ impl<const D: usize> Cells<D> {
             notes.push(Note::UnusedNodes { count: unused.count(), first: contents.node(first.tag) });
         }
 
+        let mut completion = Completion::default();
         let (mut blocks, mut entities) = (Vec::with_capacity(kinds.len()), Vec::with_capacity(cells.len()));
         for (kind, cell) in &kinds {
             let mut list = Vec::new();
@@ -168,7 +177,14 @@ impl<const D: usize> Cells<D> {
                 list.extend(cell.order.iter().map(|&k| numbers[nodes[usize::from(k)] as usize]));
                 entities.push(contents.membership(element).entity);
             }
+            if cell.order.len() < (Lagrange { shape: cell.shape, degree: cell.degree }).nodes() {
+                list = completion.complete(cell.shape, &list, used.len());
+            }
             blocks.push((cell.shape, list));
+        }
+        for added in &completion.added {
+            let position = added.sum(positions.as_flattened(), D);
+            positions.push(std::array::from_fn(|k| position[k]));
         }
         let degree = kinds[0].1.degree;
         if D == 2 {
@@ -187,7 +203,7 @@ impl<const D: usize> Cells<D> {
             let (node, element) = (contents.node(used[first.node as usize].tag), item(first.facet.cell));
             notes.push(Note::HangingNodes { count: touching.hanging_nodes.len(), node, element });
         }
-        Ok(Cells { mesh, elements: cells, cell_of_element, numbers, tags })
+        Ok(Cells { mesh, elements: cells, cell_of_element, numbers, completed: completion.added, tags })
     }
 
     /// The number of a node in the mesh, if a cell uses it.
@@ -234,8 +250,10 @@ fn in_tags(contents: &Contents, error: MeshError, curved: bool, cells: &[usize],
         let [(first, _), (second, at)] = cells.map(|cell| element(cell as usize));
         ([first, second], at)
     };
+    // A node that was added is in no file; those around it are named as well.
+    let tag = |node: u32| nodes.get(node as usize).map_or(0, |node| node.tag);
     let tags = |vertices: Vec<u32>| -> Vec<_> {
-        vertices.into_iter().map(|node| contents.node(nodes[node as usize].tag)).collect()
+        vertices.into_iter().map(|node| contents.node(tag(node))).collect()
     };
     match error {
         MeshError::Inverted { cell, determinant, position } => {
@@ -245,7 +263,7 @@ fn in_tags(contents: &Contents, error: MeshError, curved: bool, cells: &[usize],
         }
         MeshError::ShortEdge { cell, nodes: [a, b], length, longest } => {
             let (element, at) = element(cell);
-            let nodes = [a, b].map(|node| contents.node(nodes[node as usize].tag));
+            let nodes = [a, b].map(|node| contents.node(tag(node)));
             Flaw::at(at, ImportProblem::ShortEdge { element, nodes, length, longest })
         }
         MeshError::Undecided { cell, bound, position } => {
@@ -262,7 +280,7 @@ fn in_tags(contents: &Contents, error: MeshError, curved: bool, cells: &[usize],
         }
         MeshError::MiddleNode { cells, nodes: [a, b], vertices } => {
             let (elements, at) = both(cells);
-            let nodes = [a, b].map(|node| contents.node(nodes[node as usize].tag));
+            let nodes = [a, b].map(|node| contents.node(tag(node)));
             Flaw::at(at, ImportProblem::MiddleNode { elements, nodes, vertices: tags(vertices) })
         }
         MeshError::SharedFacet { vertices, cells } => {

@@ -4,6 +4,7 @@
 //! with them is reported in the file's words and numbers.
 
 mod cells;
+mod complete;
 mod contents;
 mod facets;
 mod kinds;
@@ -13,6 +14,7 @@ mod tags;
 
 use super::Mesh;
 
+pub(super) use complete::Completed;
 pub(super) use contents::{Contents, Element, Membership, Node, Words};
 pub(super) use kinds::{Kind, cell, kind};
 pub use problem::{FilePosition, ImportProblem, Item, Note};
@@ -22,8 +24,10 @@ pub(super) use problem::{Flaw, dimensions, entities, entity, shortened};
 pub(super) struct Imported<const D: usize> {
     pub(super) mesh: Mesh<D>,
     pub(super) notes: Vec<Note>,
-    /// For each node of the mesh its place among [`Contents::nodes`].
+    /// For each node of the mesh its place among [`Contents::nodes`], without those that were added.
     pub(super) nodes: Vec<usize>,
+    /// The nodes after these, which were added inside faces and cells.
+    pub(super) completed: Vec<Completed>,
     /// For each cell of the mesh its place among [`Contents::elements`].
     pub(super) cells: Vec<usize>,
 }
@@ -36,5 +40,6 @@ pub(super) fn import<const D: usize>(contents: &Contents) -> Result<Imported<D>,
     facets::name_facets(&mut cells, contents, &mut notes)?;
     facets::note_groups(&cells.mesh, contents, &mut notes);
     let nodes = cells.nodes();
-    Ok(Imported { mesh: cells.mesh, notes, nodes, cells: cells.elements })
+    let completed = cells.completed;
+    Ok(Imported { mesh: cells.mesh, notes, nodes, completed, cells: cells.elements })
 }

@@ -11,7 +11,14 @@ const KINDS: [Kind; 20] = [
     kind(22, "quadratic triangle", 2, 6, 3, cell(CellShape::Triangle, 2, &[0, 1, 2, 3, 4, 5])),
     kind(34, "biquadratic triangle", 2, 7, 3, None),
     kind(9, "quadrilateral", 2, 4, 4, cell(CellShape::Quadrilateral, 1, &[0, 1, 2, 3])),
-    kind(23, "quadratic quadrilateral of 8 points", 2, 8, 4, None),
+    kind(
+        23,
+        "quadratic quadrilateral of 8 points",
+        2,
+        8,
+        4,
+        cell(CellShape::Quadrilateral, 2, &[0, 1, 2, 3, 4, 5, 6, 7]),
+    ),
     kind(
         28,
         "biquadratic quadrilateral",
@@ -30,7 +37,18 @@ const KINDS: [Kind; 20] = [
         cell(CellShape::Tetrahedron, 2, &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]),
     ),
     kind(12, "hexahedron", 3, 8, 8, cell(CellShape::Hexahedron, 1, &[0, 1, 2, 3, 4, 5, 6, 7])),
-    kind(25, "quadratic hexahedron of 20 points", 3, 20, 8, None),
+    kind(
+        25,
+        "quadratic hexahedron of 20 points",
+        3,
+        20,
+        8,
+        cell(
+            CellShape::Hexahedron,
+            2,
+            &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19],
+        ),
+    ),
     kind(33, "quadratic hexahedron of 24 points", 3, 24, 8, None),
     // VTK's faces are x = 0, x = 1, y = 0, y = 1, z = 0, z = 1 and ours z = 0, z = 1, y = 0, x = 1, y = 1, x = 0.
     kind(
@@ -58,8 +76,9 @@ const KINDS: [Kind; 20] = [
 /// Help where a cell is not supported.
 pub(super) fn advice(kind: &Kind) -> &'static str {
     match kind.code {
-        23 | 25..=27 | 32..=34 => {
-            "second-order cells are QUADRATIC_TRIANGLE, BIQUADRATIC_QUAD, QUADRATIC_TETRA or TRIQUADRATIC_HEXAHEDRON"
+        26 | 27 | 32..=34 => {
+            "second-order cells are QUADRATIC_TRIANGLE, QUADRATIC_QUAD, BIQUADRATIC_QUAD, QUADRATIC_TETRA, QUADRATIC_HEXAHEDRON or \
+             TRIQUADRATIC_HEXAHEDRON"
         }
         _ => "a mesh consists of triangles, quadrilaterals, tetrahedra or hexahedra",
     }

@@ -148,14 +148,20 @@ impl VtkReader {
             grid.join_points();
         }
         let (contents, counted) = contents::contents::<D>(&grid, self)?;
-        let Imported { mesh, mut notes, nodes, cells } =
+        let Imported { mesh, mut notes, nodes, completed, cells } =
             imported::import::<D>(&contents).map_err(|flaw| flaw.problem)?;
         notes.extend(counted);
         notes.extend(coincident(&mesh, &nodes));
         let of = |arrays: &[array::RawArray], places: &[usize]| {
             arrays.iter().map(|array| array.at(places)).collect()
         };
-        let (point_data, cell_data) = (of(&grid.point_data, &nodes), of(&grid.cell_data, &cells));
+        let (mut point_data, cell_data): (Vec<VtkArray>, _) =
+            (of(&grid.point_data, &nodes), of(&grid.cell_data, &cells));
+        for array in &mut point_data {
+            let added = completed.iter().flat_map(|added| added.sum(&array.values, array.components));
+            let added: Vec<f64> = added.collect();
+            array.values.extend(added);
+        }
         Ok(VtkMesh { mesh, point_data, cell_data, notes })
     }
 }
