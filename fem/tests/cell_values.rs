@@ -62,7 +62,7 @@ fn other_spaces_and_lengths_are_refused() -> Outcome {
     assert_eq!(
         message(Field::from_cell_values(&linear, &[0.0; 8])).as_deref(),
         Some(
-            "values on cells are those of a space that is constant on each of them; this one has degree 1, with discontinuous values"
+            "values on cells are those of a space that is constant on each of them; this one has Lagrange elements of degree 1 with discontinuous values"
         )
     );
     let constant = Space::discontinuous_scalar(&mesh, 0)?;

@@ -31,7 +31,8 @@ fn every_bit_comes_back() -> Outcome {
         let bits = |field: &Field<2>| field.values().iter().map(|value| value.to_bits()).collect::<Vec<_>>();
         assert_eq!(bits(&back), bits(&field));
         // Another mesh that is equal will do.
-        let equal = Space::new(&self::mesh(2.0), space.family().clone(), space.degree(), space.shape())?;
+        let equal =
+            Space::of(&self::mesh(2.0), space.elements().clone(), space.scope().clone(), space.shape())?;
         assert_eq!(bits(&Field::read(&path, &equal)?), bits(&field));
     }
     Ok(())

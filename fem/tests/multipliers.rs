@@ -307,16 +307,16 @@ fn discontinuous_fields_are_interpolated_projected_and_measured() {
 #[test]
 fn values_of_any_shape() {
     let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [2, 1], CellShape::Triangle, 1).unwrap());
-    let space = Space::new(&mesh, Family::Continuous, 1, &[3]).unwrap();
+    let space = Space::of(&mesh, Elements::Lagrange(1), Scope::Nodes, &[3]).unwrap();
     let field = Field::interpolate(&space, |x| [x[0], 1.0, 2.0]).unwrap();
     assert_eq!(field.evaluate(&[0.5, 0.5]).unwrap(), [0.5, 1.0, 2.0]);
     let assembler = Assembler::new(&mesh);
     // ∫ x² + 1 + 4 over 2 × 1.
     assert!((norms::l2_norm(&assembler, &field).unwrap() - (8.0_f64 / 3.0 + 10.0).sqrt()).abs() < 1e-13);
-    let matrix = Space::new(&mesh, Family::Discontinuous, 0, &[2, 3]).unwrap();
+    let matrix = Space::of(&mesh, Elements::Lagrange(0), Scope::Cell, &[2, 3]).unwrap();
     assert_eq!(matrix.unknowns(), 6 * mesh.cell_count());
     assert_eq!(
-        Space::new(&mesh, Family::Continuous, 1, &[0]).unwrap_err().to_string(),
+        Space::of(&mesh, Elements::Lagrange(1), Scope::Nodes, &[0]).unwrap_err().to_string(),
         "a value of shape [0] has no components"
     );
 }

@@ -340,7 +340,7 @@ fn movements_that_are_none_are_told() {
     assert_eq!(
         message,
         "a mesh moves along a field on the space of its geometry, `Space::of_geometry`: continuous vectors of degree 1; \
-         this one has degree 2, 2 components and lives with continuous values"
+         this one has Lagrange elements of degree 2 with continuous values and 2 components"
     );
     assert!(matches!(quadratic.carried_to(inwards.space()), Err(MovementError::OtherNodes)));
     let lengths = diameters_to_movements(inwards.space(), &[1.0]);

@@ -46,7 +46,7 @@ where
             ];
             for found in found {
                 let error = distance(&found, &wanted) / size;
-                assert!(error < 1e-12, "degree {degree}, {}: {error:e}", space.family());
+                assert!(error < 1e-12, "degree {degree}, {}: {error:e}", space.scope());
             }
         }
     }

@@ -78,6 +78,13 @@ pub enum PictureError {
         /// The facet region of its space.
         region: String,
     },
+    /// A field that is not known from the reference cell in all cells.
+    #[error("\"{name}\" has {space}, which pictures do not show")]
+    Space {
+        name: String,
+        /// Elements and scope of its space.
+        space: String,
+    },
     /// The mesh has no such region.
     #[error(transparent)]
     Mesh(#[from] forms_mesh::mesh::MeshError),

@@ -17,6 +17,7 @@ pub use error::ConstraintsError;
 use forms_core::contract::FieldValue;
 pub use rigid_map::RigidMap;
 
+use crate::element::Elements;
 use crate::instantiate::instantiate;
 use crate::space::Space;
 
@@ -240,10 +241,13 @@ impl<const D: usize> Constraints<D> {
 
     #[inline(never)]
     fn nodes_on(&self, region: &str, place: &str) -> Result<Vec<u32>, ConstraintsError> {
+        if *self.space.elements() == Elements::Dual {
+            return Err(ConstraintsError::NotNodal { place: place.to_owned() });
+        }
         let nodes = self.space.nodes_on(region)?;
         if nodes.is_empty() {
-            let (degree, family) = (self.space.degree(), self.space.family().clone());
-            return Err(ConstraintsError::NoNodes { place: place.to_owned(), degree, family });
+            let (elements, scope) = (self.space.elements().clone(), self.space.scope().clone());
+            return Err(ConstraintsError::NoNodes { place: place.to_owned(), elements, scope });
         }
         Ok(nodes)
     }

@@ -10,11 +10,12 @@ use std::sync::{Arc, OnceLock};
 use forms_core::contract::{DiscreteField, FieldHandle, FieldValue, Source};
 use thiserror::Error;
 
+use crate::element::Elements;
 use crate::element::MAXIMUM_NODES;
 use crate::instantiate::instantiate;
 use crate::linear_algebra::vector::{first_not_finite, is_finite};
 use crate::mesh::geometry::inverse;
-use crate::space::{Family, Space};
+use crate::space::{CellInSpace, Scope, Space};
 
 pub use file::FieldFileError;
 pub(crate) use transfer::places;
@@ -84,14 +85,21 @@ pub enum FieldError {
     },
     /// Values of cells for a space that is not constant on each cell, or values of facets likewise.
     #[error(
-        "values on {entities} are those of a space that is constant on each of them; this one has degree {degree}, {family}"
+        "values on {entities} are those of a space that is constant on each of them; this one has {elements} {scope}"
     )]
     NotConstant {
         /// "cells" or "facets".
         entities: &'static str,
-        /// The family of the space.
-        family: Family,
-        degree: usize,
+        /// Elements of the space.
+        elements: Elements,
+        /// Scope of the space.
+        scope: Scope,
+    },
+    /// Coefficients that are no values.
+    #[error("a space of {elements} interpolates no function: its coefficients are not values at nodes")]
+    NotNodal {
+        /// Elements of the space.
+        elements: Elements,
     },
     /// A coefficient is NaN or infinite.
     #[error("component {component} at node {node}, position {position:?}, is not finite: {value}")]
@@ -113,7 +121,7 @@ pub enum FieldError {
         /// The facet region of its space.
         region: String,
     },
-    /// The point is in no cell.
+    /// The point is in no cell of the space.
     #[error("the point {point:?} lies outside the mesh")]
     Outside { point: Vec<f64> },
 }
@@ -168,6 +176,9 @@ impl<const D: usize> Field<D> {
         if V::COMPONENTS != components {
             return Err(FieldError::Components { space: components, function: V::COMPONENTS });
         }
+        if *space.elements() == Elements::Dual {
+            return Err(FieldError::NotNodal { elements: space.elements().clone() });
+        }
         let mut values = vec![0.0; space.unknowns()];
         for (position, value) in space.positions().iter().zip(values.chunks_mut(components)) {
             function(position).write(value);
@@ -219,7 +230,7 @@ impl<const D: usize> Field<D> {
     #[inline(never)]
     pub fn from_cell_values(space: &Arc<Space<D>>, values: &[f64]) -> Result<Self, FieldError> {
         let of_cells = space.mesh().body_cells().map(|cell| space.cell_nodes(cell).first().copied());
-        let is_constant = *space.family() == Family::Discontinuous && space.degree() == 0;
+        let is_constant = *space.scope() == Scope::Cell && space.is_constant();
         Field::from_constants(space, values, ("cells", is_constant), &of_cells.flatten().collect::<Vec<_>>())
     }
 
@@ -246,7 +257,7 @@ impl<const D: usize> Field<D> {
         let facets = space.facet_region().map(|region| space.mesh().sides_of(region));
         let first = facets.and_then(Result::ok).unwrap_or_default().into_iter().map(|sides| sides[0]);
         let nodes = first.filter_map(|facet| space.nodes_at(facet.cell, Some(facet.local)).first().copied());
-        let is_constant = space.facet_region().is_some() && space.degree() == 0;
+        let is_constant = space.facet_region().is_some() && space.is_constant();
         Field::from_constants(space, values, ("facets", is_constant), &nodes.collect::<Vec<_>>())
     }
 
@@ -258,8 +269,8 @@ impl<const D: usize> Field<D> {
         nodes: &[u32],
     ) -> Result<Self, FieldError> {
         if !is_constant {
-            let (family, degree) = (space.family().clone(), space.degree());
-            return Err(FieldError::NotConstant { entities, family, degree });
+            let (elements, scope) = (space.elements().clone(), space.scope().clone());
+            return Err(FieldError::NotConstant { entities, elements, scope });
         }
         let components = space.components();
         if values.len() != nodes.len() * components {
@@ -356,7 +367,7 @@ impl<const D: usize> Field<D> {
     /// When the mesh has no such cell.
     #[inline(never)]
     pub fn evaluate_in(&self, cell: usize, reference: &[f64; D]) -> Vec<f64> {
-        let mut result = vec![self.empty_sum(); self.space.components()];
+        let mut result = vec![self.empty_sum(cell); self.space.components()];
         self.add_value_in(cell, reference, &mut result);
         result
     }
@@ -373,7 +384,7 @@ impl<const D: usize> Field<D> {
     /// [`Field::add_value_in`] with room for the given number of basis functions.
     fn add_value_with<const N: usize>(&self, cell: usize, reference: &[f64; D], sum: &mut [f64]) {
         let mut value = [0.0; N];
-        self.space.cell_element(cell).evaluate_values(reference, &mut value);
+        self.space.basis_in(cell, reference, &mut value);
         for (&node, phi) in self.space.cell_nodes(cell).iter().zip(&value) {
             for (sum, coefficient) in sum.iter_mut().zip(self.at_node(node as usize)) {
                 *sum += phi * coefficient;
@@ -389,10 +400,15 @@ impl<const D: usize> Field<D> {
     #[inline(never)]
     pub fn gradient_in(&self, cell: usize, reference: &[f64; D]) -> Vec<f64> {
         let (mut value, mut slopes) = ([0.0; MAXIMUM_NODES], [[0.0; D]; MAXIMUM_NODES]);
-        self.space.cell_element(cell).evaluate(reference, &mut value, &mut slopes);
+        let element = self.space.cell_element(cell);
+        element.evaluate(reference, &mut value, &mut slopes);
         let (_, jacobian) = self.space.mesh().map(cell, reference);
-        let inverse = inverse(&jacobian).unwrap_or([[f64::NAN; D]; D]);
-        let mut result = vec![self.empty_sum(); self.space.components() * D];
+        let inverse = match element.is_in_space() {
+            // Functions of degree 1: their slopes are the same everywhere.
+            true => *CellInSpace::of(self.space.mesh(), cell).inverse(),
+            false => inverse(&jacobian).unwrap_or([[f64::NAN; D]; D]),
+        };
+        let mut result = vec![self.empty_sum(cell); self.space.components() * D];
         for (&node, slope) in self.space.cell_nodes(cell).iter().zip(&slopes) {
             let gradient: [f64; D] = std::array::from_fn(|j| (0..D).map(|k| slope[k] * inverse[k][j]).sum());
             for (sums, coefficient) in result.chunks_mut(D).zip(self.at_node(node as usize)) {
@@ -404,15 +420,17 @@ impl<const D: usize> Field<D> {
         result
     }
 
-    fn empty_sum(&self) -> f64 {
-        if self.space.facet_region().is_some() { f64::NAN } else { 0.0 }
+    fn empty_sum(&self, cell: usize) -> f64 {
+        if self.space.cell_nodes(cell).is_empty() { f64::NAN } else { 0.0 }
     }
 
     fn find(&self, point: &[f64; D]) -> Result<(usize, [f64; D]), FieldError> {
         if let Some(region) = self.space.facet_region() {
             return Err(FieldError::OnFacets { region: region.to_owned() });
         }
-        self.space.locator().find(point).ok_or_else(|| FieldError::Outside { point: point.to_vec() })
+        let found =
+            self.space.locator().find(point).filter(|(cell, _)| !self.space.cell_nodes(*cell).is_empty());
+        found.ok_or_else(|| FieldError::Outside { point: point.to_vec() })
     }
 }
 

@@ -7,9 +7,10 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use crate::element::Elements;
 use crate::field::Field;
 use crate::mesh::{Mesh, MeshError};
-use crate::space::{Family, Space, SpaceError};
+use crate::space::{Scope, Space, SpaceError};
 
 /// Relative difference up to which two distances between vertices of a cell count as equally long.
 const EQUALLY_LONG: f64 = 1e-12;
@@ -20,17 +21,17 @@ const EQUALLY_LONG: f64 = 1e-12;
 pub enum MovementError {
     /// The field lives on another space than the geometry.
     #[error(
-        "a mesh moves along a field on the space of its geometry, `Space::of_geometry`: continuous vectors of degree {degree}; this one has degree {found}, {components} components and lives {family}"
+        "a mesh moves along a field on the space of its geometry, `Space::of_geometry`: continuous vectors of degree {degree}; this one has {found} {scope} and {components} components"
     )]
     Space {
         /// Degree of the geometry.
         degree: usize,
-        /// Degree of the field.
-        found: usize,
+        /// Elements of the field.
+        found: Elements,
         /// Components of the field.
         components: usize,
-        /// Family of the field.
-        family: Family,
+        /// Scope of the field.
+        scope: Scope,
     },
     /// The other space has other nodes.
     #[error(
@@ -91,9 +92,9 @@ impl<const D: usize> Field<D> {
     /// # Errors
     /// [`MovementError::OtherNodes`] when the space is of another kind, or its mesh has other cells.
     pub fn carried_to(&self, space: &Arc<Space<D>>) -> Result<Self, MovementError> {
-        let same = space.degree() == self.space().degree()
+        let same = space.elements() == self.space().elements()
             && space.mesh().blocks() == self.space().mesh().blocks()
-            && space.family() == self.space().family()
+            && space.scope() == self.space().scope()
             && space.shape() == self.space().shape()
             && space.all_cell_nodes() == self.space().all_cell_nodes()
             && space.node_count() == self.space().node_count();
@@ -164,11 +165,14 @@ fn check<const D: usize>(field: &Field<D>) -> Result<(), MovementError> {
 
 fn check_space<const D: usize>(space: &Space<D>) -> Result<(), MovementError> {
     let degree = space.mesh().degree();
-    if space.degree() == degree && space.components() == D && *space.family() == Family::Continuous {
+    if *space.elements() == Elements::Lagrange(degree)
+        && space.components() == D
+        && *space.scope() == Scope::Nodes
+    {
         return Ok(());
     }
-    let (found, components, family) = (space.degree(), space.components(), space.family().clone());
-    Err(MovementError::Space { degree, found, components, family })
+    let (found, components, scope) = (space.elements().clone(), space.components(), space.scope().clone());
+    Err(MovementError::Space { degree, found, components, scope })
 }
 
 /// ∂h_T/∂x of the vertices of a cell, by local number.

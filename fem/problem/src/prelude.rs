@@ -9,6 +9,7 @@ pub use crate::contract::{
 };
 pub use crate::dimension::{Dim, Dimension};
 pub use crate::element::CellShape;
+pub use crate::element::Elements;
 pub use crate::field::Field;
 pub use crate::mesh::{Facet, Mesh, annulus, ball, cuboid, disc, half_disc, hollow_cylinder, rectangle};
 pub use crate::norms;
@@ -18,6 +19,6 @@ pub use crate::solve::{
     MultigridSolverOptions, NewtonError, NewtonOptions, NewtonStep, Problem, SolveError, Solved,
     TangentSolver, TangentSolverOptions,
 };
-pub use crate::space::{Family, Space};
+pub use crate::space::{Scope, Space};
 pub use crate::threads::Threads;
 pub use crate::{form, forms};

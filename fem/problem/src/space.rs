@@ -3,21 +3,25 @@
 mod cell_nodes;
 mod embedding;
 mod error;
-mod family;
+mod local_nodes;
+mod making;
 mod numbering;
 mod orientation;
+mod scope;
 
 use std::sync::{Arc, OnceLock};
 
 pub(crate) use self::cell_nodes::CellNodes;
 pub use self::error::SpaceError;
-pub use self::family::Family;
-use crate::element::{CellShape, Lagrange, MAXIMUM_DEGREE, PerShape};
+pub use self::local_nodes::Owner;
+pub(crate) use self::numbering::CellInSpace;
+pub use self::scope::Scope;
+use crate::element::{CellShape, Element, Elements, Lagrange, PerShape};
 use crate::instantiate::instantiate;
 use crate::locate::Locator;
 use crate::mesh::{CellLists, Facet, Mesh, MeshError};
 
-/// A Lagrange space with a number of components per node. Unknown number = node * components + component.
+/// A finite element space, elements times a scope, with a number of components per node. Unknown number = node * components + component.
 ///
 /// Nodes are numbered in the order in which the cells (or facets) first use them, those inside an edge or a face
 /// together (along an edge from the vertex of the lower number in the mesh to that of the higher), along the mesh's
@@ -26,7 +30,10 @@ use crate::mesh::{CellLists, Facet, Mesh, MeshError};
 pub struct Space<const D: usize> {
     pub(crate) mesh: Arc<Mesh<D>>,
     pub(crate) degree: usize,
-    pub(crate) family: Family,
+    pub(crate) elements: Elements,
+    /// The elements on the mesh's shapes.
+    pub(crate) on_shapes: Arc<PerShape<Element>>,
+    pub(crate) scope: Scope,
     /// `[]` scalar, `[D]` vector, `[D, D]` tensor, or any other.
     pub(crate) shape: Vec<usize>,
     /// Nodes of the space, cell after cell, in the order of the element's nodes; none on facets.
@@ -55,7 +62,7 @@ impl<const D: usize> Space<D> {
     /// # Errors
     /// [`SpaceError::Element`] unless the degree is 1 to 4; [`SpaceError::TooLarge`].
     pub fn scalar(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
-        Space::new(mesh, Family::Continuous, degree, &[])
+        Space::of(mesh, Elements::Lagrange(degree), Scope::Nodes, &[])
     }
 
     /// The continuous space of vectors with D components.
@@ -71,7 +78,7 @@ impl<const D: usize> Space<D> {
     /// # Errors
     /// As [`Space::scalar`].
     pub fn vector(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
-        Space::new(mesh, Family::Continuous, degree, &[D])
+        Space::of(mesh, Elements::Lagrange(degree), Scope::Nodes, &[D])
     }
 
     /// The continuous space of tensors with D × D components, row-major.
@@ -79,7 +86,7 @@ impl<const D: usize> Space<D> {
     /// # Errors
     /// As [`Space::scalar`].
     pub fn tensor(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
-        Space::new(mesh, Family::Continuous, degree, &[D, D])
+        Space::of(mesh, Elements::Lagrange(degree), Scope::Nodes, &[D, D])
     }
 
     /// The discontinuous scalar space of degree 0 (constant on each cell) to 4.
@@ -87,7 +94,7 @@ impl<const D: usize> Space<D> {
     /// # Errors
     /// [`SpaceError::Degree`], [`SpaceError::TooLarge`].
     pub fn discontinuous_scalar(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
-        Space::new(mesh, Family::Discontinuous, degree, &[])
+        Space::of(mesh, Elements::Lagrange(degree), Scope::Cell, &[])
     }
 
     /// The discontinuous space of vectors with D components.
@@ -95,7 +102,7 @@ impl<const D: usize> Space<D> {
     /// # Errors
     /// As [`Space::discontinuous_scalar`].
     pub fn discontinuous_vector(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
-        Space::new(mesh, Family::Discontinuous, degree, &[D])
+        Space::of(mesh, Elements::Lagrange(degree), Scope::Cell, &[D])
     }
 
     /// The discontinuous space of tensors with D × D components, row-major.
@@ -103,7 +110,7 @@ impl<const D: usize> Space<D> {
     /// # Errors
     /// As [`Space::discontinuous_scalar`].
     pub fn discontinuous_tensor(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
-        Space::new(mesh, Family::Discontinuous, degree, &[D, D])
+        Space::of(mesh, Elements::Lagrange(degree), Scope::Cell, &[D, D])
     }
 
     /// The scalar space on the facets of a region alone: continuous of degree 1 to 4, or constant on each
@@ -112,7 +119,7 @@ impl<const D: usize> Space<D> {
     /// # Errors
     /// [`SpaceError::Mesh`] for an unknown region, [`SpaceError::Degree`], [`SpaceError::TooLarge`].
     pub fn on_facets(mesh: &Arc<Mesh<D>>, region: &str, degree: usize) -> Result<Arc<Self>, SpaceError> {
-        Space::new(mesh, Family::OnFacets(region.to_owned()), degree, &[])
+        Space::of(mesh, Elements::Lagrange(degree), Scope::Facets(region.to_owned()), &[])
     }
 
     /// The space of vectors with D components on the facets of a region alone.
@@ -124,7 +131,7 @@ impl<const D: usize> Space<D> {
         region: &str,
         degree: usize,
     ) -> Result<Arc<Self>, SpaceError> {
-        Space::new(mesh, Family::OnFacets(region.to_owned()), degree, &[D])
+        Space::of(mesh, Elements::Lagrange(degree), Scope::Facets(region.to_owned()), &[D])
     }
 
     /// The scalar space on the facets of a region alone whose values jump between facets: of degree 0 (constant on each
@@ -146,7 +153,7 @@ impl<const D: usize> Space<D> {
         region: &str,
         degree: usize,
     ) -> Result<Arc<Self>, SpaceError> {
-        Space::new(mesh, Family::DiscontinuousOnFacets(region.to_owned()), degree, &[])
+        Space::of(mesh, Elements::Lagrange(degree), Scope::EachFacet(region.to_owned()), &[])
     }
 
     /// The space of vectors with D components on the facets of a region alone, whose values jump between facets.
@@ -158,61 +165,7 @@ impl<const D: usize> Space<D> {
         region: &str,
         degree: usize,
     ) -> Result<Arc<Self>, SpaceError> {
-        Space::new(mesh, Family::DiscontinuousOnFacets(region.to_owned()), degree, &[D])
-    }
-
-    /// A space of any family with values of any shape: `[]` scalar, `[3]` vectors of three components in any
-    /// dimension, `[2, 3]` matrices (row-major).
-    ///
-    /// # Errors
-    /// [`SpaceError`]: a degree that the family does not have, an unknown region, a shape without
-    /// components, too many unknowns.
-    #[inline(never)]
-    pub fn new(
-        mesh: &Arc<Mesh<D>>,
-        family: Family,
-        degree: usize,
-        shape: &[usize],
-    ) -> Result<Arc<Self>, SpaceError> {
-        if shape.contains(&0) {
-            return Err(SpaceError::Shape { shape: shape.to_vec() });
-        }
-        match family {
-            Family::Continuous => {
-                mesh.shapes().into_iter().try_for_each(|shape| Lagrange::new(shape, degree).map(|_| ()))?
-            }
-            _ if degree > MAXIMUM_DEGREE => return Err(SpaceError::Degree { family, degree }),
-            _ => {}
-        }
-        let lists = CellLists::new(mesh.blocks(), |shape| Lagrange { shape, degree }.nodes());
-        let (mut cell_nodes, mut facets) = (vec![], vec![]);
-        let positions = match &family {
-            Family::Continuous => {
-                cell_nodes = numbering::share_nodes(mesh, degree, &lists);
-                numbering::node_positions(mesh, degree, &lists, &cell_nodes)
-            }
-            Family::Discontinuous => {
-                let nodes = lists.length();
-                if u32::try_from(nodes).is_err() {
-                    return Err(SpaceError::TooLarge { unknowns: nodes });
-                }
-                cell_nodes = numbering::separate_nodes(mesh, &lists);
-                numbering::node_positions(mesh, degree, &lists, &cell_nodes)
-            }
-            Family::OnFacets(region) | Family::DiscontinuousOnFacets(region) => {
-                let entities = mesh.sides_of(region)?;
-                mesh.without_facet_parts_in(region, "a space on facets")?;
-                let (found, positions) = numbering::facet_nodes(mesh, &family, degree, &lists, &entities);
-                facets = found;
-                positions
-            }
-        };
-        let unknowns = positions.len() * shape.iter().product::<usize>();
-        if u32::try_from(unknowns).is_err() {
-            return Err(SpaceError::TooLarge { unknowns });
-        }
-        let (mesh, shape, locator) = (Arc::clone(mesh), shape.to_vec(), OnceLock::new());
-        Ok(Arc::new(Space { mesh, degree, family, shape, cell_nodes, lists, facets, positions, locator }))
+        Space::of(mesh, Elements::Lagrange(degree), Scope::EachFacet(region.to_owned()), &[D])
     }
 
     /// The scalar space on the same nodes.
@@ -221,7 +174,9 @@ impl<const D: usize> Space<D> {
         Arc::new(Space {
             mesh: Arc::clone(&self.mesh),
             degree: self.degree,
-            family: self.family.clone(),
+            elements: self.elements.clone(),
+            on_shapes: Arc::clone(&self.on_shapes),
+            scope: self.scope.clone(),
             shape: vec![],
             cell_nodes: self.cell_nodes.clone(),
             lists: self.lists.clone(),
@@ -240,29 +195,81 @@ impl<const D: usize> Space<D> {
     ///
     /// # Panics
     /// When the mesh has no such cell.
-    pub fn cell_element(&self, cell: usize) -> Lagrange {
+    pub fn cell_element(&self, cell: usize) -> &Element {
         self.element_of(self.mesh.cell_shape(cell))
     }
 
     /// The element on the cells of a shape.
-    pub(crate) fn element_of(&self, shape: CellShape) -> Lagrange {
-        Lagrange { shape, degree: self.degree }
+    pub(crate) fn element_of(&self, shape: CellShape) -> &Element {
+        &self.on_shapes[shape]
     }
 
-    /// The places of the nodes, and the cells that share them.
-    pub fn family(&self) -> &Family {
-        &self.family
+    /// The Lagrange element with the same functions on facets, by which contact pairs are displaced. Spaces without one are refused
+    /// before ([`Self::displaces`]).
+    pub(crate) fn traces_of(&self, shape: CellShape) -> Lagrange {
+        self.on_shapes[shape].traces().unwrap_or(Lagrange { shape, degree: self.degree })
+    }
+
+    /// The degree of its traces.
+    pub(crate) fn trace_degree(&self) -> usize {
+        let degree = |element: &Element| element.traces().map_or(self.degree, |traces| traces.degree);
+        self.on_shapes.values().map(degree).max().unwrap_or(0)
+    }
+
+    /// Whether a field on it can displace surfaces: it lives in all cells, and its traces are those of Lagrange elements.
+    pub(crate) fn displaces(&self) -> bool {
+        let known = self.on_shapes.values().all(|element| element.traces().is_some());
+        known && matches!(self.scope, Scope::Nodes | Scope::Cell)
+    }
+
+    /// The kind of its elements.
+    pub fn elements(&self) -> &Elements {
+        &self.elements
+    }
+
+    /// The cells or facets that share a coefficient.
+    pub fn scope(&self) -> &Scope {
+        &self.scope
     }
 
     /// The region of a space that lives on facets alone.
     pub fn facet_region(&self) -> Option<&str> {
-        match &self.family {
-            Family::OnFacets(region) | Family::DiscontinuousOnFacets(region) => Some(region),
-            Family::Continuous | Family::Discontinuous => None,
-        }
+        self.scope.facet_region()
     }
 
-    /// The polynomial degree.
+    /// Whether the values are constant on each cell, or on each facet.
+    pub(crate) fn is_constant(&self) -> bool {
+        self.elements == Elements::Lagrange(0)
+    }
+
+    /// Whether it has functions of its own in all cells, known from the reference cell: what can be drawn and projected.
+    pub(crate) fn is_on_all_cells(&self) -> bool {
+        matches!(self.scope, Scope::Nodes | Scope::Cell) && !self.on_shapes.values().any(Element::is_in_space)
+    }
+
+    /// Whether the values on a facet follow from those at the nodes on it.
+    pub(crate) fn has_traces(&self) -> bool {
+        self.on_shapes.values().all(Element::has_traces)
+    }
+
+    /// Values of a cell's functions at a reference point.
+    #[doc(hidden)]
+    pub fn basis_in(&self, cell: usize, reference: &[f64; D], value: &mut [f64]) {
+        let element = self.cell_element(cell);
+        if element.is_in_space() {
+            let (x, _) = self.mesh.map(cell, reference);
+            let place = CellInSpace::of(&self.mesh, cell).reference(&x);
+            return element.evaluate_values(&place, value);
+        }
+        element.evaluate_values(reference, value);
+    }
+
+    /// Whether it is a space of continuous Lagrange elements on all cells.
+    pub(crate) fn is_continuous_lagrange(&self) -> bool {
+        matches!(self.elements, Elements::Lagrange(_)) && self.scope == Scope::Nodes
+    }
+
+    /// The polynomial degree that estimates of quadrature degrees count: of bubbles their own.
     pub fn degree(&self) -> usize {
         self.degree
     }
@@ -318,7 +325,8 @@ impl<const D: usize> Space<D> {
     #[inline]
     pub(crate) fn nodes_of_cells(&self) -> CellNodes<'_> {
         let facets = self.facet_region().map(|_| self.facets.as_slice());
-        CellNodes { nodes: &self.cell_nodes, lists: &self.lists, facets, count: self.node_count() }
+        let on_some = matches!(self.scope, Scope::Within(..));
+        CellNodes { nodes: &self.cell_nodes, lists: &self.lists, facets, on_some, count: self.node_count() }
     }
 
     /// Whether the unknowns of both spaces have the same numbers and places.
@@ -327,8 +335,8 @@ impl<const D: usize> Space<D> {
     pub fn numbers_as(self: &Arc<Self>, other: &Arc<Self>) -> bool {
         Arc::ptr_eq(self, other)
             || (Arc::ptr_eq(&self.mesh, &other.mesh)
-                && self.degree == other.degree
-                && self.family == other.family
+                && self.elements == other.elements
+                && self.scope == other.scope
                 && self.components() == other.components())
     }
 
@@ -349,7 +357,8 @@ impl<const D: usize> Space<D> {
     }
 
     /// All nodes on a facet region (exterior or interior) or in a cell region, ascending. Nodes inside cells
-    /// are not on facets: of a discontinuous space of degree 0 no node is.
+    /// are not on facets: of a discontinuous space of degree 0 no node is. Those of Crouzeix and Raviart's elements are the facets'
+    /// centres, and do not determine the values on the rest of a facet.
     ///
     /// # Errors
     /// [`MeshError::UnknownRegion`], which lists the names that exist.
@@ -367,6 +376,7 @@ impl<const D: usize> Space<D> {
                 let of_entity = self.nodes_at(facet.cell, Some(facet.local));
                 match self.facet_region() {
                     Some(_) => nodes.extend_from_slice(of_entity),
+                    None if of_entity.is_empty() => {}
                     None => {
                         let local = &local[mesh.cell_shape(facet.cell as usize)][usize::from(facet.local)];
                         nodes.extend(local.iter().map(|&node| of_entity[node]));
@@ -392,7 +402,6 @@ impl<const D: usize> Space<D> {
 
 instantiate!(
     space:
-    Space::<D>::new,
     Space::<D>::scalar_nodes,
     Space::<D>::numbers_as,
     Space::<D>::nearest_node,

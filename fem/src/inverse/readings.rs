@@ -31,8 +31,8 @@ impl<const D: usize> Readings<D> {
         }
         let found = self.space.locator().find(point);
         let (cell, reference) = found.ok_or_else(|| FieldError::Outside { point: point.to_vec() })?;
-        let (mut values, mut slopes) = ([0.0; MAXIMUM_NODES], [[0.0; D]; MAXIMUM_NODES]);
-        self.space.cell_element(cell).evaluate(&reference, &mut values, &mut slopes);
+        let mut values = [0.0; MAXIMUM_NODES];
+        self.space.basis_in(cell, &reference, &mut values);
         let components = self.space.components();
         for component in 0..components {
             let nodes = self.space.cell_nodes(cell).iter().zip(values);

@@ -14,12 +14,13 @@ use thiserror::Error;
 use crate::assemble::{Assembler, AssemblyError};
 use crate::contract::Given;
 use crate::dimension::{Dim, Dimension};
+use crate::element::Elements;
 use crate::field::{Field, FieldError};
 use crate::forms;
 use crate::instantiate::instantiate;
 use crate::linear_algebra::{CsrMatrix, LinearAlgebraError, LuFactor, Transpose};
 use crate::mesh::{EVERYWHERE, Mesh, MeshError};
-use crate::space::{Family, Space, SpaceError};
+use crate::space::{Scope, Space, SpaceError};
 
 #[forms(crate = crate)]
 mod moments {
@@ -206,7 +207,10 @@ impl<'a, const D: usize> Before<'a, D> {
     fn new(density: &'a Field<D>, region: &'a str) -> Result<Self, RedistributionError> {
         let space = density.space();
         let mesh = space.mesh();
-        if *space.family() != Family::Discontinuous || space.degree() != 0 || space.components() != 1 {
+        if *space.scope() != Scope::Cell
+            || *space.elements() != Elements::Lagrange(0)
+            || space.components() != 1
+        {
             return Err(RedistributionError::NotPerCell);
         }
         let of_cell = |cell| density.values()[space.cell_nodes(cell)[0] as usize];

@@ -158,8 +158,7 @@ fn matching_meshes_give_the_matrix_of_interior_facets() {
         // A pair adds up over both own surfaces; an interior facet counts once.
         let touch = springs::Touch::on(Pairing::onto("below", "above"));
         let skeleton = skeleton::Skeleton::on("middle");
-        let [first, second] = [&halves, &whole]
-            .map(|mesh| Space::new(mesh, forms_fem::space::Family::Discontinuous, 2, &[]).unwrap());
+        let [first, second] = [&halves, &whole].map(|mesh| Space::discontinuous_scalar(mesh, 2).unwrap());
         let zero = [Field::zero(&first), Field::zero(&second)];
         let (pairs, facets) = (Assembler::new(&halves), Assembler::new(&whole));
         let glued = pairs.tangent(&springs::glue(&touch), &[&zero[0]], &[&first]).unwrap();
@@ -252,10 +251,8 @@ fn energies_functions_of_position_and_multipliers() {
     assert!((difference - square).abs() < 1e-9 * square, "{difference} {square}");
 
     // A multiplier on the own surface: the matrix holds ∫ l [v]·n_y, whose sum over all v is zero for constant v.
-    let (vectors, multipliers) = (
-        Space::vector(&mesh, 2).unwrap(),
-        Space::new(&mesh, forms_fem::space::Family::DiscontinuousOnFacets("below".into()), 1, &[]).unwrap(),
-    );
+    let (vectors, multipliers) =
+        (Space::vector(&mesh, 2).unwrap(), Space::discontinuous_on_facets(&mesh, "below", 1).unwrap());
     let form = springs::tied(&touch);
     let (u, l) = (irregular(&vectors, 1.0), irregular(&multipliers, 1.0));
     let residual = assembler.residual(&form, &[&u, &l], &[&vectors, &multipliers]).unwrap();

@@ -3,7 +3,6 @@
 
 use forms_fem::contract::{PairQuadrature, Projection};
 use forms_fem::prelude::*;
-use forms_fem::space::Family;
 
 use super::{cubes, squares};
 
@@ -62,7 +61,7 @@ macro_rules! patch {
         let (mesh, case) = (&$mesh, $case);
         let assembler = Assembler::new(mesh);
         let space = Space::vector(mesh, $degree).unwrap();
-        let constants = Space::new(mesh, Family::Discontinuous, 0, &[]).unwrap();
+        let constants = Space::discontinuous_scalar(mesh, 0).unwrap();
         let upper = mesh.cell_region("second").unwrap();
         let mut young = vec![YOUNG; constants.unknowns()];
         for cell in upper {

@@ -159,6 +159,11 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
         for side in 0..sides {
             self.buffers.sides[side].load(&self.tables[side], self.cells, start, filled);
         }
+        for side in 0..sides {
+            if !self.tables[side].affine {
+                self.buffers.sides[side].map_centre(&self.tables[side]);
+            }
+        }
         self.load_coefficients(requirements, start);
         self.factorise_fields(requirements);
         self.affine = None;

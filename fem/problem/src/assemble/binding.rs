@@ -17,6 +17,7 @@ use self::entities::Entities;
 use self::owned_cells::OwnedCells;
 use super::{Assembler, AssemblyError};
 use crate::contract::Function;
+use crate::element::{Element, Lagrange, PerShape};
 use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};
 use crate::instantiate::instantiate;
@@ -95,10 +96,20 @@ struct Found<const D: usize> {
 }
 
 /// An element that is tabulated, on cells of any shape or as its trace on facets.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub(super) struct Tabulated {
+    /// The elements on the mesh's shapes.
+    pub elements: Arc<PerShape<Element>>,
     pub degree: usize,
     pub on_facets: bool,
+}
+
+impl Tabulated {
+    /// A Lagrange element on cells.
+    pub fn lagrange(element: Lagrange) -> Self {
+        let elements = Arc::new([(element.shape, Element::Lagrange(element))].into_iter().collect());
+        Tabulated { elements, degree: element.degree, on_facets: false }
+    }
 }
 
 impl<'a, const D: usize> Binding<'a, D> {
@@ -263,7 +274,12 @@ impl<'a, const D: usize> Binding<'a, D> {
     /// The index of a space's element among those that are tabulated.
     #[inline(never)]
     pub fn element(&mut self, space: &Space<D>) -> usize {
-        self.tabulated(Tabulated { degree: space.degree, on_facets: space.facet_region().is_some() })
+        let elements = Arc::clone(&space.on_shapes);
+        self.tabulated(Tabulated {
+            elements,
+            degree: space.degree,
+            on_facets: space.facet_region().is_some(),
+        })
     }
 
     /// The index of an element among those that are tabulated.
@@ -378,7 +394,7 @@ impl<'a, const D: usize> Binding<'a, D> {
 
     fn displacement(&self, fields: &[usize]) -> Result<Displacement<'_, D>, PairError> {
         let view = |field: &usize| match self.values[*field] {
-            Values::Discrete { space, values, .. } if space.facet_region().is_none() => {
+            Values::Discrete { space, values, .. } if space.displaces() => {
                 Ok(DisplacementField { space, values })
             }
             _ => Err(PairError::NoDisplacement { field: self.fields[*field].name }),

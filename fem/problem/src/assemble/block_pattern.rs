@@ -27,7 +27,7 @@ use crate::field::FieldView;
 use crate::instantiate::instantiate;
 use crate::linear_algebra::large_pages::room;
 use crate::linear_algebra::{BlockSparsity, LinearAlgebraError, NodeSet, SparsityPattern};
-use crate::space::Space;
+use crate::space::{Scope, Space};
 use crate::threads::Threads;
 
 /// The positions of a matrix over the unknowns of several spaces in a row, with what is needed to find the blocks
@@ -276,7 +276,14 @@ impl<const D: usize> BlockPattern<D> {
             let (mut row_of_pairs, mut row_of_maps) = (Vec::new(), Vec::new());
             for (trial, Coupled { cells, mut across, nodes_across, others }) in trials.iter().zip(coupled) {
                 let order = test.mesh.cell_order();
-                let takes_part = |cell: &&u32| cells.get(**cell as usize).is_some_and(|found| *found);
+                let limited = [test, trial].map(|space| matches!(space.scope(), Scope::Within(..)));
+                let has_nodes = |cell: usize| {
+                    limited == [false; 2]
+                        || !(test.cell_nodes(cell).is_empty() || trial.cell_nodes(cell).is_empty())
+                };
+                let takes_part = |cell: &&u32| {
+                    cells.get(**cell as usize).is_some_and(|found| *found) && has_nodes(**cell as usize)
+                };
                 let walked: Vec<u32> = order.cells().iter().filter(takes_part).copied().collect();
                 let parts = test.mesh.by_shape(walked);
                 let (mut walk, mut starts, mut start) = (Vec::new(), Vec::new(), 0);

@@ -221,6 +221,10 @@ impl<const D: usize> Assembler<D> {
             let (place, region) = ("its cells".to_owned(), region.to_owned());
             return Err(AssemblyError::OffItsFacets { form, field: "the space", place, region });
         }
+        if !space.is_on_all_cells() {
+            let (elements, scope) = (space.elements().clone(), space.scope().clone());
+            return Err(AssemblyError::NoValuesOn { form, elements, scope });
+        }
         let facets = self.facets(form, Entity::Facets, region)?;
         let points = space.element_of(self.mesh.shape_of_facets()).facet_node_points();
         let rule = QuadratureRule { weights: vec![0.0; points.len()], points };

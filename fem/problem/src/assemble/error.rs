@@ -4,6 +4,9 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use crate::element::Elements;
+use crate::space::Scope;
+
 use crate::constraints::ConstraintsError;
 use crate::history::HistoryMismatch;
 use crate::linear_algebra::LinearAlgebraError;
@@ -297,6 +300,28 @@ pub enum AssemblyError {
         place: String,
         /// The facet region of the field's space.
         region: String,
+    },
+    /// A field where its space, which is limited to some cells, has no nodes.
+    #[error("form `{form}` needs `{field}` over {place}, but its space is one {scope}")]
+    OffItsCells {
+        /// The form or function.
+        form: &'static str,
+        /// The field's name in the form.
+        field: &'static str,
+        /// The place where it is integrated or evaluated.
+        place: String,
+        /// The scope of the field's space.
+        scope: Scope,
+    },
+    /// A space that cannot be projected or interpolated to.
+    #[error("`{form}` has no values on a space of {elements} {scope}")]
+    NoValuesOn {
+        /// The expression.
+        form: &'static str,
+        /// Elements of the space.
+        elements: Elements,
+        /// Scope of the space.
+        scope: Scope,
     },
     /// Second derivatives of a field that lives on facets.
     #[error(

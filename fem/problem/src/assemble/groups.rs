@@ -19,11 +19,11 @@ use super::AssemblyError;
 use super::binding::{Binding, Tabulated, notices};
 use crate::assemble::binding::entities::Entities;
 use crate::assemble::element_loops::sum_factorisation::ProductTables;
-use crate::element::{CellShape, Lagrange, Tables};
+use crate::element::{CellShape, Tables};
 use crate::instantiate::instantiate;
 use crate::mesh::{Facet, Mesh};
 use crate::quadrature::{Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_rule};
-use crate::space::Space;
+use crate::space::{Scope, Space};
 
 /// Entities with the same points in the reference cell.
 pub(super) struct Group<const D: usize> {
@@ -55,6 +55,8 @@ pub(super) struct GroupSide<const D: usize> {
     /// Second derivatives of the geometry map's basis along the facet's tangents, for the curvature:
     /// [t₀t₀, t₀t₁, t₁t₁] at `q * nodes + i`.
     pub bending: Vec<[f64; 3]>,
+    /// The geometry map's basis at the centre of the reference cell, where an element has functions of the position.
+    pub centre: Option<Tables<D>>,
     /// For |T| and |F|: a rule that is exact for the measure of every cell of the mesh.
     pub measure: Measure<D>,
 }
@@ -134,7 +136,9 @@ impl<const D: usize> Group<D> {
         space: &Space<D>,
         side: usize,
     ) -> Result<(), AssemblyError> {
-        let Some(region) = space.facet_region() else { return Ok(()) };
+        let Some(region) = space.facet_region() else {
+            return self.check_cells(form, field, space, side);
+        };
         let side = &self.sides[if self.pairs.is_some() { side } else { 0 }];
         let local = side.facet.map(|(local, _)| local);
         if side.cells.iter().all(|cell| !space.nodes_at(*cell, local).is_empty()) {
@@ -142,6 +146,26 @@ impl<const D: usize> Group<D> {
         }
         let (place, region) = (self.place.clone(), region.to_owned());
         Err(AssemblyError::OffItsFacets { form, field, place, region })
+    }
+}
+
+impl<const D: usize> Group<D> {
+    /// Checks that a space that is limited to some cells has nodes on all of a side.
+    fn check_cells(
+        &self,
+        form: &'static str,
+        field: &'static str,
+        space: &Space<D>,
+        side: usize,
+    ) -> Result<(), AssemblyError> {
+        let cells = &self.sides[side].cells;
+        let scope = space.scope();
+        if !matches!(scope, Scope::Within(..))
+            || cells.iter().all(|cell| !space.cell_nodes(*cell as usize).is_empty())
+        {
+            return Ok(());
+        }
+        Err(AssemblyError::OffItsCells { form, field, place: self.place.clone(), scope: scope.clone() })
     }
 }
 
@@ -193,6 +217,10 @@ impl<const D: usize> GroupSide<D> {
                 .collect(),
             products: elements.iter().map(|element| element.products(shape, places)).collect(),
             bending,
+            centre: elements
+                .iter()
+                .any(|element| element.elements[shape].is_in_space())
+                .then(|| geometry.tabulate(&[shape.centre()])),
             measure: Measure {
                 cell: geometry.tabulate(&rule.points),
                 cell_weights: rule.weights,
@@ -205,8 +233,8 @@ impl<const D: usize> GroupSide<D> {
 impl Tabulated {
     fn products<const D: usize>(&self, shape: CellShape, places: &Places<D>) -> Option<ProductTables> {
         let inside = places.facet.is_none() && !self.on_facets;
-        let element = Lagrange { shape, degree: self.degree };
-        if inside { ProductTables::new(&element, &places.points) } else { None }
+        let lagrange = self.elements[shape].as_lagrange().filter(|_| inside)?;
+        ProductTables::new(&lagrange, &places.points)
     }
 
     fn tabulate<const D: usize>(
@@ -216,20 +244,24 @@ impl Tabulated {
         facet: Option<u8>,
         hessians: bool,
     ) -> Tables<D> {
-        let element = Lagrange { shape, degree: self.degree };
+        let element = &self.elements[shape];
         let whole = if hessians { element.tabulate_with_hessians(points) } else { element.tabulate(points) };
-        if !self.on_facets || element.degree == 0 {
+        if !self.on_facets || self.degree == 0 {
             return whole;
         }
         // Only the nodes on the facet have traces that do not vanish.
         let kept = facet.map(|local| element.facet_nodes(usize::from(local))).unwrap_or_default();
         let entries = || (0..points.len()).flat_map(|q| kept.iter().map(move |i| q * whole.nodes + i));
-        Tables {
+        let traces = Tables {
             nodes: kept.len(),
             points: points.len(),
             value: entries().map(|entry| whole.value[entry]).collect(),
             gradient: entries().map(|entry| whole.gradient[entry]).collect(),
             hessian: if hessians { entries().map(|entry| whole.hessian[entry]).collect() } else { vec![] },
+        };
+        match element.dual_on_facets() {
+            Some(coefficients) => combined(&traces, &coefficients),
+            None => traces,
         }
     }
 }
@@ -320,6 +352,25 @@ fn facets_with<'a>(facets: &Entities<'a>, condition: &dyn Fn(&[Facet]) -> bool) 
             Entities::InteriorFacets(all.iter().filter(|sides| condition(&sides[..])).copied().collect())
         }
     }
+}
+
+/// Functions that are sums of a table's, with coefficients row after row. Facets' functions have no second derivatives.
+fn combined<const D: usize>(table: &Tables<D>, coefficients: &[f64]) -> Tables<D> {
+    let count = table.nodes;
+    let mut value = vec![0.0; table.value.len()];
+    let mut gradient = vec![[0.0; D]; table.gradient.len()];
+    for start in (0..table.points).map(|q| q * count) {
+        for i in 0..count {
+            for j in 0..count {
+                let factor = coefficients[i * count + j];
+                value[start + i] += factor * table.value[start + j];
+                for k in 0..D {
+                    gradient[start + i][k] += factor * table.gradient[start + j][k];
+                }
+            }
+        }
+    }
+    Tables { value, gradient, ..table.clone() }
 }
 
 /// Second derivatives along the tangents: t₀ᵀHt₀, t₀ᵀHt₁, t₁ᵀHt₁.

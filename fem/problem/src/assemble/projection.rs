@@ -88,6 +88,10 @@ impl<const D: usize> Assembler<D> {
             let (place, region) = ("all cells".to_owned(), region.to_owned());
             return Err(AssemblyError::OffItsFacets { form: known.name, field: "the space", place, region });
         }
+        if !space.is_on_all_cells() {
+            let (elements, scope) = (space.elements().clone(), space.scope().clone());
+            return Err(AssemblyError::NoValuesOn { form: known.name, elements, scope });
+        }
         let (systems, joined) = match self.project_by_cells(known, space)? {
             ControlFlow::Break(found) => return Ok(found),
             ControlFlow::Continue(left) => left,

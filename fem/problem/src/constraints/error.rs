@@ -2,8 +2,9 @@
 
 use thiserror::Error;
 
+use crate::element::Elements;
 use crate::mesh::{Facet, MeshError};
-use crate::space::Family;
+use crate::space::Scope;
 
 /// Errors of a condition. The constraints stay as they were.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -44,14 +45,17 @@ pub enum ConstraintsError {
         components: usize,
     },
     /// The region has no nodes of the space: nothing would be prescribed.
-    #[error("{place} has no nodes of the space, which has Lagrange elements of degree {degree} {family}")]
+    #[error("{place} has no nodes of the space, which has {elements} {scope}")]
     NoNodes {
         place: String,
-        /// Degree of the space.
-        degree: usize,
-        /// Family of the space.
-        family: Family,
+        /// Elements of the space.
+        elements: Elements,
+        /// Scope of the space.
+        scope: Scope,
     },
+    /// Coefficients that are no values.
+    #[error("{place}: the coefficients of dual elements are not values that can be prescribed")]
+    NotNodal { place: String },
     /// No node is near a point that is not finite.
     #[error("there is no node nearest to {point:?}")]
     NoNearest { point: Vec<f64> },
@@ -170,11 +174,13 @@ pub enum ConstraintsError {
         position: Vec<f64>,
         earlier: String,
     },
-    /// A space whose cells share no nodes.
-    #[error("hanging nodes are those of a continuous space; this one has Lagrange elements {family}")]
+    /// A space whose cells share no nodes, or whose traces are not those of Lagrange elements.
+    #[error("hanging nodes are those of continuous Lagrange elements; this space has {elements} {scope}")]
     NotContinuous {
-        /// Family of the space.
-        family: Family,
+        /// Elements of the space.
+        elements: Elements,
+        /// Scope of the space.
+        scope: Scope,
     },
     /// A coefficient or value of a sum is NaN or infinite.
     #[error("{name}: a coefficient or the value is not finite: {number}")]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{Constraints, ConstraintsError};
 use crate::instantiate::instantiate;
 use crate::mesh::{Facet, Mesh, MeshError};
-use crate::space::{Family, Space};
+use crate::space::{Scope, Space};
 
 /// Basis functions below this are zero except for rounding.
 const NOTHING: f64 = 1e-13;
@@ -54,8 +54,9 @@ impl<const D: usize> Constraints<D> {
     /// [`ConstraintsError::AlreadyGiven`] and [`ConstraintsError::Contradiction`] where earlier conditions say otherwise.
     #[inline(never)]
     pub fn join_hanging_nodes(&mut self) -> Result<(), ConstraintsError> {
-        if *self.space.family() != Family::Continuous {
-            return Err(ConstraintsError::NotContinuous { family: self.space.family().clone() });
+        if !self.space.is_continuous_lagrange() {
+            let (elements, scope) = (self.space.elements().clone(), self.space.scope().clone());
+            return Err(ConstraintsError::NotContinuous { elements, scope });
         }
         let mesh = self.space.mesh();
         let (all, bodies) = (mesh.hanging_facets()?, bodies(mesh));
@@ -83,7 +84,7 @@ impl<const D: usize> Constraints<D> {
     /// As [`Constraints::join_hanging_nodes`].
     #[doc(hidden)]
     pub fn joining(space: &Arc<Space<D>>) -> Result<Option<Self>, ConstraintsError> {
-        if *space.family() != Family::Continuous || space.mesh().facet_parts().next().is_none() {
+        if *space.scope() != Scope::Nodes || space.mesh().facet_parts().next().is_none() {
             return Ok(None);
         }
         let mut constraints = Constraints::new(space);

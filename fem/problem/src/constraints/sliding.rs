@@ -2,7 +2,7 @@
 
 use super::{Constraints, ConstraintsError};
 use crate::element::PerShape;
-use crate::space::Family;
+use crate::space::Scope;
 
 impl<const D: usize> Constraints<D> {
     /// Prescribed u · n on a region, with the normal n at each node as given (of any length but zero); tangential
@@ -39,9 +39,9 @@ impl<const D: usize> Constraints<D> {
         self.check_vectors(&place)?;
         let nodes = self.nodes_on(region, &place)?;
         let space = self.space.clone();
-        if *space.family() != Family::Continuous {
-            let (degree, family) = (space.degree(), space.family().clone());
-            return Err(ConstraintsError::NoNodes { place, degree, family });
+        if *space.scope() != Scope::Nodes {
+            let (elements, scope) = (space.elements().clone(), space.scope().clone());
+            return Err(ConstraintsError::NoNodes { place, elements, scope });
         }
         let mesh = space.mesh();
         let of_shape = |shape| (shape, space.element_of(shape).node_points::<D>());

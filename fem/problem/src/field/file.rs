@@ -26,6 +26,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use super::{Field, FieldError};
+use crate::element::Elements;
 use crate::instantiate::instantiate;
 use crate::output::write_whole;
 use crate::space::Space;
@@ -77,13 +78,21 @@ pub enum FieldFileError {
     },
 }
 
+/// The line of a space's elements: of Lagrange elements their degree.
+fn elements(elements: &Elements) -> String {
+    match elements {
+        Elements::Lagrange(degree) => format!("degree {degree}"),
+        other => other.to_string(),
+    }
+}
+
 /// The header of the fields of a space, line by line.
 fn header<const D: usize>(space: &Space<D>) -> [String; 7] {
     [
         "forms field 1".to_owned(),
         format!("dimension {D}"),
-        format!("family {}", space.family()),
-        format!("degree {}", space.degree()),
+        format!("family {}", space.scope()),
+        elements(space.elements()),
         format!("shape {:?}", space.shape()),
         format!("nodes {}", space.node_count()),
         format!("mesh {:016x}", space.mesh().checksum()),

@@ -70,7 +70,7 @@ impl<const D: usize> Field<D> {
             return Ok(());
         }
         let of = |space: &Space<D>| {
-            format!("degree {}, {} component(s) {}", space.degree(), space.components(), space.family())
+            format!("{}, {} component(s) {}", space.elements(), space.components(), space.scope())
         };
         let differ = match (of(one), of(two)) {
             (one, two) if one == two => "they lie on different meshes".to_owned(),

@@ -25,6 +25,9 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use crate::element::Elements;
+use crate::space::Scope;
+
 use super::{Field, FieldError};
 use crate::assemble::AssemblyError;
 use crate::space::{Space, SpaceError};
@@ -55,6 +58,14 @@ pub enum TransferError {
         /// The field or the space.
         which: &'static str,
         region: String,
+    },
+    /// One of the two is not known from the reference cell in all cells.
+    #[error("fields are not carried to or from spaces of {elements} {scope}, which {which} has")]
+    Scope {
+        /// The field or the space.
+        which: &'static str,
+        elements: Elements,
+        scope: Scope,
     },
     /// Values of different lengths.
     #[error("the field has {field} components, but the space has {space}")]
@@ -121,6 +132,10 @@ impl<const D: usize> Transfer<'_, D> {
         for (which, space) in [("the field", self.field.space()), ("the space", self.space)] {
             if let Some(region) = space.facet_region() {
                 return Err(TransferError::OnFacets { which, region: region.to_owned() });
+            }
+            if !space.is_on_all_cells() {
+                let (elements, scope) = (space.elements().clone(), space.scope().clone());
+                return Err(TransferError::Scope { which, elements, scope });
             }
         }
         let (field, space) = (self.field.space().components(), self.space.components());

@@ -35,9 +35,14 @@ fn values_at_cell_nodes<const D: usize>(mesh: &Mesh<D>, field: &Field<D>) -> Vec
         // The two elements number their nodes alike only if their degrees agree, and the space may number
         // its nodes in another way than the mesh: the field is evaluated cell by cell.
         let element = space.element_of(block.shape);
-        let tables = element.tabulate::<D>(&mesh.element_of(block.shape).node_points::<D>());
+        let points = mesh.element_of(block.shape).node_points::<D>();
+        let tables = element.tabulate::<D>(&points);
         for cell in block.cells.clone() {
             let unknowns = space.cell_nodes(cell);
+            if element.is_in_space() {
+                values.extend(points.iter().flat_map(|point| field.evaluate_in(cell, point)));
+                continue;
+            }
             for basis in tables.value.chunks(tables.nodes) {
                 for component in 0..components {
                     let terms = basis.iter().zip(unknowns);

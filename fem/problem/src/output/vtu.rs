@@ -12,7 +12,7 @@ use crate::field::Field;
 use crate::instantiate::instantiate;
 use crate::mesh::Mesh;
 use crate::mesh::vtk::kinds::nodes_in_order;
-use crate::space::Family;
+use crate::space::Scope;
 
 pub use error::VtuError;
 
@@ -58,19 +58,26 @@ impl<'a, const D: usize> VtuFile<'a, D> {
             return Err(VtuError::OtherMesh { name: name.into() });
         }
         let (space, components) = (field.space(), field.space().components());
-        match space.family() {
-            Family::OnFacets(region) | Family::DiscontinuousOnFacets(region) => {
+        let jumps = *space.scope() == Scope::Cell || !space.has_traces();
+        match space.scope() {
+            Scope::Facets(region) | Scope::EachFacet(region) => {
                 Err(VtuError::OnFacets { name: name.into(), region: region.clone() })
             }
-            Family::Discontinuous if space.degree() == 0 => self.cell_data(name, components, field.values()),
-            Family::Discontinuous => {
+            Scope::Cell if space.is_constant() => self.cell_data(name, components, field.values()),
+            Scope::Body | Scope::Within(..) => Err(VtuError::Scope {
+                name: name.into(),
+                elements: space.elements().clone(),
+                scope: space.scope().clone(),
+            }),
+            // Crouzeix and Raviart's elements are continuous in their nodes only.
+            Scope::Cell | Scope::Nodes if jumps => {
                 let values = super::values_at_cell_nodes(self.mesh, field);
                 let others = self.points.iter().chain(&self.corners);
                 let array = Array::new::<D>(name, components, &values, self.mesh.cells().len(), others)?;
                 self.corners.push(array);
                 Ok(self)
             }
-            Family::Continuous => {
+            Scope::Cell | Scope::Nodes => {
                 // Cells agree at the nodes that they share; nodes of no cell stay zero.
                 let of_cells = super::values_at_cell_nodes(self.mesh, field);
                 let mut values = vec![0.0; self.mesh.node_count() * components];

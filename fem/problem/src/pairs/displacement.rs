@@ -24,7 +24,7 @@ pub(super) struct CellDisplacement<const D: usize> {
 impl<const D: usize> Displacement<'_, D> {
     /// The highest degree of the fields.
     pub fn degree(&self) -> usize {
-        self.fields.iter().map(|field| field.space.degree).max().unwrap_or(0)
+        self.fields.iter().map(|field| field.space.trace_degree()).max().unwrap_or(0)
     }
 
     /// The displacement of the cell that owns a facet.
@@ -33,7 +33,7 @@ impl<const D: usize> Displacement<'_, D> {
         let part = |field: &DisplacementField<D>| {
             let nodes = field.space.nodes_at(facet.cell, Some(facet.local));
             let coefficients = nodes.iter().map(|node| field.value_at(*node)).collect();
-            (Lagrange { shape, degree: field.space.degree }, coefficients)
+            (field.space.traces_of(shape), coefficients)
         };
         CellDisplacement { parts: self.fields.iter().map(part).collect() }
     }

@@ -6,9 +6,9 @@ use super::displacement::Displacement;
 use super::frame::{dot, minus};
 use super::known::keep;
 use super::traces::{Coefficients, Traces, add_trace};
-use crate::element::Lagrange;
+use crate::element::Elements;
 use crate::mesh::{Facet, Mesh};
-use crate::space::{Family, Space};
+use crate::space::{Scope, Space};
 
 /// A facet of the undeformed mesh.
 #[derive(Clone, Debug)]
@@ -81,7 +81,7 @@ impl NodesOfFacets {
         let mut traces = Traces::default();
         let mut lists: Vec<Vec<u32>> = Vec::with_capacity(facets.len());
         for FacetAtRest { facet, origin, tangents, .. } in facets {
-            let element = Lagrange { shape: mesh.cell_shape(facet.cell as usize), degree: space.degree };
+            let element = space.traces_of(mesh.cell_shape(facet.cell as usize));
             let nodes = space.nodes_at(facet.cell, Some(facet.local));
             let trace = traces.of(element, usize::from(facet.local), origin, tangents);
             lists.push(trace.iter().map(|of_node| nodes[of_node.node]).collect());
@@ -111,8 +111,8 @@ pub(super) struct SurfacesAtRest<const D: usize> {
 #[derive(Debug)]
 struct NodesOfSpace {
     surface: String,
-    degree: usize,
-    family: Family,
+    elements: Elements,
+    scope: Scope,
     nodes: Arc<NodesOfFacets>,
 }
 
@@ -158,14 +158,14 @@ impl<const D: usize> SurfacesAtRest<D> {
     ) -> Arc<NodesOfFacets> {
         let mut known = self.nodes.lock().unwrap_or_else(PoisonError::into_inner);
         let is_this = |known: &&NodesOfSpace| {
-            known.degree == space.degree && known.family == space.family && known.surface == surface
+            known.elements == space.elements && known.scope == space.scope && known.surface == surface
         };
         if let Some(known) = known.iter().find(is_this) {
             return Arc::clone(&known.nodes);
         }
         let nodes = Arc::new(NodesOfFacets::new(space, mesh, facets));
-        let (degree, family, surface) = (space.degree, space.family.clone(), surface.to_owned());
-        let entry = NodesOfSpace { surface, degree, family, nodes: Arc::clone(&nodes) };
+        let (elements, scope) = (space.elements.clone(), space.scope.clone());
+        let entry = NodesOfSpace { surface: surface.to_owned(), elements, scope, nodes: Arc::clone(&nodes) };
         keep(&mut known, entry, REMEMBERED, |_| true);
         nodes
     }

@@ -3,7 +3,6 @@
 use super::PairError;
 use super::displacement::{Displacement, DisplacementField};
 use super::surface::{SurfaceFacet, dot, minus};
-use crate::element::Lagrange;
 use crate::mesh::{CarriedSurface, Facet, Mesh};
 use crate::threads::Threads;
 
@@ -34,7 +33,7 @@ impl<const D: usize> Affine<D> {
         field: &DisplacementField<D>,
     ) -> Result<Self, PairError> {
         let shape = mesh.cell_shape(carried.cell as usize);
-        let places = Lagrange { shape, degree: field.space.degree }.node_points::<D>();
+        let places = field.space.element_of(shape).node_points::<D>();
         let nodes = field.space.nodes_at(carried.cell, None);
         let at = |place: &dyn Fn(usize) -> f64| {
             let is_there = |x: &&[f64; D]| (0..D).all(|k| x[k] == place(k));

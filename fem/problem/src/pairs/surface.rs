@@ -116,7 +116,7 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         let mut polynomial = rest.polynomial.clone();
         let fields = displacement.map_or(&[][..], |displacement| &displacement.fields);
         for (field, nodes) in fields.iter().zip(&surface.nodes) {
-            let element = Lagrange { shape: mesh.cell_shape(cell as usize), degree: field.space.degree };
+            let element = field.space.traces_of(mesh.cell_shape(cell as usize));
             let trace = traces.of(element, local, &rest.origin, &rest.tangents);
             let nodes = nodes.of(index);
             add_trace(&mut polynomial, trace, |k| field.value_at(nodes[k]));

@@ -7,8 +7,9 @@ use forms_core::contract::Pairing;
 use super::known::{KEPT, keep};
 use super::surfaces::{names, nodes_on_surfaces};
 use super::{Displacement, PairError};
+use crate::element::Elements;
 use crate::mesh::Mesh;
-use crate::space::{Family, Space};
+use crate::space::{Scope, Space};
 
 /// The nodes of spaces on surfaces of one mesh that were looked up.
 #[derive(Debug, Default)]
@@ -17,8 +18,8 @@ pub(super) struct SurfaceNodes(Mutex<Vec<NodesOfSpace>>);
 #[derive(Debug)]
 struct NodesOfSpace {
     surfaces: Vec<String>,
-    degree: usize,
-    family: Family,
+    elements: Elements,
+    scope: Scope,
     nodes: Arc<[u32]>,
 }
 
@@ -32,15 +33,15 @@ impl SurfaceNodes {
         let surfaces = names(pairing);
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let is_this = |known: &&NodesOfSpace| {
-            known.degree == space.degree && known.family == space.family && known.surfaces == surfaces
+            known.elements == space.elements && known.scope == space.scope && known.surfaces == surfaces
         };
         if let Some(known) = known.iter().find(is_this) {
             return Ok(Arc::clone(&known.nodes));
         }
         let nodes: Arc<[u32]> = nodes_on_surfaces(mesh, pairing, space)?.into();
         let surfaces = surfaces.into_iter().map(str::to_owned).collect();
-        let (degree, family) = (space.degree, space.family.clone());
-        keep(&mut known, NodesOfSpace { surfaces, degree, family, nodes: Arc::clone(&nodes) }, KEPT, |_| {
+        let (elements, scope) = (space.elements.clone(), space.scope.clone());
+        keep(&mut known, NodesOfSpace { surfaces, elements, scope, nodes: Arc::clone(&nodes) }, KEPT, |_| {
             true
         });
         Ok(nodes)
@@ -59,7 +60,7 @@ impl SurfaceNodes {
         let mut values = Vec::new();
         for field in &displacement.fields {
             let nodes = self.of(mesh, pairing, field.space)?;
-            let discontinuous = f64::from(u8::from(field.space.family == Family::Discontinuous));
+            let discontinuous = f64::from(u8::from(field.space.scope == Scope::Cell));
             // At once: a list that grows looks at its room for each number.
             let mut of_field: Vec<[f64; D]> = Vec::with_capacity(nodes.len() + 1);
             of_field.extend(nodes.iter().map(|node| field.value_at(*node)));
@@ -69,7 +70,7 @@ impl SurfaceNodes {
             } else {
                 values.extend_from_slice(&of_field);
             }
-            values.extend([field.space.degree as f64, discontinuous]);
+            values.extend([field.space.trace_degree() as f64, discontinuous]);
         }
         Ok(values)
     }

@@ -8,7 +8,6 @@ use super::displacement::Displacement;
 use super::rest::SurfacesAtRest;
 use super::surface::SurfaceFacet;
 use super::{PairError, rigid};
-use crate::element::Lagrange;
 use crate::mesh::{Facet, Mesh};
 use crate::space::Space;
 use crate::threads::Threads;
@@ -95,7 +94,7 @@ pub(super) fn nodes_on_surfaces<const D: usize>(
             continue;
         }
         for facet in facets(mesh, name)? {
-            let element = Lagrange { shape: mesh.cell_shape(facet.cell as usize), degree: space.degree };
+            let element = space.traces_of(mesh.cell_shape(facet.cell as usize));
             let nodes = space.nodes_at(facet.cell, Some(facet.local));
             match element.degree {
                 // The one node of degree zero lies on no facet, and is read at all.

@@ -6,13 +6,14 @@ use std::sync::Arc;
 
 use super::linear_solver::SolverError;
 use crate::constraints::Constraints;
+use crate::element::Elements;
 use crate::linear_algebra::equations::Equations;
 use crate::linear_algebra::error::check_size;
 use crate::linear_algebra::vector::largest;
 use crate::linear_algebra::{
     BlockMatrix, BlockRows, BlockSparsity, CsrMatrix, LinearAlgebraError, NodeSet, rigid_motions,
 };
-use crate::space::{Family, Space, SpaceError};
+use crate::space::{Scope, Space, SpaceError};
 use transfers::{Given, coarse_level, transfer};
 
 /// Forces of a motion, relative to the sizes of their terms, that are rounding.
@@ -86,8 +87,9 @@ impl NodeBlocks {
             relations.map(|(unknown, relation)| (*unknown, relation.terms.clone())).collect();
         let mut nodes = fine.clone();
         let mut transfers = Vec::new();
-        while *space.family() == Family::Continuous && space.degree() > 1 {
-            let coarse = Space::new(space.mesh(), Family::Continuous, space.degree() / 2, space.shape())?;
+        while space.is_continuous_lagrange() && space.degree() > 1 {
+            let coarse = Elements::Lagrange(space.degree() / 2);
+            let coarse = Space::of(space.mesh(), coarse, Scope::Nodes, space.shape())?;
             let embedding = space.embedding(&coarse)?;
             let (coarse_nodes, coarse_given) = coarse_level(&nodes, &given, &embedding);
             let transfer = transfer(&nodes, (&coarse_nodes, &coarse_given), &embedding);

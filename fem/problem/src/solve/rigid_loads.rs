@@ -74,7 +74,7 @@ impl<const D: usize> RigidLoads<D> {
             name: name.to_owned(),
             existing: mesh.rigid_surface_names().map(str::to_owned).collect(),
         })?;
-        let on_cells = self.space.facet_region().is_none() && self.space.degree() > 0;
+        let on_cells = self.space.displaces() && self.space.degree() > 0;
         match on_cells && self.space.shape() == [D] {
             true => Ok(found),
             false => Err(RigidLoadError::Space { name: name.to_owned(), expected: D }),

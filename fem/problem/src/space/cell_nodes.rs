@@ -1,5 +1,6 @@
 //! The nodes of a space's cells and facets, which know no dimension: what adds to matrices is compiled once for all of them.
 
+use super::numbering::UNNUMBERED;
 use crate::mesh::{CellLists, Facet};
 
 /// The nodes of a space's cells and facets.
@@ -10,18 +11,21 @@ pub(crate) struct CellNodes<'a> {
     pub(super) lists: &'a CellLists,
     /// The nodes of the facets that a space on facets lives on, sorted by facet.
     pub(super) facets: Option<&'a [(Facet, Vec<u32>)]>,
+    /// Whether some cells have no nodes.
+    pub(super) on_some: bool,
     /// Number of nodes of the space.
     pub count: usize,
 }
 
 impl<'a> CellNodes<'a> {
-    /// Nodes of a cell, in the order of the element's nodes; none for a space on facets.
+    /// Nodes of a cell, in the order of the element's nodes; none for a space on facets, and outside the cells that a space is limited to.
     #[inline]
     pub fn of(self, cell: usize) -> &'a [u32] {
         if self.nodes.is_empty() {
             return &[];
         }
-        &self.nodes[self.lists.of(cell)]
+        let nodes = &self.nodes[self.lists.of(cell)];
+        if self.on_some && nodes.first() == Some(&UNNUMBERED) { &[] } else { nodes }
     }
 
     /// Nodes whose basis functions live on a cell seen from one of its facets (or from inside): the cell's,

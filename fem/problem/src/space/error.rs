@@ -2,8 +2,8 @@
 
 use thiserror::Error;
 
-use super::Family;
-use crate::element::ElementError;
+use super::Scope;
+use crate::element::{ElementError, Elements};
 use crate::mesh::MeshError;
 
 /// Errors of spaces.
@@ -13,13 +13,19 @@ pub enum SpaceError {
     /// No such element.
     #[error(transparent)]
     Element(#[from] ElementError),
-    /// No such element in a family that has degree 0.
-    #[error("there is no Lagrange element of degree {degree} {family}; the degrees are 0 to 4")]
+    /// No such element with a scope that has degree 0.
+    #[error("there is no Lagrange element of degree {degree} {scope}; the degrees are 0 to 4")]
     Degree {
-        /// The family asked for.
-        family: Family,
+        /// The scope asked for.
+        scope: Scope,
         degree: usize,
     },
+    /// Elements that cannot have a scope.
+    #[error("there is no space of {elements} {scope}: {reason}")]
+    Scope { elements: Elements, scope: Scope, reason: &'static str },
+    /// A scope limited to no cell at all.
+    #[error("a space {scope} would have no cell")]
+    Empty { scope: Scope },
     /// No such facet region.
     #[error(transparent)]
     Mesh(#[from] MeshError),

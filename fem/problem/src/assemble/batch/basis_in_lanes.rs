@@ -1,12 +1,15 @@
-//! Lagrange basis functions at points that differ from lane to lane, where tables at common points do not serve.
+//! Basis functions at points that differ from lane to lane, where tables at common points do not serve.
 
 // Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
 // loops over lane values are plain.
 #![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
+mod monomials;
+
 use forms_core::contract::Lane;
 
-use crate::element::{Lagrange, MAXIMUM_DEGREE, lattice};
+use self::monomials::Monomials;
+use crate::element::{Element, Lagrange, MAXIMUM_DEGREE, lattice};
 
 /// Value, slope and second derivative of one factor per number of steps.
 type Factors<L> = [[L; 3]; MAXIMUM_DEGREE + 1];
@@ -18,6 +21,8 @@ pub(crate) struct LaneElement {
     simplex: bool,
     /// Of each node: steps along λ₀ (none on quadrilaterals and hexahedra), then along each coordinate.
     steps: Vec<[u8; 4]>,
+    /// Of elements that are no Lagrange elements.
+    monomials: Option<Monomials>,
 }
 
 /// The basis at one point per lane.
@@ -38,7 +43,25 @@ impl<L, const D: usize> Default for LaneBasis<L, D> {
 
 impl LaneElement {
     /// All functions of an element, or those of some nodes.
-    pub(crate) fn new(element: &Lagrange, nodes: Option<&[usize]>) -> Self {
+    pub(crate) fn new(element: &Element, nodes: Option<&[usize]>) -> Self {
+        match element.as_table() {
+            Some(table) => {
+                let all: Vec<usize> = (0..element.nodes()).collect();
+                let mut monomials = Monomials::new(table, nodes.unwrap_or(&all));
+                if let (Some(coefficients), Some(_)) = (element.dual_on_facets(), nodes) {
+                    monomials.combine(&coefficients);
+                }
+                let monomials = Some(monomials);
+                LaneElement { degree: 0, simplex: false, steps: vec![], monomials }
+            }
+            None => Self::lagrange(element.as_lagrange().as_ref(), nodes),
+        }
+    }
+
+    fn lagrange(element: Option<&Lagrange>, nodes: Option<&[usize]>) -> Self {
+        let Some(element) = element else {
+            return LaneElement { degree: 0, simplex: false, steps: vec![], monomials: None };
+        };
         let simplex = element.shape.is_simplex();
         let steps_of = |node: &[u8; 3]| {
             let first = if simplex { element.degree as u8 - node.iter().sum::<u8>() } else { 0 };
@@ -52,7 +75,7 @@ impl LaneElement {
                 nodes.iter().map(|node| steps_of(&all[*node])).collect()
             }
         };
-        LaneElement { degree: element.degree, simplex, steps }
+        LaneElement { degree: element.degree, simplex, steps, monomials: None }
     }
 
     /// Derivatives at a point up to `ORDER`, two at most.
@@ -62,6 +85,9 @@ impl LaneElement {
         point: &[L; D],
         basis: &mut LaneBasis<L, D>,
     ) {
+        if let Some(monomials) = &self.monomials {
+            return monomials.evaluate::<L, ORDER, D>(point, basis);
+        }
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let mut factors = [[[one, zero, zero]; MAXIMUM_DEGREE + 1]; 4];
         if self.simplex {
@@ -183,7 +209,8 @@ mod tests {
         for degree in 0..=MAXIMUM_DEGREE {
             let element = Lagrange { shape, degree };
             let tables = element.tabulate_with_hessians(&[point]);
-            let (lanes, mut basis) = (LaneElement::new(&element, None), LaneBasis::default());
+            let (lanes, mut basis) =
+                (LaneElement::new(&Element::Lagrange(element), None), LaneBasis::default());
             lanes.evaluate::<f64, 2, D>(&point, &mut basis);
             assert_eq!(basis.value.len(), element.nodes());
             let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{shape:?} {degree}: {a} is not {b}");
@@ -198,7 +225,7 @@ mod tests {
             }
             if degree > 0 {
                 let facet = element.facet_nodes(1);
-                let on_facet = LaneElement::new(&element, Some(&facet));
+                let on_facet = LaneElement::new(&Element::Lagrange(element), Some(&facet));
                 on_facet.evaluate::<f64, 1, D>(&point, &mut basis);
                 assert!(basis.hessian.is_empty());
                 for (place, node) in facet.iter().enumerate() {

@@ -108,7 +108,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
     ) -> FacetPoint<L, D> {
         let zero = L::splat(0.0);
         let read = [requirements.position, requirements.opposite_position][side];
-        let placed = read || self.reads_functions(requirements);
+        let placed = read || self.reads_functions(requirements) || self.tables[side].group.centre.is_some();
         let reads = &self.buffers.reads[side];
         let PairBuffers { geometry, basis } = &mut self.buffers.pairs;
         let (tables, buffers) = (&self.tables[side], &mut self.buffers.sides[side]);
@@ -184,6 +184,10 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         for index in 0..reads.len() {
             let reads = reads[index];
             if !reads.value && !reads.gradient && !reads.hessian {
+                continue;
+            }
+            if buffers.is_in_space(tables, index) {
+                buffers.evaluate_in_space(tables, index, &position);
                 continue;
             }
             let order = if reads.hessian { 2 } else { usize::from(reads.gradient) };

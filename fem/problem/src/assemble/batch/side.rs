@@ -44,6 +44,8 @@ pub(super) struct SideBuffers<L, const D: usize> {
     pub jacobian: [[L; D]; D],
     pub determinant: L,
     pub inverse: [[L; D]; D],
+    /// The image of the reference cell's centre and J⁻ᵀ there, where an element has functions of the position.
+    pub centre: ([L; D], [[L; D]; D]),
 }
 
 impl<'a, const D: usize> SideTables<'a, D> {
@@ -63,6 +65,7 @@ impl<L: SimdLane, const D: usize> Default for SideBuffers<L, D> {
             jacobian: [[zero; D]; D],
             determinant: zero,
             inverse: [[zero; D]; D],
+            centre: ([zero; D], [[zero; D]; D]),
         }
     }
 }
@@ -123,6 +126,55 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
                 }
             }
         }
+    }
+
+    /// The map linearised at the centre, for functions of the position. On affine cells these are the same as in the tables.
+    #[inline(always)]
+    pub fn map_centre(&mut self, tables: &SideTables<D>) {
+        let Some(centre) = &tables.group.centre else { return };
+        let (_, inverse) = inverse_transposed(&self.jacobian_at(centre, 0));
+        let mut image = [L::splat(0.0); D];
+        for node in 0..self.nodes.len() {
+            for axis in 0..D {
+                image[axis] = self.nodes[node][axis].multiply_add(L::splat(centre.value[node]), image[axis]);
+            }
+        }
+        self.centre = (image, inverse);
+    }
+
+    /// Functions that are linear in space: their slopes along the axes of the linearised map are those of the reference cell, and all
+    /// have the same value at its centre.
+    #[inline(always)]
+    pub fn evaluate_in_space(&mut self, tables: &SideTables<D>, index: usize, position: &[L; D]) {
+        let (image, inverse) = &self.centre;
+        let mut offset = [L::splat(0.0); D];
+        for j in 0..D {
+            for i in 0..D {
+                offset[j] = inverse[i][j].multiply_add(position[i] - image[i], offset[j]);
+            }
+        }
+        let nodes = tables.group.elements[index].nodes;
+        for node in 0..nodes {
+            let slopes = &tables.group.elements[index].gradient[node];
+            let mut value = L::splat(1.0 / nodes as f64);
+            let mut gradient = [L::splat(0.0); D];
+            for j in 0..D {
+                value = offset[j].multiply_add(L::splat(slopes[j]), value);
+                for i in 0..D {
+                    gradient[i] = inverse[i][j].multiply_add(L::splat(slopes[j]), gradient[i]);
+                }
+            }
+            self.basis[index][node] = Basis { value, gradient };
+            self.hessians[index][node] = [[L::splat(0.0); D]; D];
+        }
+    }
+
+    /// Whether an element's functions are not those of its tables.
+    #[inline(always)]
+    pub fn is_in_space(&self, tables: &SideTables<D>, index: usize) -> bool {
+        !tables.affine
+            && tables.group.centre.is_some()
+            && tables.elements[index].elements[tables.group.shape].is_in_space()
     }
 
     /// Jacobian, determinant and inverse of affine cells.
@@ -209,6 +261,10 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
         inverse: &[[L; D]; D],
         normal: &[L; D],
     ) {
+        if self.is_in_space(tables, index) {
+            let position = self.position(tables, q);
+            return self.evaluate_in_space(tables, index, &position);
+        }
         let table = &tables.group.elements[index];
         let nodes = table.nodes;
         let values = &table.value[q * nodes..][..nodes];

@@ -183,7 +183,7 @@ impl<const D: usize> ElementKernel<D> {
         notices::check_instructions(name, InstructionSet::best())?;
         notices::tell(name, form.inputs());
         let mut binding = Binding::empty(name, form.fields(), &form.inputs().regions, &tables.reference);
-        binding.tabulated(Tabulated { degree: tables.layout.element.degree, on_facets: false });
+        binding.tabulated(Tabulated::lagrange(tables.layout.element));
         let listed: Option<Vec<_>> = tables.listed(form, &mut binding).into_iter().collect();
         let elements = binding.elements.to_vec();
         tables.known = listed.map(|listed| (listed, elements));

@@ -35,7 +35,7 @@ impl<const D: usize> ElementTables<D> {
             let source = !matches!(field.role, Role::Unknown(_) | Role::Test(_) | Role::Direction(_));
             match listed {
                 Some(listed) => {
-                    let element = Tabulated { degree: listed.element.degree, on_facets: false };
+                    let element = Tabulated::lagrange(listed.element);
                     let element = binding.tabulated(element);
                     Some(Values::Given { element, offsets: listed.offsets.as_slice().into() })
                 }
@@ -54,7 +54,7 @@ impl<const D: usize> ElementTables<D> {
             return Ok(binding);
         }
         // The arguments' element is the first one.
-        binding.tabulated(Tabulated { degree: self.layout.element.degree, on_facets: false });
+        binding.tabulated(Tabulated::lagrange(self.layout.element));
         let mut values = Vec::with_capacity(form.fields().len());
         let listed = self.listed(form, &mut binding);
         for ((field, listed), source) in form.fields().iter().zip(listed).zip(&inputs.sources) {

@@ -10,7 +10,7 @@ use super::{Group, GroupSide, Places};
 use crate::assemble::batch::basis_in_lanes::LaneElement;
 use crate::assemble::binding::{Binding, pair_error};
 use crate::assemble::{Assembler, AssemblyError};
-use crate::element::{CellShape, Lagrange};
+use crate::element::{CellShape, Element};
 use crate::field::{Field, FieldView};
 use crate::instantiate::instantiate;
 use crate::pairs::{
@@ -97,14 +97,15 @@ pub(in crate::assemble) fn groups_of<const D: usize>(
         }
         let elements = group.sides.map(|(shape, local)| {
             let in_lanes = |element: &crate::assemble::binding::Tabulated| {
-                let lagrange = Lagrange { shape, degree: element.degree };
-                let kept = lagrange.facet_nodes(usize::from(local));
+                let own = &element.elements[shape];
+                let kept = own.facet_nodes(usize::from(local));
                 let kept = (element.on_facets && element.degree > 0).then_some(&kept[..]);
-                LaneElement::new(&lagrange, kept)
+                LaneElement::new(own, kept)
             };
             binding.elements.iter().map(in_lanes).collect()
         });
-        let geometry = group.sides.map(|(shape, _)| LaneElement::new(&mesh.element_of(shape), None));
+        let geometry =
+            group.sides.map(|(shape, _)| LaneElement::new(&Element::Lagrange(mesh.element_of(shape)), None));
         let weights = vec![0.0; group.count];
         let tables = PairTables { group, geometry, elements };
         groups.push(Group { place: place.to_owned(), sides, weights, pairs: Some(tables) });
@@ -167,10 +168,7 @@ impl<const D: usize> Assembler<D> {
 
     pub(in crate::assemble) fn check_displacement(&self, displacement: &Field<D>) -> Result<(), PairError> {
         let space = displacement.space();
-        match space.facet_region().is_none()
-            && space.components() == D
-            && Arc::ptr_eq(space.mesh(), &self.mesh)
-        {
+        match space.displaces() && space.components() == D && Arc::ptr_eq(space.mesh(), &self.mesh) {
             true => Ok(()),
             false => Err(PairError::NoDisplacement { field: "displacement" }),
         }

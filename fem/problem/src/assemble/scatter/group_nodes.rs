@@ -6,7 +6,7 @@ use forms_core::contract::Requirements;
 
 use super::partition::Partition;
 use crate::assemble::groups::{Group, GroupSide};
-use crate::element::{CellShape, Lagrange};
+use crate::element::CellShape;
 use crate::instantiate::instantiate;
 use crate::mesh::Facet;
 use crate::space::{CellNodes, Space};
@@ -94,10 +94,11 @@ pub(in crate::assemble) fn seen_places<const D: usize>(
     let pairs = group.pairs.as_ref()?;
     let rigid = side == 1 && !pairs.group.rigid_normals.is_empty();
     let (shape, (local, _)) = (group.sides[side].shape, group.sides[side].facet?);
-    if rigid || reading == Reading::Derivatives || space.facet_region().is_some() || space.degree == 0 {
+    if rigid || reading == Reading::Derivatives || space.facet_region().is_some() {
         return None;
     }
-    Some(Lagrange { shape, degree: space.degree }.facet_nodes(usize::from(local)))
+    let seen = space.element_of(shape).seen(usize::from(local));
+    (seen.len() < space.element_of(shape).nodes()).then_some(seen)
 }
 
 /// The nodes of a space that a kernel sees at some facets of contact pairs, one list per facet.
@@ -114,7 +115,7 @@ impl SeenAtFacets {
         reading: Reading,
     ) -> Self {
         let mesh = &space.mesh;
-        let whole = reading == Reading::Derivatives || space.facet_region().is_some() || space.degree == 0;
+        let whole = reading == Reading::Derivatives || space.facet_region().is_some();
         let mut known: HashMap<(CellShape, u8), Vec<usize>> = HashMap::new();
         let mut seen = SeenAtFacets { starts: vec![0], nodes: vec![] };
         for facet in facets {
@@ -123,9 +124,9 @@ impl SeenAtFacets {
                 seen.nodes.extend(nodes);
             } else {
                 let shape = mesh.cell_shape(facet.cell as usize);
-                let places = known.entry((shape, facet.local)).or_insert_with(|| {
-                    Lagrange { shape, degree: space.degree }.facet_nodes(usize::from(facet.local))
-                });
+                let places = known
+                    .entry((shape, facet.local))
+                    .or_insert_with(|| space.element_of(shape).seen(usize::from(facet.local)));
                 seen.nodes.extend(places.iter().map(|place| nodes[*place]));
             }
             seen.starts.push(seen.nodes.len());

@@ -7,7 +7,7 @@ use super::{Transfer, TransferError};
 use crate::assemble::AssemblyError;
 use crate::field::Field;
 use crate::instantiate::instantiate;
-use crate::space::Family;
+use crate::space::Scope;
 
 /// Nodes are looked up from a point so far towards the centre of their cell, in parts of the way: far enough for a point to
 /// lie in one cell of a mesh whose edges go through the node, near enough not to leave it.
@@ -35,7 +35,7 @@ impl<const D: usize> Transfer<'_, D> {
                 sources[node as usize].get_or_insert(cell as u32);
             }
         }
-        let jumps = *space.family() == Family::Discontinuous;
+        let jumps = *space.scope().sharing() == Scope::Cell;
         let locator = self.field.space().locator();
         let components = space.components();
         let parts = in_parts(self.threads, sources.len(), |range| {

@@ -212,6 +212,7 @@ impl<'a> FieldMap<'a> {
                     let (name, region) = (self.label.clone(), region.into());
                     return Err(PictureError::OnFacets { name, region });
                 }
+                check_scope(field, &self.label)?;
                 let components = field.space().components();
                 if let Shown::Component(k) = *shown
                     && k >= components
@@ -278,6 +279,7 @@ impl<'a> FieldMap<'a> {
         if let Some(region) = field.space().facet_region() {
             return Err(PictureError::OnFacets { name: name.into(), region: region.into() });
         }
+        check_scope(field, name)?;
         let components = field.space().components();
         if components != 2 {
             return Err(PictureError::Length { name: name.into(), expected: 2, found: components });
@@ -376,5 +378,17 @@ impl Picture for FieldMap<'_> {
         }
         layout.finish(&mut drawing, &frame);
         Ok(drawing)
+    }
+}
+
+/// Fields are drawn by the functions of the reference cell, which all cells have.
+fn check_scope(field: &Field<2>, name: &str) -> Result<(), PictureError> {
+    let space = field.space();
+    match space.is_on_all_cells() {
+        true => Ok(()),
+        false => {
+            let space = format!("{} {}", space.elements(), space.scope());
+            Err(PictureError::Space { name: name.into(), space })
+        }
     }
 }

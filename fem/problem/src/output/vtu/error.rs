@@ -2,6 +2,9 @@
 
 use thiserror::Error;
 
+use crate::element::Elements;
+use crate::space::Scope;
+
 /// Errors of writing a `.vtu` file.
 #[derive(Debug, Error)]
 #[allow(missing_docs)]
@@ -45,6 +48,9 @@ pub enum VtuError {
         /// The facet region of its space.
         region: String,
     },
+    /// A field that is not known in all cells.
+    #[error("\"{name}\" has {elements} {scope}, which .vtu files have no place for")]
+    Scope { name: String, elements: Elements, scope: Scope },
     /// A field on another mesh.
     #[error("the field \"{name}\" lives on another mesh")]
     OtherMesh {

@@ -104,7 +104,7 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
 }
 
 fn add_space<const D: usize>(all: Fingerprint, space: &Arc<Space<D>>) -> Fingerprint {
-    all.text(&format!("{:?} {:?} {:?}", space.family(), space.facet_region(), space.shape()))
+    all.text(&format!("{:?} {:?} {:?}", space.scope(), space.elements(), space.shape()))
         .numbers([space.degree() as u64, space.node_count() as u64])
 }
 

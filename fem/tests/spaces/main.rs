@@ -1,0 +1,13 @@
+//! Elements times scopes: what each space holds, its orders, stable pairs, locking, refusals.
+
+mod bodies;
+mod crouzeix_raviart;
+mod dual;
+mod incomplete_cells;
+mod inf_sup;
+mod linear_in_space;
+mod locking;
+mod mini;
+mod own;
+mod serendipity;
+mod shared;
