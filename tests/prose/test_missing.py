@@ -17,7 +17,7 @@ BUILTINS = "forms-macro/compiler/src/check/builtins.rs"
 CLAIMS = [
     ("docs/operators.md", "degrees above 4", "fem/mesh/src/element/lagrange.rs", r"the degrees are 1 to 4", "needs"),
     ("docs/operators.md", "prisms and pyramids", "fem/mesh/src/element/shape.rs", r"\b(?:Prism|Pyramid|Wedge)\b", "refutes"),
-    ("docs/operators.md", "H(div) and H(curl) elements", "fem/problem/src/space/family.rs", r"(?i)raviart|n[eé]d[eé]lec|h_?div|h_?curl", "refutes"),
+    ("docs/operators.md", "H(div) and H(curl) elements", "fem/mesh/src/element/families.rs", r"(?i)thomas|n[eé]d[eé]lec|h_?div|h_?curl|piola", "refutes"),
     ("docs/operators.md", "complex numbers", "forms-macro/compiler/src/check/*.rs", r"\bComplex\b", "refutes"),
     ("docs/operators.md", "Bessel functions", BUILTINS, r"(?i)bessel", "refutes"),
     ("docs/operators.md", "`Assembler::action`", "fem/problem/src/assemble/action.rs", r"pub fn action", "needs"),

@@ -402,6 +402,7 @@ impl<const D: usize> Space<D> {
 
 instantiate!(
     space:
+    Space::<D>::of,
     Space::<D>::scalar_nodes,
     Space::<D>::numbers_as,
     Space::<D>::nearest_node,

@@ -9,5 +9,6 @@ mod linear_in_space;
 mod locking;
 mod mini;
 mod own;
+mod pairs;
 mod serendipity;
 mod shared;

@@ -317,7 +317,8 @@ fn inverse(mut matrix: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
     for column in 0..count {
         let size = |row: &usize| matrix[*row][column].abs();
         let pivot = (column..count).max_by(|a, b| size(a).total_cmp(&size(b)))?;
-        if !(matrix[pivot][column].abs() > ROUNDING) {
+        let largest = matrix[pivot][column].abs();
+        if largest.is_nan() || largest <= ROUNDING {
             return None;
         }
         matrix.swap(column, pivot);

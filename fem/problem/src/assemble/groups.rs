@@ -364,9 +364,8 @@ fn combined<const D: usize>(table: &Tables<D>, coefficients: &[f64]) -> Tables<D
             for j in 0..count {
                 let factor = coefficients[i * count + j];
                 value[start + i] += factor * table.value[start + j];
-                for k in 0..D {
-                    gradient[start + i][k] += factor * table.gradient[start + j][k];
-                }
+                let target = gradient[start + i].iter_mut();
+                target.zip(table.gradient[start + j]).for_each(|(sum, slope)| *sum += factor * slope);
             }
         }
     }

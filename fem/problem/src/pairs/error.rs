@@ -114,7 +114,9 @@ pub enum PairError {
     #[error("the region says no surfaces; give a `Pairing` (`at_pairs` evaluates derived fields there)")]
     NoPairing,
     /// Something else than a field on a space of cells as a displacement of surfaces.
-    #[error("`{field}` displaces surfaces and must be a field on a space of cells")]
+    #[error(
+        "`{field}` displaces surfaces and must be a field on a space of cells with the traces of Lagrange elements"
+    )]
     NoDisplacement {
         /// Its name in the form.
         field: &'static str,

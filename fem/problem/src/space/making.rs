@@ -5,7 +5,6 @@ use std::sync::{Arc, OnceLock};
 use super::numbering::{self, Sharing};
 use super::{Scope, Space, SpaceError};
 use crate::element::{Element, Elements, Lagrange, MAXIMUM_DEGREE, PerShape};
-use crate::instantiate::instantiate;
 use crate::mesh::{CellLists, INTERIOR, Mesh};
 
 impl<const D: usize> Space<D> {
@@ -171,5 +170,3 @@ fn check_scope<const D: usize>(
         _ => Ok(()),
     }
 }
-
-instantiate!(making: Space::<D>::of);

@@ -30,7 +30,7 @@ impl Monomials {
         }
     }
 
-    /// Replaces the functions by sums of them, with coefficients row after row.
+    /// Sums of the functions in their place, with coefficients row after row.
     pub fn combine(&mut self, rows: &[f64]) {
         let (count, old) = (self.exponents.len(), self.coefficients.clone());
         for (i, row) in rows.chunks(self.functions).enumerate() {
