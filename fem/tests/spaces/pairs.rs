@@ -14,8 +14,11 @@ mod touch {
     pub struct Touch;
 
     pub fn defect(p: State<Scalar>) -> Functional {
-        let own = this(p) - dot(slope, x);
-        integral(Touch, sqr(own) + sqr(jump(p)) + dot(jump(grad(p)), jump(grad(p))))
+        let own = this(p) - dot(this(slope), x);
+        integral(
+            Touch,
+            sqr(own) + sqr(jump(p) + gap * dot(this(slope), toward)) + dot(jump(grad(p)), jump(grad(p))),
+        )
     }
     pub fn square(u: State<Scalar>) -> Functional {
         integral(Touch, sqr(jump(u)))
@@ -83,14 +86,17 @@ fn both_sides_have_the_elements_functions() -> Outcome {
     for (shape, degree) in
         [(CellShape::Triangle, 1), (CellShape::Quadrilateral, 1), (CellShape::Quadrilateral, 2)]
     {
-        let mesh = blocks(shape, degree, 0.0);
+        let mesh = blocks(shape, degree, 0.25);
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
         for (elements, scope) in kinds(shape) {
             let space = Space::of(&mesh, elements.clone(), scope, &[])?;
             let data = touch::Data { slope: [1.3, -0.6].into() };
             let linear = Field::interpolate(&space, |x| 1.3 * x[0] - 0.6 * x[1])?;
-            let defect = assembler.functional(&touch::defect(&data, &region(), &linear))?;
-            assert!(defect.abs() < 1e-20, "{elements}: {defect:e}");
+            // Cells of 9 nodes have a map that serendipity elements do not hold.
+            if !(elements == Elements::Serendipity && degree == 2) {
+                let defect = assembler.functional(&touch::defect(&data, &region(), &linear))?;
+                assert!(defect.abs() < 1e-20, "{elements}: {defect:e}");
+            }
             let rough = Field::from_values(&space, noise(space.unknowns()))?;
             for (form, functional) in [
                 (touch::glued(&data, &region()), touch::square(&data, &region(), &rough)),

@@ -92,7 +92,7 @@ impl Element {
         }
     }
 
-    /// Its name, for messages.
+    /// Name of the element, for messages.
     pub fn name(&self) -> &str {
         match self {
             Element::Lagrange(_) => "Lagrange",
@@ -221,7 +221,7 @@ impl Element {
         }
     }
 
-    /// Of dual functions, their coefficients in the functions of the nodes on a facet, row after row.
+    /// Coefficients of dual functions in the functions of the nodes on a facet, row after row.
     #[doc(hidden)]
     pub fn dual_on_facets(&self) -> Option<Vec<f64>> {
         let Element::Table(table) = self else { return None };

@@ -25,8 +25,8 @@ pub enum Elements {
     CrouzeixRaviart,
     /// The serendipity element of degree 2: 8 nodes on quadrilaterals, 20 on hexahedra; on simplices the Lagrange element of degree 2.
     ///
-    /// On cells with an affine map it holds all polynomials of degree 2, on others those of degree 1. Only the Lagrange element of degree
-    /// 2 keeps its order on cells that stay distorted under refinement.
+    /// On cells with an affine map it holds all polynomials of degree 2, on straight ones and on those of 8 or 20 nodes those of degree
+    /// 1. Only the Lagrange element of degree 2 keeps its order on cells that stay distorted under refinement.
     Serendipity,
     /// Polynomials of degree 1 of the position, not of the reference coordinates: P₋₁, the pressure of the Q2/P₋₁ element. Its D + 1
     /// nodes are those of a simplex around the centre, mapped by the cell's map linearised there. For scopes of one cell.
