@@ -121,6 +121,11 @@ pub enum FieldError {
         /// The facet region of its space.
         region: String,
     },
+    /// The field is known at the points of a rule only.
+    #[error(
+        "the field is known at the points of its rule only: integrate it, or `project` a function that reads it"
+    )]
+    AtPoints,
     /// The point is in no cell of the space.
     #[error("the point {point:?} lies outside the mesh")]
     Outside { point: Vec<f64> },
@@ -427,6 +432,9 @@ impl<const D: usize> Field<D> {
     fn find(&self, point: &[f64; D]) -> Result<(usize, [f64; D]), FieldError> {
         if let Some(region) = self.space.facet_region() {
             return Err(FieldError::OnFacets { region: region.to_owned() });
+        }
+        if *self.space.scope().sharing() == Scope::Point {
+            return Err(FieldError::AtPoints);
         }
         let found =
             self.space.locator().find(point).filter(|(cell, _)| !self.space.cell_nodes(*cell).is_empty());

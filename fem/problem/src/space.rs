@@ -34,6 +34,9 @@ pub struct Space<const D: usize> {
     /// The elements on the mesh's shapes.
     pub(crate) on_shapes: Arc<PerShape<Element>>,
     pub(crate) scope: Scope,
+    /// Whether it lives on facets, and whether on some cells only: asked for each cell.
+    on_facets: bool,
+    on_some_cells: bool,
     /// `[]` scalar, `[D]` vector, `[D, D]` tensor, or any other.
     pub(crate) shape: Vec<usize>,
     /// Nodes of the space, cell after cell, in the order of the element's nodes; none on facets.
@@ -177,6 +180,8 @@ impl<const D: usize> Space<D> {
             elements: self.elements.clone(),
             on_shapes: Arc::clone(&self.on_shapes),
             scope: self.scope.clone(),
+            on_facets: self.on_facets,
+            on_some_cells: self.on_some_cells,
             shape: vec![],
             cell_nodes: self.cell_nodes.clone(),
             lists: self.lists.clone(),
@@ -324,9 +329,9 @@ impl<const D: usize> Space<D> {
     /// The nodes of its cells and facets.
     #[inline]
     pub(crate) fn nodes_of_cells(&self) -> CellNodes<'_> {
-        let facets = self.facet_region().map(|_| self.facets.as_slice());
-        let on_some = matches!(self.scope, Scope::Within(..));
-        CellNodes { nodes: &self.cell_nodes, lists: &self.lists, facets, on_some, count: self.node_count() }
+        let facets = self.on_facets.then_some(self.facets.as_slice());
+        let (on_some, count) = (self.on_some_cells, self.node_count());
+        CellNodes { nodes: &self.cell_nodes, lists: &self.lists, facets, on_some, count }
     }
 
     /// Whether the unknowns of both spaces have the same numbers and places.

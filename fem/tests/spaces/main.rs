@@ -10,5 +10,6 @@ mod locking;
 mod mini;
 mod own;
 mod pairs;
+mod points;
 mod serendipity;
 mod shared;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::CellShape;
 use super::lagrange::{ElementError, Lagrange, Tables};
 use super::layout::Layout;
+use super::points::RulePoints;
 use super::polynomial::Polynomial;
 use super::table::Table;
 
@@ -15,6 +16,8 @@ pub enum Element {
     Lagrange(Lagrange),
     /// Sums of monomials.
     Table(Arc<Table>),
+    /// Values at points.
+    Points(Arc<RulePoints>),
 }
 
 impl Element {
@@ -89,6 +92,7 @@ impl Element {
         match self {
             Element::Lagrange(lagrange) => lagrange.shape,
             Element::Table(table) => table.layout.shape,
+            Element::Points(points) => points.shape,
         }
     }
 
@@ -97,6 +101,7 @@ impl Element {
         match self {
             Element::Lagrange(_) => "Lagrange",
             Element::Table(table) => &table.name,
+            Element::Points(_) => "points",
         }
     }
 
@@ -105,6 +110,8 @@ impl Element {
         match self {
             Element::Lagrange(lagrange) => lagrange.degree,
             Element::Table(table) => table.degree,
+            // Their integrals take the rule of their points.
+            Element::Points(_) => 0,
         }
     }
 
@@ -114,6 +121,7 @@ impl Element {
         match self {
             Element::Lagrange(lagrange) => lagrange.nodes(),
             Element::Table(table) => table.layout.nodes(),
+            Element::Points(points) => points.points.len(),
         }
     }
 
@@ -121,6 +129,11 @@ impl Element {
     pub fn of_entity(&self) -> [usize; 4] {
         match self {
             Element::Table(table) => table.layout.of_entity,
+            Element::Points(points) => {
+                let mut of_entity = [0; 4];
+                of_entity[points.shape.dimension()] = points.points.len();
+                of_entity
+            }
             Element::Lagrange(lagrange) => {
                 let [edge, face] = [lagrange.nodes_inside_edge(), lagrange.nodes_inside_face()];
                 let (shape, vertex) = (lagrange.shape, usize::from(lagrange.degree > 0));
@@ -138,7 +151,7 @@ impl Element {
     pub fn as_lagrange(&self) -> Option<Lagrange> {
         match self {
             Element::Lagrange(lagrange) => Some(*lagrange),
-            Element::Table(_) => None,
+            Element::Table(_) | Element::Points(_) => None,
         }
     }
 
@@ -146,7 +159,7 @@ impl Element {
     #[doc(hidden)]
     pub fn as_table(&self) -> Option<&Table> {
         match self {
-            Element::Lagrange(_) => None,
+            Element::Lagrange(_) | Element::Points(_) => None,
             Element::Table(table) => Some(table),
         }
     }
@@ -157,6 +170,7 @@ impl Element {
         match self {
             Element::Lagrange(lagrange) => Some(*lagrange),
             Element::Table(table) => table.traces,
+            Element::Points(_) => None,
         }
     }
 
@@ -170,6 +184,7 @@ impl Element {
             Element::Table(table) => {
                 table.layout.points.iter().map(|x| std::array::from_fn(|k| x[k])).collect()
             }
+            Element::Points(points) => points.points.iter().map(|x| std::array::from_fn(|k| x[k])).collect(),
         }
     }
 
@@ -178,6 +193,7 @@ impl Element {
         match self {
             Element::Lagrange(lagrange) => lagrange.facet_nodes(local),
             Element::Table(table) => table.layout.facet_nodes(local),
+            Element::Points(_) => vec![],
         }
     }
 
@@ -187,6 +203,7 @@ impl Element {
         match self {
             Element::Lagrange(lagrange) => lagrange.facet_node_points(),
             Element::Table(table) => table.layout.facet_node_points(),
+            Element::Points(_) => vec![],
         }
     }
 
@@ -196,6 +213,7 @@ impl Element {
             Element::Lagrange(lagrange) if lagrange.degree == 0 => vec![0],
             Element::Lagrange(lagrange) => lagrange.facet_nodes(local),
             Element::Table(table) => table.seen[local].clone(),
+            Element::Points(points) => (0..points.points.len()).collect(),
         }
     }
 
@@ -208,6 +226,7 @@ impl Element {
         };
         match self {
             Element::Lagrange(lagrange) => lagrange.degree > 0,
+            Element::Points(_) => false,
             Element::Table(table) => (0..table.layout.shape.facets())
                 .all(|local| sorted(self.facet_nodes(local)) == self.seen(local)),
         }
@@ -218,6 +237,7 @@ impl Element {
         match self {
             Element::Lagrange(lagrange) => lagrange.degree > 0,
             Element::Table(table) => table.conforms,
+            Element::Points(_) => false,
         }
     }
 
@@ -238,6 +258,11 @@ impl Element {
             }
         };
         table.dual.then(|| (0..vertices * vertices).map(entry).collect())
+    }
+
+    /// Whether it has values at the points of a rule only.
+    pub fn is_at_points(&self) -> bool {
+        matches!(self, Element::Points(_))
     }
 
     /// Whether the functions are polynomials of the position.
@@ -271,6 +296,10 @@ impl Element {
     pub fn tabulate_with_hessians<const D: usize>(&self, points: &[[f64; D]]) -> Tables<D> {
         match self {
             Element::Lagrange(lagrange) => lagrange.tabulate_with_hessians(points),
+            Element::Points(_) => {
+                let hessian = vec![[[f64::NAN; D]; D]; self.nodes() * points.len()];
+                Tables { hessian, ..self.tabulate(points) }
+            }
             Element::Table(table) => {
                 let hessian = points.iter().flat_map(|point| table.hessians(point)).collect();
                 Tables { hessian, ..self.tabulate(points) }
@@ -286,6 +315,10 @@ impl Element {
         match self {
             Element::Lagrange(lagrange) => lagrange.evaluate(point, value, gradient),
             Element::Table(table) => table.evaluate(point, value, gradient),
+            Element::Points(points) => {
+                points.values(point, value);
+                gradient.fill([f64::NAN; D]);
+            }
         }
     }
 
@@ -298,6 +331,7 @@ impl Element {
         match self {
             Element::Lagrange(lagrange) => lagrange.evaluate_values(point, value),
             Element::Table(table) => table.evaluate_values(point, value),
+            Element::Points(points) => points.values(point, value),
         }
     }
 }

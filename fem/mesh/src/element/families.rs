@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::lagrange::{ElementError, Lagrange, MAXIMUM_DEGREE};
 use super::layout::Layout;
+use super::points::RulePoints;
 use super::polynomial::{Polynomial, complete, products, serendipity};
 use super::table::Table;
 use super::{CellShape, Element};
@@ -35,6 +36,9 @@ pub enum Elements {
     /// a facet is zero, and ∫ ψ_i φ_i = ∫ φ_i. On a segment these are 2 − 3s and 3s − 1. They are dual on facets with an affine map;
     /// coefficients are no values of functions. For scopes on facets.
     Dual,
+    /// Values at the points of the cells' rule of a degree, for [`Scope::Point`](../../forms_fem/space/enum.Scope.html): laws with an
+    /// unknown at each point. They have no gradient. Integrals that read them take that rule.
+    Points(usize),
     /// Elements of a user, one per shape ([`Element::from_table`]).
     Own(Arc<Vec<Element>>),
 }
@@ -116,6 +120,7 @@ impl Elements {
                 let layout = Layout::centred(shape, [1, 0, 0, 0]);
                 Element::of(Table::nodal(self.to_string(), layout, 1, &span).map(Table::dual))
             }
+            Elements::Points(degree) => Ok(Element::Points(Arc::new(RulePoints::of(shape, *degree)?))),
             Elements::Own(elements) => {
                 let own = elements.iter().find(|element| element.shape() == shape);
                 own.cloned().ok_or(ElementError::Missing { shape })
@@ -132,6 +137,7 @@ impl fmt::Display for Elements {
             Elements::CrouzeixRaviart => write!(f, "Crouzeix-Raviart elements"),
             Elements::Serendipity => write!(f, "serendipity elements"),
             Elements::LinearInSpace => write!(f, "elements that are linear in space"),
+            Elements::Points(degree) => write!(f, "values at the points of the rule of degree {degree}"),
             Elements::Dual => write!(f, "dual elements of degree 1"),
             Elements::Own(elements) => {
                 let names: Vec<&str> = elements.iter().map(Element::name).collect();

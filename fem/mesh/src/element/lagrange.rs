@@ -59,6 +59,9 @@ pub enum ElementError {
     /// Elements that only triangles and tetrahedra have.
     #[error("there are no {elements} on the {}; they exist on triangles and tetrahedra", shape.name())]
     Shape { elements: String, shape: CellShape },
+    /// There is no rule whose points would be the nodes.
+    #[error("there is no rule of degree {degree} on the {} whose points could have values", shape.name())]
+    Rule { shape: CellShape, degree: usize },
     /// Bubbles come with degree 1 or 2.
     #[error("there are no elements of degree {degree} with bubbles; the degrees are 1 and 2")]
     Bubbles { degree: usize },

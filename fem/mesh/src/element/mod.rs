@@ -6,6 +6,7 @@ pub mod lagrange;
 mod lattice;
 mod layout;
 mod per_shape;
+mod points;
 mod polynomial;
 pub mod shape;
 mod table;
@@ -16,6 +17,8 @@ pub use lagrange::{ElementError, Lagrange, MAXIMUM_DEGREE, MAXIMUM_GEOMETRY_NODE
 #[doc(hidden)]
 pub use lattice::{inside_quadrilateral, inside_triangle, lattice};
 pub use per_shape::PerShape;
+#[doc(hidden)]
+pub use points::RulePoints;
 pub use shape::CellShape;
 pub(crate) use shape::plurals;
 pub use table::Table;

@@ -17,7 +17,7 @@ use self::entities::Entities;
 use self::owned_cells::OwnedCells;
 use super::{Assembler, AssemblyError};
 use crate::contract::Function;
-use crate::element::{Element, Lagrange, PerShape};
+use crate::element::{Element, Elements, Lagrange, PerShape};
 use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};
 use crate::instantiate::instantiate;
@@ -357,6 +357,34 @@ impl<'a, const D: usize> Binding<'a, D> {
     pub fn entities(&self, region: usize) -> Result<Entities<'a>, AssemblyError> {
         let all = Entities::of(self.mesh, self.name, &self.regions[region])?;
         Ok(OwnedCells::among(self.owned, all))
+    }
+
+    /// The degree of the rule whose points a field or a test or trial function that an integral reads is known at.
+    ///
+    /// # Errors
+    /// [`AssemblyError::OffItsPoints`]: several rules, one of them that of a history.
+    pub fn degree_at_points(
+        &self,
+        requirements: &Requirements,
+        arguments: &[(Role, &Space<D>)],
+        of_history: Option<usize>,
+        place: &str,
+    ) -> Result<Option<usize>, AssemblyError> {
+        let read = requirements.fields.iter().filter_map(|slot| match &self.values[slot.field] {
+            Values::Discrete { space, .. } => Some((self.fields[slot.field].name, &**space)),
+            _ => None,
+        });
+        let arguments = arguments.iter().map(|(role, space)| (self.name_of(*role), *space));
+        let mut degree = of_history;
+        for (field, space) in read.chain(arguments) {
+            let Elements::Points(own) = space.elements() else { continue };
+            if degree.is_some_and(|known| known != *own) {
+                let (form, place, elements) = (self.name, place.to_owned(), space.elements().clone());
+                return Err(AssemblyError::OffItsPoints { form, field, place, elements });
+            }
+            degree = Some(*own);
+        }
+        Ok(degree)
     }
 
     /// The contact pairs of a region of the form; `displacement` are the fields whose sum displaces their surfaces.

@@ -313,6 +313,29 @@ pub enum AssemblyError {
         /// The scope of the field's space.
         scope: Scope,
     },
+    /// Values at points where an integral has other points.
+    #[error(
+        "form `{form}` needs `{field}` over {place}, but it has {elements}: integrals on cells take that rule where the assembler has \
+         no other choice of quadrature, and nothing else in them has another rule"
+    )]
+    OffItsPoints {
+        /// The form or function.
+        form: &'static str,
+        /// The field's name in the form.
+        field: &'static str,
+        /// The place where it is integrated.
+        place: String,
+        /// Elements of its space.
+        elements: Elements,
+    },
+    /// A derivative of values at points.
+    #[error("form `{form}` reads a derivative of `{field}`, which is known at the points of a rule only")]
+    DerivativeAtPoints {
+        /// The form or function.
+        form: &'static str,
+        /// The field's name in the form.
+        field: &'static str,
+    },
     /// A space that cannot be projected or interpolated to.
     #[error("`{form}` has no values on a space of {elements} {scope}")]
     NoValuesOn {

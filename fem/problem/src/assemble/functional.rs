@@ -136,7 +136,7 @@ impl<const D: usize> PointWalk<'_, D> {
         receive: &Receive<R, D>,
     ) -> Result<Vec<R>, AssemblyError> {
         let (requirements, mut results) = (kernel.constants().requirements, Vec::new());
-        for group in groups(self.binding, integral, self.quadrature, &self.degrees, requirements)? {
+        for group in groups(self.binding, integral, self.quadrature, &self.degrees, requirements, &[])? {
             let (entities, chunks) = (group.entities(), group.entities().div_ceil(CHUNK));
             let parts = self.threads.count().min(chunks).max(1);
             let parts = (0..parts).map(|part| part * chunks / parts..(part + 1) * chunks / parts).collect();

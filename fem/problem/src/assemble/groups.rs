@@ -10,7 +10,7 @@ pub(super) mod pair_search;
 pub(super) mod positive_parts;
 pub(super) mod split_facets;
 
-use forms_core::contract::{Entity, Integral, Order, Requirements, Side};
+use forms_core::contract::{Entity, Integral, Order, Requirements, Role, Side};
 
 use self::degrees::{Estimate, cells_by_degree, facets_by_degree};
 use self::facet_groups::facet_groups;
@@ -55,6 +55,8 @@ pub(super) struct GroupSide<const D: usize> {
     /// Second derivatives of the geometry map's basis along the facet's tangents, for the curvature:
     /// [t₀t₀, t₀t₁, t₁t₁] at `q * nodes + i`.
     pub bending: Vec<[f64; 3]>,
+    /// The points, where an element has values at points only.
+    pub points: Vec<[f64; D]>,
     /// The geometry map's basis at the centre of the reference cell, where an element has functions of the position.
     pub centre: Option<Tables<D>>,
     /// For |T| and |F|: a rule that is exact for the measure of every cell of the mesh.
@@ -137,6 +139,13 @@ impl<const D: usize> Group<D> {
         side: usize,
     ) -> Result<(), AssemblyError> {
         let Some(region) = space.facet_region() else {
+            let known = &self.sides[side];
+            let at_points = space.element_of(known.shape).is_at_points();
+            let inside = known.facet.is_none() && self.pairs.is_none();
+            if at_points && !(inside && space.element_of(known.shape).node_points::<D>() == known.points) {
+                let (place, elements) = (self.place.clone(), space.elements().clone());
+                return Err(AssemblyError::OffItsPoints { form, field, place, elements });
+            }
             return self.check_cells(form, field, space, side);
         };
         let side = &self.sides[if self.pairs.is_some() { side } else { 0 }];
@@ -217,6 +226,10 @@ impl<const D: usize> GroupSide<D> {
                 .collect(),
             products: elements.iter().map(|element| element.products(shape, places)).collect(),
             bending,
+            points: match elements.iter().any(|element| element.elements[shape].is_at_points()) {
+                true => points.clone(),
+                false => vec![],
+            },
             centre: elements
                 .iter()
                 .any(|element| element.elements[shape].is_in_space())
@@ -275,13 +288,15 @@ pub(super) fn groups<const D: usize>(
     quadrature: &Quadrature<D>,
     degrees: &[usize],
     requirements: &Requirements,
+    arguments: &[(Role, &Space<D>)],
 ) -> Result<Vec<Group<D>>, AssemblyError> {
     let mesh = binding.mesh;
     let history = binding.history_degree(requirements, quadrature)?;
-    let of_history = history.map(|(_, degree)| degree);
-    let estimate = Estimate { integrand: &integral.degree, fields: degrees, of_history };
     let region = &binding.regions[integral.region];
     let place = format!("the region `{}` (\"{}\")", region.symbol, region.name);
+    let of_history = history.map(|(_, degree)| degree);
+    let of_history = binding.degree_at_points(requirements, arguments, of_history, &place)?;
+    let estimate = Estimate { integrand: &integral.degree, fields: degrees, of_history };
     let hessians = reads_hessians(requirements);
     let form = binding.name;
     if requirements.curvature && mesh.has_affine_facets() {

@@ -221,7 +221,15 @@ impl<const D: usize> VectorSum<'_, D> {
         let space = self.tests[integral.test];
         let offset = self.offsets[integral.test];
         let name = self.binding.name_of(Role::Test(integral.test));
-        for group in groups(self.binding, integral, self.quadrature, &self.degrees, constants.requirements)? {
+        let arguments = [(Role::Test(integral.test), &**space)];
+        for group in groups(
+            self.binding,
+            integral,
+            self.quadrature,
+            &self.degrees,
+            constants.requirements,
+            &arguments,
+        )? {
             let side = group.side(self.binding.name, integral.test_side)?;
             group.check_support(self.binding.name, name, space, side)?;
             let element = self.elements[integral.test];

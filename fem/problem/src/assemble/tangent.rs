@@ -241,7 +241,15 @@ impl<const D: usize> TangentIntegrals<'_, D> {
         // Half of the pairs suffice when test and trial nodes are the same.
         let reading = Reading::of_arguments(constants.requirements);
         let same_nodes = Arc::ptr_eq(test, trial) && integral.test_side == integral.trial_side;
-        for group in groups(self.binding, integral, self.quadrature, &self.degrees, constants.requirements)? {
+        let arguments = [(Role::Test(integral.test), &**test), (Role::Unknown(integral.trial), &**trial)];
+        for group in groups(
+            self.binding,
+            integral,
+            self.quadrature,
+            &self.degrees,
+            constants.requirements,
+            &arguments,
+        )? {
             let sides = [group.side(form, integral.test_side)?, group.side(form, integral.trial_side)?];
             group.check_support(form, names[0], test, sides[0])?;
             group.check_support(form, names[1], trial, sides[1])?;

@@ -120,8 +120,8 @@ mod tests {
         assert_eq!(
             message(scalars.minus(&linear)).as_deref(),
             Some(
-                "the fields are not on one space: one has degree 2, 1 component(s) with continuous values, the other \
-                 degree 1, 1 component(s) with discontinuous values"
+                "the fields are not on one space: one has Lagrange elements of degree 2, 1 component(s) with \
+                 continuous values, the other Lagrange elements of degree 1, 1 component(s) with discontinuous values"
             )
         );
         assert!(

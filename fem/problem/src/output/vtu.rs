@@ -64,7 +64,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
                 Err(VtuError::OnFacets { name: name.into(), region: region.clone() })
             }
             Scope::Cell if space.is_constant() => self.cell_data(name, components, field.values()),
-            Scope::Body | Scope::Within(..) => Err(VtuError::Scope {
+            Scope::Body | Scope::Point | Scope::Within(..) => Err(VtuError::Scope {
                 name: name.into(),
                 elements: space.elements().clone(),
                 scope: space.scope().clone(),

@@ -32,7 +32,7 @@ impl<const D: usize> Space<D> {
                 });
                 own.filter(|(_, nodes)| !nodes.is_empty()).collect()
             }
-            Scope::Cell | Scope::Within(..) => {
+            Scope::Cell | Scope::Point | Scope::Within(..) => {
                 let own = cells().map(|(cell, nodes)| (Owner::Cell(cell as u32), nodes));
                 own.filter(|(_, nodes)| !nodes.is_empty()).collect()
             }

@@ -38,7 +38,7 @@ impl<const D: usize> Space<D> {
         let on_shapes = elements_on_shapes(mesh, &elements, &scope)?;
         check_scope(mesh, &elements, &on_shapes, &scope)?;
         let lists = CellLists::new(mesh.blocks(), |shape| on_shapes[shape].nodes());
-        if u32::try_from(lists.length()).is_err() && *scope.sharing() == Scope::Cell {
+        if u32::try_from(lists.length()).is_err() && matches!(scope.sharing(), Scope::Cell | Scope::Point) {
             return Err(SpaceError::TooLarge { unknowns: lists.length() });
         }
         let mut included = vec![true; if scope.regions().is_empty() { 0 } else { mesh.cell_count() }];
@@ -55,7 +55,7 @@ impl<const D: usize> Space<D> {
         };
         let (cell_nodes, facets, positions) = match scope.sharing() {
             Scope::Nodes => of_cells(Sharing::Entities),
-            Scope::Cell | Scope::Within(..) => of_cells(Sharing::Nobody),
+            Scope::Cell | Scope::Point | Scope::Within(..) => of_cells(Sharing::Nobody),
             Scope::Body => {
                 let (nodes, facets, mut positions) = of_cells(Sharing::Body);
                 let cells = mesh.body_cells().filter(|cell| included(*cell as u32));
@@ -85,12 +85,15 @@ impl<const D: usize> Space<D> {
         let degree = on_shapes.values().map(Element::degree).max().unwrap_or(0);
         let (mesh, shape, locator) = (Arc::clone(mesh), shape.to_vec(), OnceLock::new());
         let on_shapes = Arc::new(on_shapes);
+        let (on_facets, on_some_cells) = (scope.facet_region().is_some(), !scope.regions().is_empty());
         Ok(Arc::new(Space {
             mesh,
             degree,
             elements,
             on_shapes,
             scope,
+            on_facets,
+            on_some_cells,
             shape,
             cell_nodes,
             lists,
@@ -134,6 +137,9 @@ fn check_scope<const D: usize>(
     let is_lagrange = all(&|element| element.as_lagrange().is_some());
     if *elements == Elements::Dual && scope.facet_region().is_none() {
         return refused("dual functions are those of facets");
+    }
+    if matches!(elements, Elements::Points(_)) != (*scope.sharing() == Scope::Point) {
+        return refused("`Scope::Point` goes with `Elements::Points`");
     }
     match scope.sharing() {
         Scope::Body if !all(&|element| element.nodes() == 1) => {

@@ -17,6 +17,8 @@ pub enum Scope {
     /// Traces on the facets of a region, exterior or interior, and nothing elsewhere; each facet has coefficients of its own, which
     /// the two sides of an interior one share. For multipliers.
     EachFacet(String),
+    /// Each point of the cells' rule has a coefficient of its own, for [`Elements::Points`](crate::element::Elements::Points).
+    Point,
     /// Another scope on the cells of a region only: [`Scope::within`].
     Within(Box<Scope>, String),
 }
@@ -58,6 +60,7 @@ impl fmt::Display for Scope {
             Scope::Body => write!(f, "with the values of the whole body"),
             Scope::Nodes => write!(f, "with continuous values"),
             Scope::Cell => write!(f, "with discontinuous values"),
+            Scope::Point => write!(f, "with a coefficient per point"),
             Scope::Facets(region) => write!(f, "on the facet region \"{region}\""),
             Scope::EachFacet(region) => {
                 write!(f, "with discontinuous values on the facet region \"{region}\"")

@@ -72,6 +72,11 @@ impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
             let reads = &mut reads[argument.side][argument.element];
             reads.value |= requirements.basis_value;
             if argument.reading == Reading::Derivatives {
+                let elements = &binding.elements[argument.element].elements;
+                if elements[group.sides[argument.side].shape].is_at_points() {
+                    let field = "a test or trial function";
+                    return Err(AssemblyError::DerivativeAtPoints { form, field });
+                }
                 reads.gradient |= requirements.basis_gradient || requirements.hessian;
                 reads.hessian |= requirements.hessian;
             }
@@ -91,6 +96,10 @@ impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
                 }
                 Values::Discrete { element, space, .. } => {
                     group.check_support(form, field, space, side)?;
+                    if slot.order != Order::Value && space.element_of(group.sides[side].shape).is_at_points()
+                    {
+                        return Err(AssemblyError::DerivativeAtPoints { form, field });
+                    }
                     if let (Order::Hessian, Some(region)) = (slot.order, space.facet_region()) {
                         let region = region.to_owned();
                         return Err(AssemblyError::HessianOnFacets { form, field, region });

@@ -215,7 +215,7 @@ pub(super) fn prepare<const D: usize>(
             _ => found,
         })
         .collect();
-    let groups = groups(&binding, integral, quadrature, &degrees, kernel.requirements())?;
+    let groups = groups(&binding, integral, quadrature, &degrees, kernel.requirements(), &[])?;
     Ok(match kernel.with_fixed_lengths(form.name(), tables, &groups)? {
         Some(fixed) => Prepared::Fixed(fixed),
         None => Prepared::Counted { kernel, groups, memory: None },
