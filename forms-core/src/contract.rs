@@ -10,8 +10,8 @@ pub use crate::form::{Dependence, Entity, FieldDescription, Formula, Inputs, Int
 pub use crate::function::{Backend, Function, Term, is_on_same_points};
 pub use crate::history::{History, HistoryHandle, QuadratureValues};
 pub use crate::kernel::{
-    Basis, BilinearKernel, CellGeometry, ExpressionKernel, FieldSlot, Hessian, LinearKernel, Operations,
-    OppositePoint, Order, PointGeometry, Requirements, Side,
+    Basis, BilinearKernel, CellGeometry, ExpressionKernel, FieldSlot, Further, Hessian, LinearKernel,
+    Operations, OppositePoint, Order, PointGeometry, Requirements, Side,
 };
 pub use crate::kernel_constants::{BilinearConstants, ExpressionConstants, LinearConstants};
 pub use crate::lane::{Lane, Parts};

@@ -27,9 +27,27 @@ pub struct Basis<L, const D: usize> {
     pub gradient: [L; D],
 }
 
-/// Second derivatives ∂²φ/∂x_i∂x_j of a basis function \[1/length²\]. They are separate from [`Basis`] because
-/// few kernels read them; zeros where [`Requirements::hessian`] does not ask.
+/// Second derivatives ∂²φ/∂x_i∂x_j of a basis function \[1/length²\].
 pub type Hessian<L, const D: usize> = [[L; D]; D];
+
+/// What few kernels read of a basis function, separate from [`Basis`]. Zeros where [`Requirements::reads_further`] is false.
+#[derive(Clone, Copy, Debug)]
+pub struct Further<L, const D: usize> {
+    /// Second derivatives, where [`Requirements::hessian`] asks.
+    pub hessian: Hessian<L, D>,
+    /// Means of value and gradient over the cell, where [`Requirements::test_mean`] or `trial_mean` asks: (∫ φ, ∫ ∇φ) / |T|, the same numbers at all
+    /// points of the cell and of its facets.
+    pub mean: Basis<L, D>,
+}
+
+impl<L: Lane, const D: usize> Further<L, D> {
+    /// Of a function of which nothing further is read.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = L::splat(0.0);
+        Further { hessian: [[zero; D]; D], mean: Basis { value: zero, gradient: [zero; D] } }
+    }
+}
 
 /// Geometry that is constant on a cell, or on a facet together with the cell that owns it.
 #[derive(Clone, Copy, Debug)]
@@ -116,6 +134,26 @@ pub enum Order {
     Gradient,
     /// Second derivatives: `components * D * D` numbers, row-major (component, then both directions).
     Hessian,
+    /// The mean of the value over the cell, as [`Order::Value`].
+    MeanValue,
+    /// The mean of the gradient over the cell, as [`Order::Gradient`].
+    MeanGradient,
+}
+
+impl Order {
+    /// Number of axes along which a component is differentiated.
+    pub const fn axes(self) -> usize {
+        match self {
+            Order::Value | Order::MeanValue => 0,
+            Order::Gradient | Order::MeanGradient => 1,
+            Order::Hessian => 2,
+        }
+    }
+
+    /// Is it a mean over the cell?
+    pub const fn is_mean(self) -> bool {
+        matches!(self, Order::MeanValue | Order::MeanGradient)
+    }
 }
 
 /// The side of a facet on which a field is read. Cells and exterior facets have only `This`.
@@ -132,7 +170,7 @@ pub enum Side {
 pub struct FieldSlot {
     /// Index into [`crate::form::Inputs::sources`] and [`crate::function::Function::fields`].
     pub field: usize,
-    /// Value, gradient or second derivatives.
+    /// Value, gradient, second derivatives, or a mean.
     pub order: Order,
     /// Side of the facet.
     pub side: Side,
@@ -175,12 +213,16 @@ pub struct Requirements {
     pub basis_value: bool,
     /// `test` or `trial` reads [`Basis::gradient`].
     pub basis_gradient: bool,
-    /// `test` reads derivatives; otherwise functions that vanish at a point contribute nothing there.
+    /// `test` reads derivatives or means; otherwise functions that vanish at a point contribute nothing there.
     pub test_derivatives: bool,
     /// The same of `trial`.
     pub trial_derivatives: bool,
     /// Reads the second derivatives of test or trial functions.
     pub hessian: bool,
+    /// `test` reads [`Further::mean`].
+    pub test_mean: bool,
+    /// `trial` reads [`Further::mean`].
+    pub trial_mean: bool,
     /// The layout of the `fields` slice.
     pub fields: &'static [FieldSlot],
     /// Length of the `fields` slice.
@@ -208,9 +250,21 @@ impl Requirements {
         test_derivatives: false,
         trial_derivatives: false,
         hessian: false,
+        test_mean: false,
+        trial_mean: false,
         fields: &[],
         field_length: 0,
     };
+
+    /// Do `test` or `trial` read [`Further`]? Ways that know functions by value and gradient only then do not serve.
+    pub const fn reads_further(&self) -> bool {
+        self.hessian || self.test_mean || self.trial_mean
+    }
+
+    /// Are means over the cell read, of basis functions or of fields?
+    pub fn reads_means(&self) -> bool {
+        self.test_mean || self.trial_mean || self.fields.iter().any(|slot| slot.order.is_mean())
+    }
 }
 
 /// Operations of one call of each of a kernel's functions, counted in the emitted code. An addition, a product, a
@@ -232,7 +286,7 @@ pub struct Operations {
 
 /// One integral, linear in one test function: ∫ (flux, test) as `Σ_points Σ_nodes`.
 ///
-/// `test` is linear in its basis function (value, gradient and second derivatives together): a backend may ask for
+/// `test` is linear in its basis function (value, gradient and [`Further`] together): a backend may ask for
 /// other functions and combine the results.
 pub trait LinearKernel<const D: usize>: Clone + Send + Sync + 'static {
     /// Inputs at each point.
@@ -262,13 +316,13 @@ pub trait LinearKernel<const D: usize>: Clone + Send + Sync + 'static {
         &self,
         flux: &Self::Flux<L>,
         basis: &Basis<L, D>,
-        hessian: &Hessian<L, D>,
+        further: &Further<L, D>,
     ) -> Self::Block<L>;
 }
 
 /// One integral, linear in one test and one trial function.
 ///
-/// `test` and `trial` are linear in their basis function (value, gradient and second derivatives together), `pair` adds
+/// `test` and `trial` are linear in their basis function (value, gradient and [`Further`] together), `pair` adds
 /// what is bilinear in their results, and `finish` is linear in the accumulator: a backend may put other linear
 /// functions in place of basis functions, as a reference tensor and sum factorisation do.
 pub trait BilinearKernel<const D: usize>: Clone + Send + Sync + 'static {
@@ -314,14 +368,14 @@ pub trait BilinearKernel<const D: usize>: Clone + Send + Sync + 'static {
         &self,
         point: &Self::Point<L>,
         basis: &Basis<L, D>,
-        hessian: &Hessian<L, D>,
+        further: &Further<L, D>,
     ) -> Self::Test<L>;
     /// Per point and trial node.
     fn trial<L: Lane>(
         &self,
         point: &Self::Point<L>,
         basis: &Basis<L, D>,
-        hessian: &Hessian<L, D>,
+        further: &Further<L, D>,
     ) -> Self::Trial<L>;
     /// Factors of a basis function that is zero: what memory holds before others are made.
     fn zero_factors<L: Lane>() -> (Self::Test<L>, Self::Trial<L>);

@@ -140,8 +140,8 @@ fn add_vectors<L: Lane, K: LinearKernel<D>, const D: usize>(
             let fields = walk.fields::<L>(&K::REQUIREMENTS, batch, point);
             let flux = kernel.point(&constants, &geometry(batch, point), &fields);
             for node in 0..batch[0].nodes.len() {
-                let (basis, hessian) = basis(batch, integral.test_side, point, node, &K::REQUIREMENTS);
-                let block = kernel.test(&flux, &basis, &hessian);
+                let (basis, further) = basis(batch, integral.test_side, point, node, &K::REQUIREMENTS);
+                let block = kernel.test(&flux, &basis, &further);
                 for (component, value) in block.as_ref().iter().enumerate() {
                     for (lane, element) in batch.iter().enumerate() {
                         let node = element.on(integral.test_side).nodes[node];
@@ -169,16 +169,16 @@ fn add_matrices<L: Lane, K: BilinearKernel<D>, const D: usize>(
         for point in 0..batch[0].points.len() {
             let fields = walk.fields::<L>(&K::REQUIREMENTS, batch, point);
             let data = kernel.point(&constants, &geometry(batch, point), &fields);
-            let functions = |side: Side| -> Vec<(Basis<L, D>, Hessian<L, D>)> {
+            let functions = |side: Side| -> Vec<(Basis<L, D>, Further<L, D>)> {
                 (0..nodes).map(|node| basis(batch, side, point, node, &K::REQUIREMENTS)).collect()
             };
             let tests: Vec<_> = functions(integral.test_side)
                 .iter()
-                .map(|(basis, hessian)| kernel.test(&data, basis, hessian))
+                .map(|(basis, further)| kernel.test(&data, basis, further))
                 .collect();
             let trials: Vec<_> = functions(integral.trial_side)
                 .iter()
-                .map(|(basis, hessian)| kernel.trial(&data, basis, hessian))
+                .map(|(basis, further)| kernel.trial(&data, basis, further))
                 .collect();
             for i in 0..nodes {
                 for j in (if K::SYMMETRIC { i } else { 0 })..nodes {

@@ -11,6 +11,8 @@ pub struct Element<const D: usize> {
     /// Nodes of the cell.
     pub nodes: Vec<usize>,
     pub cell: CellGeometry<f64>,
+    /// Means of the basis functions over the cell.
+    pub means: Vec<Basis<f64, D>>,
     pub points: Vec<Point<D>>,
     /// An interior facet seen from its other cell, with the same points; the opposite facet of a pair, with the opposite ones.
     pub across: Option<Box<Element<D>>>,
@@ -256,6 +258,21 @@ fn barycentric_points(count: usize) -> Vec<Vec<f64>> {
     (0..count).map(|point| (0..count).map(|i| if i == point { near } else { far }).collect()).collect()
 }
 
+/// Means of the basis functions of a simplex, by the points of degree 2.
+fn means<const D: usize>(gradients: &[[f64; D]], edges: &[[usize; 2]]) -> Vec<Basis<f64, D>> {
+    let points = barycentric_points(D + 1);
+    let mut means = vec![Basis { value: 0.0, gradient: [0.0; D] }; D + 1 + edges.len()];
+    for values in &points {
+        for (mean, (basis, _)) in means.iter_mut().zip(functions(values, gradients, edges)) {
+            mean.value += basis.value / points.len() as f64;
+            for (entry, slope) in mean.gradient.iter_mut().zip(basis.gradient) {
+                *entry += slope / points.len() as f64;
+            }
+        }
+    }
+    means
+}
+
 fn build<const D: usize>(nodes: &[[f64; D]], cell: &Cell, opposite: Option<usize>) -> Element<D> {
     let vertices: Vec<[f64; D]> = cell.vertices.iter().map(|node| nodes[*node]).collect();
     // φ_i = a + g·x with φ_i(x_j) = δ_ij.
@@ -310,6 +327,7 @@ fn build<const D: usize>(nodes: &[[f64; D]], cell: &Cell, opposite: Option<usize
         .collect();
     Element {
         nodes: cell.nodes.clone(),
+        means: means(&gradients, &cell.edges),
         cell: CellGeometry {
             diameter,
             cell_volume: volume,

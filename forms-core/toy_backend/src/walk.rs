@@ -68,14 +68,14 @@ pub fn geometry<L: Lane, const D: usize>(batch: &[&Element<D>], point: usize) ->
     }
 }
 
-/// A basis function and its second derivatives, NaN where the kernel does not ask for them.
+/// A basis function with its second derivatives and means, NaN where the kernel does not ask for them.
 pub fn basis<L: Lane, const D: usize>(
     batch: &[&Element<D>],
     side: Side,
     point: usize,
     node: usize,
     requirements: &Requirements,
-) -> (Basis<L, D>, Hessian<L, D>) {
+) -> (Basis<L, D>, Further<L, D>) {
     let read = |read: &dyn Fn(&Point<D>) -> f64| pack(batch, |element| read(&element.on(side).points[point]));
     let asked = |asked: bool, number: &dyn Fn(&Point<D>) -> f64| match asked {
         true => read(number),
@@ -88,7 +88,17 @@ pub fn basis<L: Lane, const D: usize>(
         }),
     };
     let second = |a: usize, b: usize| asked(requirements.hessian, &|point| point.hessians[node][a][b]);
-    (basis, std::array::from_fn(|a| std::array::from_fn(|b| second(a, b))))
+    let hessian = std::array::from_fn(|a| std::array::from_fn(|b| second(a, b)));
+    let average =
+        |number: &dyn Fn(&Basis<f64, D>) -> f64| match requirements.test_mean || requirements.trial_mean {
+            true => pack(batch, |element| number(&element.on(side).means[node])),
+            false => L::splat(f64::NAN),
+        };
+    let mean = Basis {
+        value: average(&|mean| mean.value),
+        gradient: std::array::from_fn(|k| average(&|mean| mean.gradient[k])),
+    };
+    (basis, Further { hessian, mean })
 }
 
 impl<const D: usize> Walk<'_, D> {
@@ -122,12 +132,7 @@ impl<const D: usize> Walk<'_, D> {
     ) -> Vec<L> {
         let mut data = vec![L::splat(f64::NAN); requirements.field_length];
         for slot in requirements.fields {
-            let count = slot.components
-                * match slot.order {
-                    Order::Value => 1,
-                    Order::Gradient => D,
-                    Order::Hessian => D * D,
-                };
+            let count = slot.components * D.pow(slot.order.axes() as u32);
             for entry in 0..count {
                 data[slot.offset + entry] = pack(batch, |element| self.field(slot, element, point, entry));
             }
@@ -144,12 +149,10 @@ impl<const D: usize> Walk<'_, D> {
                 Order::Value => point.basis[node].value,
                 Order::Gradient => point.basis[node].gradient[entry % D],
                 Order::Hessian => point.hessians[node][entry / D % D][entry % D],
+                Order::MeanValue => element.means[node].value,
+                Order::MeanGradient => element.means[node].gradient[entry % D],
             };
-            let component = match slot.order {
-                Order::Value => entry,
-                Order::Gradient => entry / D,
-                Order::Hessian => entry / (D * D),
-            };
+            let component = entry / D.pow(slot.order.axes() as u32);
             let nodes = element.nodes.iter().enumerate();
             nodes.map(|(i, node)| weight(i) * nodal.values[node * nodal.components + component]).sum()
         };
@@ -159,7 +162,7 @@ impl<const D: usize> Walk<'_, D> {
             (_, Some(Source::Discrete(field))) => {
                 nodal(field.as_any().downcast_ref::<Nodal>().expect("a field of this backend"))
             }
-            (_, Some(Source::Constant(values))) if slot.order == Order::Value => values[entry],
+            (_, Some(Source::Constant(values))) if slot.order.axes() == 0 => values[entry],
             (_, Some(Source::Constant(_))) => 0.0,
             (_, Some(Source::Function { components, function, .. })) if slot.order == Order::Value => {
                 let mut values = vec![0.0; *components];

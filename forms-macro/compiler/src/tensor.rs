@@ -188,6 +188,8 @@ pub enum Operator {
         arguments: Vec<Tensor>,
         order: usize,
     },
+    /// The mean over the cell. After differentiation only of a field or its gradient.
+    CellMean(Tensor),
     /// The limit of an expression at an interior facet, from one of its two cells; on a pair, its value at X or at Y.
     Restrict(Side, Tensor),
     /// The value of the first at the opposite point Y of a sliding pair, whose surfaces are displaced by the second.
@@ -262,6 +264,7 @@ impl Operator {
             | Slice(a, _)
             | Norm(a)
             | Apply(_, a)
+            | CellMean(a)
             | Restrict(_, a)
             | Sliding(_, a)
             | Gradient(a)

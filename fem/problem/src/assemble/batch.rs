@@ -8,10 +8,11 @@ mod buffers;
 mod cell_map;
 mod checks;
 mod fields;
+mod means;
 mod pairs;
 mod side;
 
-use forms_core::contract::{Basis, CellGeometry, Hessian, PointGeometry, Requirements};
+use forms_core::contract::{Basis, CellGeometry, Further, PointGeometry, Requirements};
 
 pub(super) use self::buffers::{ArgumentBasis, BatchBuffers, Reads};
 pub(super) use self::cell_map::{inverse_transposed, largest_distance, surface};
@@ -120,10 +121,10 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
         &self.buffers.sides[side].basis[element]
     }
 
-    /// Second derivatives of the basis functions of an element at the current point.
+    /// Second derivatives of the basis functions of an element at the current point, and their means over the cell.
     #[inline(always)]
-    pub fn hessians(&self, side: usize, element: usize) -> &[Hessian<L, D>] {
-        &self.buffers.sides[side].hessians[element]
+    pub fn further(&self, side: usize, element: usize) -> &[Further<L, D>] {
+        &self.buffers.sides[side].further[element]
     }
 
     /// The fields at the current point, as the kernel wants them.
@@ -181,6 +182,7 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                 }
             });
         }
+        self.load_means(requirements);
         self.cell_geometry(requirements)
     }
 

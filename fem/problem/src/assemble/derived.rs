@@ -10,6 +10,7 @@ use super::groups::{Group, Places};
 use super::{Assembler, AssemblyError};
 use crate::assemble::binding::entities::Entities;
 use crate::assemble::groups::facet_groups::facet_groups;
+use crate::assemble::groups::means::FurtherTables;
 use crate::assemble::groups::pair_groups::groups_of;
 use crate::contract::Expression;
 use crate::element::CellShape;
@@ -68,7 +69,7 @@ impl<const D: usize> Assembler<D> {
             let one = |(cell, reference): &(usize, [f64; D])| {
                 let places = Places { points: vec![*reference], facet: None };
                 let cells = (self.mesh.cell_shape(*cell), vec![*cell as u32]);
-                Group::new(binding, "points".to_owned(), cells, &places, vec![0.0], true)
+                Group::new(binding, "points".to_owned(), cells, &places, vec![0.0], further(expression))
             };
             let groups = places.iter().map(one).collect::<Result<_, _>>();
             groups.map_err(|source| AssemblyError::Quadrature { form, source })
@@ -111,7 +112,7 @@ impl<const D: usize> Assembler<D> {
                         let rule = self.quadrature.rule_on_cells(&self.mesh.shapes(), shape, degree)?;
                         let places = Places { points: rule.points, facet: None };
                         let cells = (shape, cells.to_vec());
-                        Group::new(binding, place(region), cells, &places, rule.weights, true)
+                        Group::new(binding, place(region), cells, &places, rule.weights, further(expression))
                     };
                     self.mesh.runs_of_shape(cells).map(|run| group(run).map_err(quadrature)).collect()
                 })?
@@ -152,7 +153,8 @@ impl<const D: usize> Assembler<D> {
         binding.check_functions(&self.known_pairs, &region, &self.quadrature, degree, requirements.fields)?;
         let pairs = self.pairs_of(pairing, degree).map_err(failed)?;
         let place = format!("the pairs {pairing}");
-        let found = self.values(expression, &mut |binding| groups_of(binding, &place, &pairs))?;
+        let found =
+            self.values(expression, &mut |binding| groups_of(binding, &place, &pairs, requirements))?;
         Ok(found.into_iter().collect())
     }
 
@@ -269,7 +271,7 @@ impl<const D: usize> Assembler<D> {
         let mut places = Vec::new();
         let found = self.values(expression, &mut |binding| {
             let (groups, indices): (Vec<_>, Vec<_>) =
-                facet_groups(binding, &place(region), facets, rule, true)?.into_iter().unzip();
+                facet_groups(binding, &place(region), facets, rule, further(expression))?.into_iter().unzip();
             places = indices;
             Ok(groups)
         })?;
@@ -347,6 +349,11 @@ impl<const D: usize> Assembler<D> {
 
 /// Position, weight and value at a point.
 type PointValue<const D: usize> = ([f64; D], f64, Vec<f64>);
+
+/// The tables that a derived field reads.
+fn further<const D: usize>(expression: &Expression<D>) -> FurtherTables {
+    FurtherTables::of(requirements(expression))
+}
 
 /// The inputs of an expression's kernel.
 fn requirements<const D: usize>(expression: &Expression<D>) -> &'static Requirements {

@@ -241,6 +241,16 @@ pub enum AssemblyError {
         /// The field's name in the form.
         field: &'static str,
     },
+    /// The mean over a cell of data that are given at points.
+    #[error(
+        "form `{form}` reads the mean over a cell of `{field}`, which is given as a function of position; give it as a field on a space"
+    )]
+    MeanOfFunction {
+        /// The form.
+        form: &'static str,
+        /// The field's name in the form.
+        field: &'static str,
+    },
     /// A history that does not fit.
     #[error("form `{form}`, history `{field}`: {source}")]
     History {
@@ -352,6 +362,18 @@ pub enum AssemblyError {
          it has values and a tangential gradient only"
     )]
     HessianOnFacets {
+        /// The form or function.
+        form: &'static str,
+        /// The field's name in the form.
+        field: &'static str,
+        /// The facet region of the field's space.
+        region: String,
+    },
+    /// The mean over a cell of a field that lives on facets.
+    #[error(
+        "form `{form}` reads the mean over a cell of `{field}`, whose space lives on the facets of \"{region}\" alone"
+    )]
+    MeanOnFacets {
         /// The form or function.
         form: &'static str,
         /// The field's name in the form.

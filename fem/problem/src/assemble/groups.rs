@@ -4,6 +4,7 @@
 
 pub(super) mod degrees;
 pub(super) mod facet_groups;
+pub(super) mod means;
 pub(super) mod pair_groups;
 pub(super) mod pair_reports;
 pub(super) mod pair_search;
@@ -14,6 +15,7 @@ use forms_core::contract::{Entity, Integral, Order, Requirements, Role, Side};
 
 use self::degrees::{Estimate, cells_by_degree, facets_by_degree};
 use self::facet_groups::facet_groups;
+use self::means::{FurtherTables, MeanTables};
 use self::pair_groups::{PairTables, pair_groups};
 use super::AssemblyError;
 use super::binding::{Binding, Tabulated, notices};
@@ -61,6 +63,8 @@ pub(super) struct GroupSide<const D: usize> {
     pub centre: Option<Tables<D>>,
     /// For |T| and |F|: a rule that is exact for the measure of every cell of the mesh.
     pub measure: Measure<D>,
+    /// For means over whole cells, where a kernel reads them.
+    pub means: Option<MeanTables<D>>,
 }
 
 /// Tables that integrate 1 over a cell and a facet.
@@ -77,9 +81,13 @@ pub(super) struct Places<const D: usize> {
     pub facet: Option<(u8, [[f64; D]; 2])>,
 }
 
-/// Whether a kernel reads second derivatives.
-pub(super) fn reads_hessians(requirements: &Requirements) -> bool {
-    requirements.hessian || requirements.fields.iter().any(|slot| slot.order == Order::Hessian)
+impl FurtherTables {
+    /// What a kernel reads.
+    pub fn of(requirements: &Requirements) -> Self {
+        let fields = requirements.fields.iter();
+        let hessians = requirements.hessian || fields.clone().any(|slot| slot.order == Order::Hessian);
+        FurtherTables { hessians, means: requirements.reads_means() }
+    }
 }
 
 impl<const D: usize> Group<D> {
@@ -94,9 +102,9 @@ impl<const D: usize> Group<D> {
         (shape, cells): (CellShape, Vec<u32>),
         places: &Places<D>,
         weights: Vec<f64>,
-        hessians: bool,
+        further: FurtherTables,
     ) -> Result<Self, QuadratureError> {
-        let side = GroupSide::new(binding.mesh, &binding.elements, (shape, cells), places, hessians)?;
+        let side = GroupSide::new(binding.mesh, &binding.elements, (shape, cells), places, further)?;
         Ok(Group { place, sides: vec![side], weights, pairs: None })
     }
 
@@ -190,8 +198,9 @@ impl<const D: usize> GroupSide<D> {
         elements: &[Tabulated],
         (shape, cells): (CellShape, Vec<u32>),
         places: &Places<D>,
-        hessians: bool,
+        further: FurtherTables,
     ) -> Result<Self, QuadratureError> {
+        let FurtherTables { hessians, means } = further;
         let geometry = mesh.element_of(shape);
         let Places { points, facet } = places;
         // The Jacobian's determinant has at most this degree in each direction.
@@ -239,6 +248,7 @@ impl<const D: usize> GroupSide<D> {
                 cell_weights: rule.weights,
                 facet: facet_measure,
             },
+            means: means.then(|| MeanTables::new(mesh, elements, shape)).transpose()?,
         })
     }
 }
@@ -297,7 +307,7 @@ pub(super) fn groups<const D: usize>(
     let of_history = history.map(|(_, degree)| degree);
     let of_history = binding.degree_at_points(requirements, arguments, of_history, &place)?;
     let estimate = Estimate { integrand: &integral.degree, fields: degrees, of_history };
-    let hessians = reads_hessians(requirements);
+    let further = FurtherTables::of(requirements);
     let form = binding.name;
     if requirements.curvature && mesh.has_affine_facets() {
         notices::tell_of_straight_facets(form, &place);
@@ -312,7 +322,7 @@ pub(super) fn groups<const D: usize>(
             let group = |shape: CellShape, (degree, cells): (usize, Vec<u32>)| {
                 let rule = quadrature.rule_on_cells(&mesh.shapes(), shape, degree)?;
                 let places = Places { points: rule.points, facet: None };
-                Group::new(binding, place.clone(), (shape, cells), &places, rule.weights, hessians)
+                Group::new(binding, place.clone(), (shape, cells), &places, rule.weights, further)
             };
             let mut groups = Vec::new();
             for (shape, cells) in mesh.by_shape(mesh.walk_of_cells(&cells)) {
@@ -331,7 +341,7 @@ pub(super) fn groups<const D: usize>(
             for (degree, facets) in parts {
                 let rule = quadrature.facet_reference_rule(shape, degree).map_err(failed)?;
                 let grouped = |facets: &Entities, rule: &QuadratureRule<2>| {
-                    let groups = facet_groups(binding, &place, facets, rule, hessians)?;
+                    let groups = facet_groups(binding, &place, facets, rule, further)?;
                     Ok(groups.into_iter().map(|(group, _)| group).collect::<Vec<_>>())
                 };
                 // A history has values at the points of the whole facet.

@@ -232,6 +232,9 @@ impl<const D: usize> VectorSum<'_, D> {
         )? {
             let side = group.side(self.binding.name, integral.test_side)?;
             group.check_support(self.binding.name, name, space, side)?;
+            if constants.requirements.test_mean {
+                group.check_mean(self.binding.name, name, space)?;
+            }
             let element = self.elements[integral.test];
             let cells = Cells::Mesh(self.binding.mesh);
             let task = ElementVectors { binding: self.binding, group: &group, cells, side, element };

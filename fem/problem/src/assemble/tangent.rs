@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use forms_core::contract::{Integral, Role, Side, Term};
+use forms_core::contract::{Integral, Requirements, Role, Side, Term};
 
 use super::batch::Cells;
 use super::binding::Binding;
@@ -253,6 +253,12 @@ impl<const D: usize> TangentIntegrals<'_, D> {
             let sides = [group.side(form, integral.test_side)?, group.side(form, integral.trial_side)?];
             group.check_support(form, names[0], test, sides[0])?;
             group.check_support(form, names[1], trial, sides[1])?;
+            let Requirements { test_mean, trial_mean, .. } = *constants.requirements;
+            for (read, name, space) in [(test_mean, names[0], test), (trial_mean, names[1], trial)] {
+                if read {
+                    group.check_mean(form, name, space)?;
+                }
+            }
             // Element matrices that are asked for have all rows and columns.
             let seen = match self.target {
                 Target::Matrix { .. } => {

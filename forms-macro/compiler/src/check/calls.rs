@@ -85,6 +85,10 @@ impl Evaluator<'_> {
             Builtin::Jump if normal_jump => self.jump_along(a, values[1], span)?,
             Builtin::Jump => self.jump(a, span)?,
             Builtin::Average => self.average(a, span)?,
+            Builtin::CellMean => {
+                let shape = self.arena.shape(a).to_vec();
+                self.arena.push(Operator::CellMean(a), shape, span)
+            }
             Builtin::Divergence => self.divergence(a, span)?,
             Builtin::Strain => self.strain(a, span)?,
             Builtin::Curl => self.curl(a, span)?,

@@ -96,7 +96,7 @@ const WORDS: &[(&[&str], &str)] = &[
         &["otherside", "neighbor", "neighbour"],
         "the value in the other cell of an interior facet is `other(u)`",
     ),
-    (&["mean", "average"], "the mean of the two sides of an interior facet is `avg(u)`"),
+    (&["average"], "the mean of the two sides of an interior facet is `avg(u)`"),
     // Fields and data.
     (
         &["interpolate", "interp", "project", "projection"],

@@ -113,6 +113,7 @@ impl Algebra<'_> {
             | Map(_, a)
             | Component(a, _)
             | Slice(a, _)
+            | CellMean(a)
             | Restrict(_, a)
             | Opposite(a, _)
             | Gradient(a)

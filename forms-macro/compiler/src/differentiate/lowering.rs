@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
+use super::cell_mean::{CellMeans, check_variable};
 use super::map_operands::map_operands;
 use super::rules::{Differentiation, Seed};
 use crate::check::Term;
@@ -102,6 +103,7 @@ impl Lowering<'_> {
                 }
             }
             Operator::Partial(expression, variable) => {
+                check_variable(&self.arena, expression, variable, self.diagnostics);
                 let expression = self.lower(expression);
                 let variable = self.lower_variable(variable);
                 let shape = node.shape[self.arena.shape(expression).len()..].to_vec();
@@ -113,6 +115,11 @@ impl Lowering<'_> {
                     directions.push(self.derive(expression, seed));
                 }
                 self.with_trailing_axes(expression, &directions, &shape)
+            }
+            Operator::CellMean(operand) => {
+                let operand = self.lower(operand);
+                let mean = CellMeans::new(&mut self.arena, &self.fields, self.diagnostics).of(operand);
+                mean.unwrap_or_else(|| self.arena.push(Operator::Zero, node.shape, span))
             }
             operator => {
                 let mut changed = false;

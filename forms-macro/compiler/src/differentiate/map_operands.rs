@@ -12,6 +12,7 @@ pub fn map_operands(operator: &Operator, change: &mut impl FnMut(Tensor) -> Tens
         Restrict(side, a) => Restrict(*side, change(*a)),
         Opposite(a, displacement) => Opposite(change(*a), change(*displacement)),
         Sliding(geometry, displacement) => Sliding(*geometry, change(*displacement)),
+        CellMean(a) => CellMean(change(*a)),
         Negate(a) => Negate(change(*a)),
         Map(map, a) => Map(*map, change(*a)),
         Determinant(a) => Determinant(change(*a)),

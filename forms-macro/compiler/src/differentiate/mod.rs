@@ -1,6 +1,7 @@
 //! Stage 3: [`CheckedFunction`] → [`Derived`]: the operators of differentiation are carried out, and
 //! residuals and tangents are derived. Nothing of a [`Derived`] holds `Gradient`, `Partial` or `Gateaux`.
 
+mod cell_mean;
 mod lowering;
 mod map_operands;
 pub mod rules;

@@ -14,6 +14,7 @@ mod shape;
 
 use std::collections::HashMap;
 
+use super::cell_mean::CellMeans;
 use crate::diagnostics::Diagnostics;
 use crate::parse::syntax::Comparison;
 use crate::tensor::{Arena, FieldInfo, Geometry, Operator, Tensor, Truth, Variable};
@@ -189,6 +190,7 @@ impl<'a> Differentiation<'a> {
                 let da = da?;
                 Some(self.push(Restrict(side, da), shape, tensor))
             }
+            CellMean(a) => self.cell_mean(tensor, a),
             Opposite(a, displacement) => self.at_opposite_point(tensor, a, displacement),
             Sliding(geometry, displacement) => self.sliding(tensor, geometry, displacement),
             // Below: only in formulas. For kernels they are removed before a derivative is taken of what holds them.
@@ -228,6 +230,23 @@ impl<'a> Differentiation<'a> {
                 None
             }
         }
+    }
+
+    /// d mean(e) = mean(de): a constant in space.
+    fn cell_mean(&mut self, tensor: Tensor, a: Tensor) -> Option<Tensor> {
+        if matches!(self.seed, Seed::Along(_)) {
+            return None;
+        }
+        if self.by_shape() {
+            self.diagnostics.error_with_help(
+                self.arena.span(tensor),
+                "the derivative of a mean over a cell by the shape is not available",
+                "give the mean a field of degree 0: an unknown `J`, or `J` and a multiplier `p` in an energy",
+            );
+            return None;
+        }
+        let change = self.derive(a)?;
+        CellMeans::new(self.arena, self.fields, self.diagnostics).of(change)
     }
 
     fn no_third_derivative(&mut self, tensor: Tensor) {

@@ -110,8 +110,8 @@ pub fn of_linear(integral: &LinearIntegral, optimised: &Optimised, module: &Modu
             of_component(&integral.flux, component).map(|(slot, _)| slot).collect::<Vec<_>>()
         })
         .collect::<crate::sorted::SortedSet<Derivative>>();
-    let second = slots.iter().any(|slot| matches!(slot, Derivative::Second(..)));
-    if entity != Entity::Cells || second {
+    let further = slots.iter().any(|slot| matches!(slot, Derivative::Second(..)) || slot.is_mean());
+    if entity != Entity::Cells || further {
         return text;
     }
     text += &row("sum factorisation", None, &columns, |(element, points)| {

@@ -6,12 +6,14 @@ use crate::optimise::plan::Operations;
 use crate::optimise::scalar::{Argument, Derivative, Graph, Node, Scalar};
 use crate::sorted::SortedSet;
 
-/// The derivatives of the test function or of the trial function that expressions read; `None` if there are second ones.
+/// The derivatives of the test function or of the trial function that expressions read; `None` if there are second ones or means.
 pub fn slots(graph: &Graph, roots: &[Scalar], argument: Argument) -> Option<SortedSet<Derivative>> {
     let mut slots = SortedSet::new();
     for scalar in graph.reachable(roots) {
         match graph.node(scalar) {
-            Node::Basis(_, Derivative::Second(..)) => return None,
+            Node::Basis(_, Derivative::Second(..) | Derivative::MeanValue | Derivative::MeanFirst(_)) => {
+                return None;
+            }
             Node::Basis(of, derivative) if *of == argument => {
                 slots.insert(*derivative);
             }

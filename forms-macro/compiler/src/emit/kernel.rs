@@ -87,7 +87,7 @@ impl KernelWriter<'_> {
                     #point_statements
                 }
                 #[inline(always)]
-                fn test<L: Lane>(&self, point: &[L; #point_count], basis: &contract::Basis<L, #d>, hessian: &contract::Hessian<L, #d>) -> [L; #components] {
+                fn test<L: Lane>(&self, point: &[L; #point_count], basis: &contract::Basis<L, #d>, further: &contract::Further<L, #d>) -> [L; #components] {
                     #test_statements
                     [#(#test_results),*]
                 }
@@ -176,12 +176,12 @@ impl KernelWriter<'_> {
                     #point_statements
                 }
                 #[inline(always)]
-                fn test<L: Lane>(&self, point: &[L; #point_count], basis: &contract::Basis<L, #d>, hessian: &contract::Hessian<L, #d>) -> [L; #test_count] {
+                fn test<L: Lane>(&self, point: &[L; #point_count], basis: &contract::Basis<L, #d>, further: &contract::Further<L, #d>) -> [L; #test_count] {
                     #test_statements
                     [#(#test_results),*]
                 }
                 #[inline(always)]
-                fn trial<L: Lane>(&self, point: &[L; #point_count], basis: &contract::Basis<L, #d>, hessian: &contract::Hessian<L, #d>) -> [L; #trial_count] {
+                fn trial<L: Lane>(&self, point: &[L; #point_count], basis: &contract::Basis<L, #d>, further: &contract::Further<L, #d>) -> [L; #trial_count] {
                     #trial_statements
                     [#(#trial_results),*]
                 }
@@ -361,7 +361,9 @@ impl KernelWriter<'_> {
         match node {
             Node::Basis(_, Derivative::Value) => quote! { basis.value },
             Node::Basis(_, Derivative::First(axis)) => quote! { basis.gradient[#axis] },
-            Node::Basis(_, Derivative::Second(first, second)) => quote! { hessian[#first][#second] },
+            Node::Basis(_, Derivative::Second(first, second)) => quote! { further.hessian[#first][#second] },
+            Node::Basis(_, Derivative::MeanValue) => quote! { further.mean.value },
+            Node::Basis(_, Derivative::MeanFirst(axis)) => quote! { further.mean.gradient[#axis] },
             Node::Accumulated(index) => quote! { accumulator[#index] },
             _ => quote! { f64::NAN },
         }

@@ -4,14 +4,14 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::description::name_of_side;
-use crate::optimise::scalar::{Argument, Derivative, Graph, Node, Scalar};
+use crate::optimise::scalar::{Argument, Derivative, Graph, Kind, Node, Scalar};
 use crate::sorted::SortedMap;
 use crate::tensor::{FieldInfo, Geometry, Side};
 
-/// The place of each derivative of a field in the `fields` slice: (field, side, order) → offset.
+/// The place of each derivative of a field in the `fields` slice: (field, side, kind) → offset.
 pub struct Layout {
     dimension: usize,
-    offsets: SortedMap<(usize, Side, usize), usize>,
+    offsets: SortedMap<(usize, Side, Kind), usize>,
     pub requirements: TokenStream,
 }
 
@@ -30,23 +30,24 @@ impl Layout {
             reads(&is_one)
         };
         let hessian = reads(&|node| matches!(node, Node::Basis(_, Derivative::Second(..))));
-        let mut offsets: SortedMap<(usize, Side, usize), usize> = SortedMap::new();
+        let mean = |argument: Argument| {
+            reads(
+                &|node| matches!(node, Node::Basis(of, derivative) if *of == argument && derivative.is_mean()),
+            )
+        };
+        let mut offsets: SortedMap<(usize, Side, Kind), usize> = SortedMap::new();
         for scalar in &terminals {
             if let Node::Field { field, side, derivative, .. } = graph.node(*scalar) {
-                offsets.insert((*field, *side, derivative.order()), 0);
+                offsets.insert((*field, *side, derivative.kind()), 0);
             }
         }
         let mut next = 0;
         let mut slots = Vec::new();
-        for ((field, side, order), offset) in offsets.iter_mut() {
+        for ((field, side, kind), offset) in offsets.iter_mut() {
             let components: usize = fields[*field].shape.iter().product();
             *offset = next;
-            next += components * dimension.pow(*order as u32);
-            let order = match order {
-                0 => quote! { Value },
-                1 => quote! { Gradient },
-                _ => quote! { Hessian },
-            };
+            next += components * dimension.pow(kind.order() as u32);
+            let order = format_ident!("{kind:?}");
             let side = name_of_side(*side);
             let start = *offset;
             slots.push(quote! {
@@ -78,6 +79,8 @@ impl Layout {
             ("test_derivatives", derivatives(Argument::Test)),
             ("trial_derivatives", derivatives(Argument::Trial)),
             ("hessian", hessian),
+            ("test_mean", mean(Argument::Test)),
+            ("trial_mean", mean(Argument::Trial)),
         ];
         let reads = reads.iter().filter(|(_, reads)| *reads).map(|(name, _)| format_ident!("{name}"));
         let requirements = quote! {
@@ -93,11 +96,11 @@ impl Layout {
 
     /// The place of a derivative of a component.
     pub fn position(&self, field: usize, side: Side, component: usize, derivative: Derivative) -> usize {
-        let offset = self.offsets[&(field, side, derivative.order())];
+        let offset = self.offsets[&(field, side, derivative.kind())];
         let d = self.dimension;
         match derivative {
-            Derivative::Value => offset + component,
-            Derivative::First(axis) => offset + component * d + axis,
+            Derivative::Value | Derivative::MeanValue => offset + component,
+            Derivative::First(axis) | Derivative::MeanFirst(axis) => offset + component * d + axis,
             Derivative::Second(first, second) => offset + (component * d + first) * d + second,
         }
     }

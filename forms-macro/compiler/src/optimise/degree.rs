@@ -159,6 +159,8 @@ impl<'a> Degrees<'a> {
             Negate(a) | Map(_, a) | Component(a, _) | Slice(a, _) | Restrict(_, a) | Opposite(a, _) => {
                 self.of(*a)
             }
+            // The same number at all points.
+            CellMean(_) => zero,
             // As |a| is where a is one number.
             Norm(a) => self.of(*a),
             Add(a, b) | Minimum(a, b) | Maximum(a, b) | Select(_, a, b) => self.of(*a).largest(self.of(*b)),

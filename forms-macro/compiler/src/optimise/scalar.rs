@@ -9,7 +9,7 @@ use std::cell::Cell;
 use super::hashing::Map;
 use crate::tensor::Function;
 use behaviour::Behaviour;
-pub use node::{Argument, Derivative, Node, Scalar};
+pub use node::{Argument, Derivative, Kind, Node, Scalar};
 
 /// All scalars of one function in one dimension.
 #[derive(Default)]

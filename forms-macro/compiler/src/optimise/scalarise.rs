@@ -65,6 +65,25 @@ impl Scalariser<'_> {
         self.components(tensor)[0]
     }
 
+    /// A field's derivatives of an order, or what is made of each.
+    fn field(
+        &mut self,
+        field: usize,
+        order: usize,
+        count: usize,
+        made: fn(Derivative) -> Derivative,
+    ) -> Vec<Scalar> {
+        let axes = multi_indices(&vec![self.dimension; order]);
+        let side = self.side;
+        (0..count)
+            .map(|entry| {
+                let component = entry / axes.len();
+                let derivative = made(Derivative::along(&axes[entry % axes.len()]));
+                self.graph.intern(Node::Field { field, side, component, derivative })
+            })
+            .collect()
+    }
+
     fn expand(&mut self, tensor: Tensor) -> Vec<Scalar> {
         use Operator::*;
         let arena = self.arena;
@@ -91,17 +110,12 @@ impl Scalariser<'_> {
                 let offset = self.parameter_offsets[*index];
                 (0..count).map(|component| self.graph.intern(Node::Parameter(offset + component))).collect()
             }
-            Field { field, order } => {
-                let axes = multi_indices(&vec![self.dimension; *order]);
-                let side = self.side;
-                (0..count)
-                    .map(|entry| {
-                        let component = entry / axes.len();
-                        let derivative = Derivative::along(&axes[entry % axes.len()]);
-                        self.graph.intern(Node::Field { field: *field, side, component, derivative })
-                    })
-                    .collect()
-            }
+            Field { field, order } => self.field(*field, *order, count, |derivative| derivative),
+            CellMean(a) => match arena.node(*a).operator {
+                Field { field, order } => self.field(field, order, count, Derivative::mean),
+                // What is no mean of a field has been reported.
+                _ => self.components(*a),
+            },
             Geometry(geometry) => (0..count).map(|component| self.geometry(*geometry, component)).collect(),
             Restrict(side, a) => self.components_on(*side, *a),
             Opposite(a, _) => self.components_on(Side::Other, *a),

@@ -4,7 +4,7 @@
 
 use super::emitted::Kernel;
 use super::interpreter::Value;
-use crate::reference::{Jet, Point};
+use crate::reference::{Jet, MEAN, Point};
 
 /// The points of a cell, each with its quadrature weight.
 pub type Points = [(f64, Point)];
@@ -62,6 +62,8 @@ fn fields(kernel: &Kernel, point: &Point) -> Value {
             "Value" => 0,
             "Gradient" => 1,
             "Hessian" => 2,
+            "MeanValue" => MEAN,
+            "MeanGradient" => MEAN + 1,
             other => panic!("the slot's order is {other}"),
         };
         assert_eq!(jet[0].len(), slot.member("components").index(), "the components of a slot");
@@ -83,7 +85,15 @@ fn basis(kernel: &Kernel, jet: &Jet) -> [Value; 2] {
             Value::numbers(jet[1].iter().map(|entry| requirement(kernel, "basis_gradient", *entry))),
         ),
     ]);
-    [basis, Value::List(hessian.collect())]
+    let mean = |numbers: &[f64]| {
+        let asked = reads(kernel, "test_mean") || reads(kernel, "trial_mean");
+        numbers.iter().map(|number| if asked { *number } else { f64::NAN }).collect::<Vec<_>>()
+    };
+    let mean = Value::structure([
+        ("value", Value::Number(mean(&jet[MEAN])[0])),
+        ("gradient", Value::numbers(mean(&jet[MEAN + 1]))),
+    ]);
+    [basis, Value::structure([("hessian", Value::List(hessian.collect())), ("mean", mean)])]
 }
 
 /// All parameters in a row.
@@ -103,8 +113,8 @@ pub fn linear(kernel: &Kernel, points: &Points, test: &Basis) -> Vec<f64> {
     for (point, jet) in points.iter().zip(test) {
         let data = [cell.clone(), point_geometry(kernel, point), fields(kernel, &point.1)];
         let flux = result(kernel, "point", &prepared, &data);
-        let [basis, hessian] = basis(kernel, jet);
-        let share = result(kernel, "test", &prepared, &[flux, basis, hessian]).to_numbers();
+        let [basis, further] = basis(kernel, jet);
+        let share = result(kernel, "test", &prepared, &[flux, basis, further]).to_numbers();
         assert_eq!(share.len(), block.len(), "the components of a test node");
         block.iter_mut().zip(share).for_each(|(sum, share)| *sum += share);
     }
@@ -120,8 +130,8 @@ pub fn bilinear(kernel: &Kernel, points: &Points, test: &Basis, trial: &Basis) -
         let data = [cell.clone(), point_geometry(kernel, point), fields(kernel, &point.1)];
         let data = result(kernel, "point", &prepared, &data);
         let side = |method: &str, jet: &Jet| {
-            let [basis, hessian] = basis(kernel, jet);
-            result(kernel, method, &prepared, &[data.clone(), basis, hessian])
+            let [basis, further] = basis(kernel, jet);
+            result(kernel, method, &prepared, &[data.clone(), basis, further])
         };
         let sides = [accumulator, side("test", &test[index]), side("trial", &trial[index])];
         let (_, mut scope) = kernel.call("pair", None, &sides);

@@ -2,10 +2,7 @@
 
 use crate::check::CheckedFunction;
 use crate::parse::syntax::{MemberKind, Module};
-use crate::reference::{Jet, Point};
-
-/// The highest derivative of a field for which there are numbers.
-pub const ORDERS: usize = 3;
+use crate::reference::{Jet, ORDERS, Point};
 
 /// Steele, Lea, Flood (2014): SplitMix64.
 #[derive(Clone)]
@@ -42,7 +39,7 @@ impl Random {
         vector
     }
 
-    /// A field with symmetric higher derivatives.
+    /// A field with symmetric higher derivatives, and any means.
     pub fn jet(&mut self, components: usize, dimension: usize) -> Jet {
         let mut jet: Jet =
             (0..=ORDERS as u32).map(|order| self.numbers(components * dimension.pow(order))).collect();
@@ -61,6 +58,7 @@ impl Random {
                 numbers[entry] = numbers[component * directions + sorted];
             }
         }
+        jet.extend([0, 1].map(|order| self.numbers(components * dimension.pow(order))));
         jet
     }
 }

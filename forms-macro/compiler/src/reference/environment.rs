@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use super::evaluator::{Evaluator, Move};
 use super::number::Number;
-use super::point::Jet;
+use super::point::{Jet, MEAN};
 use crate::check::Content;
 use crate::tensor::{FieldRole, Geometry, Side, Tensor, Variable};
 
@@ -81,10 +81,11 @@ impl Evaluator<'_> {
         let mut shifted = around.clone();
         let jets = around.fields.iter().flatten().zip(shifted.fields.iter_mut().flatten());
         for (jet, moved) in jets {
-            for (order, numbers) in Rc::make_mut(moved).iter_mut().enumerate() {
+            for (order, numbers) in Rc::make_mut(moved).iter_mut().enumerate().take(MEAN) {
                 for (entry, number) in numbers.iter_mut().enumerate() {
                     let unknown = Number::real(f64::NAN);
-                    let next = jet.get(order + 1).map_or(&unknown, |next| &next[entry * dimension + axis]);
+                    let next = jet.get(order + 1).filter(|_| order + 1 < MEAN);
+                    let next = next.map_or(&unknown, |next| &next[entry * dimension + axis]);
                     *number = number.moved(next, level);
                 }
             }
@@ -94,6 +95,21 @@ impl Evaluator<'_> {
         }
         shifted.level += 1;
         shifted
+    }
+
+    /// The environment in which fields are what their means are: that of an affine expression is its mean.
+    pub(super) fn averaged(&self, around: &Environment) -> Environment {
+        self.budget.spend_on_environment(around);
+        let mut averaged = around.clone();
+        for jet in averaged.fields.iter_mut().flatten() {
+            let jet = Rc::make_mut(jet);
+            let means = [jet[MEAN].clone(), jet[MEAN + 1].clone()];
+            for numbers in &mut jet[means.len()..MEAN] {
+                numbers.fill(Number::real(f64::NAN));
+            }
+            jet[..means.len()].clone_from_slice(&means);
+        }
+        averaged
     }
 
     /// The environment after a variable has moved by a direction, given as far as it is needed.

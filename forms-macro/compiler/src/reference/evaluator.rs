@@ -9,7 +9,7 @@ use super::environment::{Environment, SIDES, index_of_size};
 use super::functions;
 use super::matrices::*;
 use super::number::Number;
-use super::point::{Jet, Point};
+use super::point::{Jet, MEAN, Point};
 use crate::check::{CheckedFunction, Content, Term};
 use crate::parse::syntax::Comparison;
 use crate::tensor::{Function, Geometry, NEARLY_ZERO, Operator, Side, Tensor, Truth, Variable};
@@ -179,6 +179,7 @@ impl<'a> Evaluator<'a> {
             Restrict(side, a) => {
                 self.walk_known(*a, &Environment { side: *side, ..around.clone() }, known).to_vec()
             }
+            CellMean(a) => self.walk(*a, &self.averaged(around)).to_vec(),
             Geometry(geometry) => self.geometry(*geometry, around),
             Add(a, b) => pairs(&walk(*a), &walk(*b), self::Number::plus),
             Negate(a) => walk(*a).iter().map(|a| a.scaled(-1.0)).collect(),
@@ -290,8 +291,17 @@ impl<'a> Evaluator<'a> {
                     Variable::Shape(_) => self.orders_of_shape(*expression),
                     _ => 0,
                 };
-                let direction =
-                    SIDES.map(|side| self.jet(*direction, orders, &Environment { side, ..around.clone() }));
+                let reads_means = self.reads_means(*expression);
+                let direction = SIDES.map(|side| {
+                    let around = Environment { side, ..around.clone() };
+                    let mut jet = self.jet(*direction, orders, &around);
+                    if reads_means {
+                        // Entries between do not move.
+                        jet.resize(MEAN, vec![]);
+                        jet.extend(self.jet(*direction, 1, &self.averaged(&around)));
+                    }
+                    jet
+                });
                 let moved = self.moved(around, *variable, &direction);
                 let Variable::Shape(Some(entity)) = variable else {
                     return self.slope(*expression, &moved, around.level);
@@ -303,6 +313,12 @@ impl<'a> Evaluator<'a> {
             // An operator that is new: add its meaning here.
             other => panic!("the reference evaluator has no rule for {other:?}"),
         }
+    }
+
+    fn reads_means(&self, expression: Tensor) -> bool {
+        let arena = &self.checked.arena;
+        let is_mean = |node: Tensor| matches!(arena.node(node).operator, Operator::CellMean(_));
+        arena.reachable(&[expression]).into_iter().any(is_mean)
     }
 
     fn geometry(&self, geometry: Geometry, around: &Environment) -> Vec<Number> {

@@ -17,6 +17,6 @@ mod point;
 pub use budget::Budget;
 pub use evaluator::{Condition, Evaluator};
 pub use functions::error_function;
-pub use point::{Jet, Point};
+pub use point::{Jet, MEAN, ORDERS, Point};
 
 mod tests;

@@ -7,6 +7,7 @@ use super::environment::{Environment, SIDES};
 use super::evaluator::Evaluator;
 use super::matrices::{cofactor, determinant, identity, matrix_product, pairs, total, transposed};
 use super::number::Number;
+use super::point::MEAN;
 use crate::parse::syntax::Entity;
 use crate::tensor::{FieldRole, Function, Tensor};
 
@@ -108,7 +109,8 @@ impl Evaluator<'_> {
 fn seen_from_moved_point(jet: &[Vec<Number>], direction: &[Number], level: usize) -> Vec<Vec<Number>> {
     let dimension = direction.len();
     let moved = jet.iter().enumerate().map(|(order, numbers)| {
-        let entry = |(entry, number): (usize, &Number)| match jet.get(order + 1) {
+        let entry = |(entry, number): (usize, &Number)| match jet.get(order + 1).filter(|_| order + 1 < MEAN)
+        {
             Some(next) => {
                 let slopes = &next[entry * dimension..(entry + 1) * dimension];
                 number.moved(&total(&pairs(slopes, direction, Number::times)), level)

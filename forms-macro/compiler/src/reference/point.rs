@@ -1,8 +1,14 @@
 //! Everything that a form can read at one point.
 
 /// A field at a point: entry `m` holds the derivatives of order m, row-major with the component first
-/// (`components × Dᵐ` numbers).
+/// (`components × Dᵐ` numbers) up to [`ORDERS`]. From [`MEAN`] on come the means of value and gradient over the cell.
 pub type Jet = Vec<Vec<f64>>;
+
+/// The highest derivative of a field for which there are numbers.
+pub const ORDERS: usize = 3;
+
+/// The entry of a [`Jet`] with the mean of the value; that of the gradient is the next one.
+pub const MEAN: usize = ORDERS + 1;
 
 /// Data at a point, chosen freely: nothing needs to come from a mesh.
 #[derive(Clone, Debug)]

@@ -47,6 +47,8 @@ pub enum Fence {
     Jump,
     /// {a}.
     Average,
+    /// ⟨a⟩.
+    Mean,
 }
 
 /// The measure of an integral.

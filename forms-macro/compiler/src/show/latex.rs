@@ -102,6 +102,8 @@ impl Notation for Latex {
             "{" => "\\{".to_string(),
             "}" => "\\}".to_string(),
             "‖" => "\\|".to_string(),
+            "⟨" => "\\langle".to_string(),
+            "⟩" => "\\rangle".to_string(),
             "⟦" => "\\llbracket".to_string(),
             "⟧" => "\\rrbracket".to_string(),
             other => other.to_string(),
@@ -110,7 +112,7 @@ impl Notation for Latex {
         if ["\\frac", "\\begin"].iter().any(|tall| inner.contains(tall)) {
             return format!("\\left{} {inner} \\right{}", delimiter(open), delimiter(close));
         }
-        let space = |one: &str| if one.starts_with(['⟦', '⟧', '‖']) { " " } else { "" };
+        let space = |one: &str| if one.starts_with(['⟦', '⟧', '‖', '⟨']) { " " } else { "" };
         format!("{}{}{inner}{}", delimiter(open), space(open), delimiter(close))
     }
 

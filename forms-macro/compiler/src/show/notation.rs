@@ -116,6 +116,7 @@ pub trait Notation {
                     Fence::PositivePart => self.subscript(self.fenced("[", inner, "]"), self.sign("+")),
                     Fence::NegativePart => self.subscript(self.fenced("[", inner, "]"), self.sign("−")),
                     Fence::Jump => self.fenced("⟦", inner, "⟧"),
+                    Fence::Mean => self.fenced("⟨", inner, "⟩"),
                     Fence::Average => self.fenced("{", inner, "}"),
                 }
             }

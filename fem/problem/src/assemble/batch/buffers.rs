@@ -80,6 +80,7 @@ impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
                 reads.gradient |= requirements.basis_gradient || requirements.hessian;
                 reads.hessian |= requirements.hessian;
             }
+            reads.mean |= argument.mean;
         }
         self.coefficients.resize_with(requirements.fields.len(), Vec::new);
         self.at_points.resize_with(requirements.fields.len(), Vec::new);
@@ -94,7 +95,13 @@ impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
                 Values::Function { .. } if slot.order == Order::Hessian => {
                     return Err(AssemblyError::HessianOfFunction { form, field });
                 }
+                Values::Function { .. } if slot.order.is_mean() => {
+                    return Err(AssemblyError::MeanOfFunction { form, field });
+                }
                 Values::Discrete { element, space, .. } => {
+                    if slot.order.is_mean() {
+                        group.check_mean(form, field, space)?;
+                    }
                     group.check_support(form, field, space, side)?;
                     if slot.order != Order::Value && space.element_of(group.sides[side].shape).is_at_points()
                     {
@@ -113,6 +120,12 @@ impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
             };
             coefficients.resize(length, zero);
             at_points.clear();
+            if let Some(element) = element
+                && slot.order.is_mean()
+            {
+                reads[side][element].mean = true;
+                continue;
+            }
             if let Some(element) = element {
                 if let Some(tables) = factorised(&group.sides[side], element, slot) {
                     let lists = if slot.order == Order::Value { 1 } else { D };
@@ -157,14 +170,18 @@ pub(in crate::assemble) struct ArgumentBasis {
     /// By index into the binding's.
     pub element: usize,
     pub reading: Reading,
+    /// Means over the cell are read.
+    pub mean: bool,
 }
 
-/// Whether a kernel or one of its fields reads values, gradients and second derivatives of an element's basis.
+/// Whether a kernel or one of its fields reads values, gradients, second derivatives and means of an element's basis.
 #[derive(Clone, Copy, Default)]
 pub(in crate::assemble) struct Reads {
     pub value: bool,
     pub gradient: bool,
     pub hessian: bool,
+    /// The means over the cell.
+    pub mean: bool,
 }
 
 instantiate!(buffers in lanes: BatchBuffers::<L, D>::prepare);

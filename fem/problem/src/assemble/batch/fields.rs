@@ -89,20 +89,18 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
     ) -> Result<(), AssemblyError> {
         for index in 0..requirements.fields.len() {
             let slot = requirements.fields[index];
-            let count = match slot.order {
-                Order::Value => slot.components,
-                Order::Gradient => slot.components * D,
-                Order::Hessian => slot.components * D * D,
-            };
+            let count = slot.components * D.pow(slot.order.axes() as u32);
             let range = slot.offset..slot.offset + count;
             match &self.binding.values[slot.field] {
                 Values::Absent => self.buffers.fields[range].fill(L::splat(0.0)),
                 Values::Constant(values) => {
                     for (component, target) in self.buffers.fields[range].iter_mut().enumerate() {
-                        let value = if slot.order == Order::Value { values[component] } else { 0.0 };
+                        let value = if slot.order.axes() == 0 { values[component] } else { 0.0 };
                         *target = L::splat(value);
                     }
                 }
+                // The same at all points: `Batch::load_means`.
+                Values::Discrete { .. } | Values::Given { .. } if slot.order.is_mean() => {}
                 Values::Discrete { .. } | Values::Given { .. }
                     if !self.buffers.at_points[index].is_empty() =>
                 {
@@ -201,7 +199,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
     #[inline(always)]
     fn interpolate(&mut self, slot: &FieldSlot, index: usize, element: usize, nodes: usize) {
         let side = &self.buffers.sides[side_index(slot.side)];
-        let (basis, hessians) = (&side.basis[element][..nodes], &side.hessians[element][..nodes]);
+        let (basis, further) = (&side.basis[element][..nodes], &side.further[element][..nodes]);
         let components = slot.components;
         let coefficients = &self.buffers.coefficients[index][..nodes * components];
         // One component after the other, so that its sums stay in registers.
@@ -235,13 +233,15 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                         let coefficient = coefficients[node * components + component];
                         for i in 0..D {
                             for j in 0..D {
-                                sums[i][j] = hessians[node][i][j].multiply_add(coefficient, sums[i][j]);
+                                sums[i][j] =
+                                    further[node].hessian[i][j].multiply_add(coefficient, sums[i][j]);
                             }
                         }
                     }
                     let start = slot.offset + component * D * D;
                     self.buffers.fields[start..start + D * D].copy_from_slice(sums.as_flattened());
                 }
+                Order::MeanValue | Order::MeanGradient => {}
             }
         }
     }
@@ -332,13 +332,13 @@ pub(super) fn factorised<'a, const D: usize>(
         Order::Value => (nodes, 0),
         // The gradients of the basis may be there anyway, so that they do not count.
         Order::Gradient => (nodes * D, D * D),
-        Order::Hessian => return None,
+        Order::Hessian | Order::MeanValue | Order::MeanGradient => return None,
     };
     let made = axis_operations::<D>(tables, Derivatives::of_slot(slot)) + points * at_point;
     (made < points * direct).then_some(tables)
 }
 
-fn side_index(side: Side) -> usize {
+pub(super) fn side_index(side: Side) -> usize {
     match side {
         Side::This => 0,
         Side::Other => 1,

@@ -255,7 +255,9 @@ fn take_hessians<L: SimdLane, const D: usize>(
     let zero = L::splat(0.0);
     if tables.elements[index].on_facets {
         // A trace has none: what would read it must not pass for a number.
-        side.hessians[index].fill([[L::splat(f64::NAN); D]; D]);
+        for further in &mut side.further[index] {
+            further.hessian = [[L::splat(f64::NAN); D]; D];
+        }
         return;
     }
     let mut map = [[[zero; D]; D]; D];
@@ -284,7 +286,7 @@ fn take_hessians<L: SimdLane, const D: usize>(
                 }
             }
         }
-        let hessian = &mut side.hessians[index][node];
+        let hessian = &mut side.further[index][node].hessian;
         for i in 0..D {
             for j in 0..D {
                 hessian[i][j] = zero;

@@ -3,7 +3,7 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]
 
-use forms_core::contract::{Basis, Hessian};
+use forms_core::contract::{Basis, Further};
 
 use super::cell_map::{curvature, inverse_transposed, largest_distance, tangential};
 use super::{Cells, Reads};
@@ -38,8 +38,8 @@ pub(super) struct SideBuffers<L, const D: usize> {
     pub nodes: Vec<[L; D]>,
     /// Basis functions at the current point, one list per element.
     pub basis: Vec<Vec<Basis<L, D>>>,
-    /// Their second derivatives, zero unless a kernel reads them.
-    pub hessians: Vec<Vec<Hessian<L, D>>>,
+    /// Their second derivatives, and their means over the cell; zero unless a kernel reads them.
+    pub further: Vec<Vec<Further<L, D>>>,
     /// ∂x_i/∂ξ_j, its determinant and J⁻ᵀ, of affine cells.
     pub jacobian: [[L; D]; D],
     pub determinant: L,
@@ -61,7 +61,7 @@ impl<L: SimdLane, const D: usize> Default for SideBuffers<L, D> {
             cells: [0; WIDEST],
             nodes: vec![],
             basis: vec![],
-            hessians: vec![],
+            further: vec![],
             jacobian: [[zero; D]; D],
             determinant: zero,
             inverse: [[zero; D]; D],
@@ -79,11 +79,11 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
             self.nodes.resize(tables.geometry.nodes, [zero; D]);
         }
         self.basis.resize_with(tables.elements.len(), Vec::new);
-        self.hessians.resize_with(tables.elements.len(), Vec::new);
+        self.further.resize_with(tables.elements.len(), Vec::new);
         for (element, tables) in tables.elements.iter().enumerate() {
             if self.basis[element].len() != tables.nodes {
                 self.basis[element].resize(tables.nodes, empty);
-                self.hessians[element].resize(tables.nodes, [[zero; D]; D]);
+                self.further[element].resize(tables.nodes, Further::none());
             }
         }
     }
@@ -304,7 +304,9 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
         let zero = L::splat(0.0);
         if tables.elements[index].on_facets {
             // A trace has none: what would read it must not pass for a number.
-            self.hessians[index].fill([[L::splat(f64::NAN); D]; D]);
+            for further in &mut self.further[index] {
+                further.hessian = [[L::splat(f64::NAN); D]; D];
+            }
             return;
         }
         let mut map = [[[zero; D]; D]; D];
@@ -335,7 +337,7 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
                     }
                 }
             }
-            let hessian = &mut self.hessians[index][node];
+            let hessian = &mut self.further[index][node].hessian;
             for i in 0..D {
                 for j in 0..D {
                     hessian[i][j] = zero;

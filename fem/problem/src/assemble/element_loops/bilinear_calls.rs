@@ -4,7 +4,7 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]
 
-use forms_core::contract::{Basis, BilinearKernel, CellGeometry, Hessian, PointGeometry};
+use forms_core::contract::{Basis, BilinearKernel, CellGeometry, Further, PointGeometry};
 
 use super::NodePairs;
 use super::reference_tensor::{ReferenceTensor, contract, suits};
@@ -42,19 +42,19 @@ pub(in crate::assemble) enum MatrixCall<'a, L, const D: usize> {
 /// Functions at a point.
 pub(in crate::assemble) struct Functions<'a, L, const D: usize> {
     pub basis: &'a [Basis<L, D>],
-    pub hessians: &'a [Hessian<L, D>],
+    pub further: &'a [Further<L, D>],
     /// The places of those that count, where not all do.
     pub places: Option<&'a [usize]>,
 }
 
 impl<L, const D: usize> Functions<'_, L, D> {
     #[inline(always)]
-    fn at(&self, function: usize) -> (&Basis<L, D>, &Hessian<L, D>) {
+    fn at(&self, function: usize) -> (&Basis<L, D>, &Further<L, D>) {
         let place = match self.places {
             Some(places) => places[function],
             None => function,
         };
-        (&self.basis[place], &self.hessians[place])
+        (&self.basis[place], &self.further[place])
     }
 }
 
@@ -129,12 +129,12 @@ impl<K: BilinearKernel<D>, L: SimdLane, const D: usize> SharedWork<L>
                 let point = kernel.point(&copied(cell), geometry, fields);
                 let (own_tests, own_trials) = (&mut own_tests[..], &mut own_trials[..]);
                 for i in 0..nodes[0] {
-                    let (basis, hessian) = tests.at(i);
-                    own_tests[i * points + *q] = kernel.test(&point, basis, hessian);
+                    let (basis, further) = tests.at(i);
+                    own_tests[i * points + *q] = kernel.test(&point, basis, further);
                 }
                 for j in 0..nodes[1] {
-                    let (basis, hessian) = trials.at(j);
-                    own_trials[j * points + *q] = kernel.trial(&point, basis, hessian);
+                    let (basis, further) = trials.at(j);
+                    own_trials[j * points + *q] = kernel.trial(&point, basis, further);
                 }
             }
             MatrixCall::Pairs { symmetric, blocks } => {

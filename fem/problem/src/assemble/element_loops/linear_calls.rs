@@ -4,7 +4,7 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]
 
-use forms_core::contract::{Basis, CellGeometry, Hessian, LinearKernel, PointGeometry};
+use forms_core::contract::{Basis, CellGeometry, Further, LinearKernel, PointGeometry};
 
 use crate::lanes::{SharedWork, SimdLane};
 
@@ -18,7 +18,7 @@ pub(in crate::assemble) enum VectorCall<'a, L, const D: usize> {
         fields: &'a [L],
         basis: &'a [Basis<L, D>],
         /// As many as basis functions.
-        hessians: &'a [Hessian<L, D>],
+        further: &'a [Further<L, D>],
         /// That for function i and component c is added at `(i * components + c) * stride`.
         target: &'a mut [L],
         stride: usize,
@@ -65,13 +65,13 @@ impl<K: LinearKernel<D>, L: SimdLane, const D: usize> SharedWork<L>
         let LinearCalls { kernel, cell } = self.calls;
         match self.call {
             VectorCall::Cell(geometry) => *cell = Some(kernel.cell(geometry)),
-            VectorCall::Point { geometry, fields, basis, hessians, target, stride } => {
+            VectorCall::Point { geometry, fields, basis, further, target, stride } => {
                 let Some(cell) = cell else { unreachable!("a cell comes before its points") };
                 let flux = kernel.point(cell, geometry, fields);
                 let (components, stride) = (K::TEST_COMPONENTS, *stride);
-                let hessians = &hessians[..basis.len()];
+                let further = &further[..basis.len()];
                 for i in 0..basis.len() {
-                    let block = kernel.test(&flux, &basis[i], &hessians[i]);
+                    let block = kernel.test(&flux, &basis[i], &further[i]);
                     let block = &block.as_ref()[..components];
                     for component in 0..components {
                         target[(i * components + component) * stride] += block[component];

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use forms_core::contract::{Basis, BilinearConstants, BilinearKernel};
+use forms_core::contract::{Basis, BilinearConstants, BilinearKernel, Further};
 
 use super::bilinear_calls::{BilinearCalls, Factors, Functions, MatrixCall, MatrixCalls};
 use crate::assemble::AssemblyError;
@@ -138,7 +138,7 @@ impl<const D: usize> ElementMatrices<'_, D> {
         let (side, element) = (self.sides[argument], self.elements[argument]);
         Functions {
             basis: batch.basis(side, element),
-            hessians: batch.hessians(side, element),
+            further: batch.further(side, element),
             places: self.seen[argument].as_deref(),
         }
     }
@@ -192,8 +192,13 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
             None => (rows * columns * kernel.entries(), order),
         };
         let reading = Reading::of_arguments(kernel.requirements);
-        let basis =
-            |k: usize| ArgumentBasis { side: task.sides[k], element: task.elements[k], reading: reading[k] };
+        let means = [kernel.requirements.test_mean, kernel.requirements.trial_mean];
+        let basis = |k: usize| ArgumentBasis {
+            side: task.sides[k],
+            element: task.elements[k],
+            reading: reading[k],
+            mean: means[k],
+        };
         let both = [basis(0), basis(1)];
         let arguments: &[ArgumentBasis] = if factorised.is_some() { &[] } else { &both };
         let requirements = *kernel.requirements;
@@ -204,7 +209,7 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
         let zero = L::splat(0.0);
         // Functions whose value, or whose derivative along one axis of the reference cell, is one.
         let mut units = [Basis { value: zero, gradient: [zero; D] }; 4];
-        let no_hessians = [[[zero; D]; D]; 4];
+        let nothing_further = [Further::none(); 4];
         let mut start = range.start;
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
@@ -223,8 +228,8 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
                             units[k].gradient[i] = units[k].gradient[i] * slope;
                         }
                     }
-                    let (basis, hessians) = (&units[..asked], &no_hessians[..asked]);
-                    let functions = || Functions { basis, hessians, places: None };
+                    let (basis, further) = (&units[..asked], &nothing_further[..asked]);
+                    let functions = || Functions { basis, further, places: None };
                     let (geometry, fields) = (batch.geometry(), batch.fields());
                     let (tests, trials) = (functions(), functions());
                     calls.call(&mut MatrixCall::Point { q, geometry, fields, tests, trials });
@@ -300,7 +305,7 @@ pub(in crate::assemble) fn along_axes<const D: usize>(
     tables: &ProductTables,
     symmetric: bool,
 ) -> bool {
-    if !kernel.scalar() || kernel.requirements.hessian {
+    if !kernel.scalar() || kernel.requirements.reads_further() {
         return false;
     }
     let derivatives = Derivatives::of_arguments(kernel.requirements);
@@ -315,7 +320,7 @@ pub(in crate::assemble) fn by_moments<const D: usize>(
     tables: &ProductTables,
     symmetric: bool,
 ) -> Option<Moments> {
-    if kernel.requirements.hessian {
+    if kernel.requirements.reads_further() {
         return None;
     }
     let derivatives = Derivatives::of_arguments(kernel.requirements);

@@ -27,7 +27,7 @@ pub(in crate::assemble) const fn suits<K: BilinearKernel<D>, const D: usize>() -
 }
 
 const fn allows(kernel: &BilinearConstants) -> bool {
-    kernel.cell_constant && !kernel.requirements.hessian && kernel.entries() <= LARGEST_BLOCK
+    kernel.cell_constant && !kernel.requirements.reads_further() && kernel.entries() <= LARGEST_BLOCK
 }
 
 /// R, for the pairs of nodes that are computed.

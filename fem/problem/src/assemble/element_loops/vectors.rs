@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use forms_core::contract::{Basis, LinearConstants, LinearKernel};
+use forms_core::contract::{Basis, Further, LinearConstants, LinearKernel};
 
 use super::linear_calls::{LinearCalls, VectorCall, VectorCalls};
 use crate::assemble::AssemblyError;
@@ -109,7 +109,7 @@ impl<const D: usize> ElementVectors<'_, D> {
     fn factorised(&self, kernel: &LinearConstants) -> Option<&ProductTables> {
         let tables = self.group.sides[self.side].products[self.element].as_ref()?;
         let (requirements, of_test) = (kernel.requirements, kernel.operations.test);
-        if requirements.hessian {
+        if requirements.reads_further() {
             return None;
         }
         let (nodes, points) = (self.nodes(), self.group.points());
@@ -147,7 +147,8 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
         let factorised = task.factorised(kernel);
         let requirements = *kernel.requirements;
         let [reading, _] = Reading::of_arguments(&requirements);
-        let own = [ArgumentBasis { side, element, reading }];
+        let mean = kernel.requirements.test_mean;
+        let own = [ArgumentBasis { side, element, reading, mean }];
         let arguments: &[ArgumentBasis] = if factorised.is_some() { &[] } else { &own };
         let mut batch = Batch::<L, D>::new(task.binding, group, task.cells, requirements, arguments, batch)?;
         sums.resize(size, zero);
@@ -157,7 +158,7 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
             at_points.resize(components * asked * tables.place_of.len(), zero);
         }
         let mut units = [Basis { value: zero, gradient: [zero; D] }; 4];
-        let no_hessians = [[[zero; D]; D]; 4];
+        let nothing_further = [Further::none(); 4];
         let mut start = range.start;
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
@@ -170,19 +171,17 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
             for q in 0..group.points() {
                 batch.point(q)?;
                 let (geometry, fields) = (batch.geometry(), batch.fields());
-                let (basis, hessians, place) = match factorised {
+                let (basis, further, place) = match factorised {
                     Some(tables) => {
                         for k in 0..asked {
                             units[k] = unit(batch.inverse(), derivatives.kind(k));
                         }
-                        (&units[..asked], &no_hessians[..asked], tables.place_of[q] as usize)
+                        (&units[..asked], &nothing_further[..asked], tables.place_of[q] as usize)
                     }
-                    None => {
-                        (&batch.basis(side, element)[..nodes], &batch.hessians(side, element)[..nodes], 0)
-                    }
+                    None => (&batch.basis(side, element)[..nodes], &batch.further(side, element)[..nodes], 0),
                 };
                 let target = &mut target[place..];
-                calls.call(&mut VectorCall::Point { geometry, fields, basis, hessians, target, stride });
+                calls.call(&mut VectorCall::Point { geometry, fields, basis, further, target, stride });
             }
             if let Some(tables) = factorised {
                 let (source, sums) = (&at_points[..], &mut sums[..]);

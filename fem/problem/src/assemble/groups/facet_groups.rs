@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use super::means::FurtherTables;
 use super::{Group, GroupSide, Places};
 use crate::assemble::AssemblyError;
 use crate::assemble::binding::Binding;
@@ -55,7 +56,7 @@ pub(in crate::assemble) fn facet_groups<const D: usize>(
     place: &str,
     facets: &Entities,
     rule: &QuadratureRule<2>,
-    hessians: bool,
+    further: FurtherTables,
 ) -> Result<Vec<(Group<D>, Vec<usize>)>, AssemblyError> {
     let (mesh, form) = (binding.mesh, binding.name);
     let shape = |facet: &Facet| mesh.cell_shape(facet.cell as usize);
@@ -100,7 +101,7 @@ pub(in crate::assemble) fn facet_groups<const D: usize>(
         let mut sides = Vec::new();
         for (index, side) in numbered.into_iter().enumerate() {
             let cells = indices.iter().map(|facet| facets.sides(*facet)[index].cell).collect();
-            sides.push(side_of_group(binding, cells, &side, rule, hessians)?);
+            sides.push(side_of_group(binding, cells, &side, rule, further)?);
         }
         Ok((Group { place: place.to_owned(), sides, weights: rule.weights.clone(), pairs: None }, indices))
     };
@@ -115,12 +116,12 @@ fn side_of_group<const D: usize>(
     cells: Vec<u32>,
     side: &NumberedSide<D>,
     rule: &QuadratureRule<2>,
-    hessians: bool,
+    further: FurtherTables,
 ) -> Result<GroupSide<D>, QuadratureError> {
     let mesh = binding.mesh;
     let FacetRule { points, tangents, .. } = map_to_corners(side.corners, rule);
     let places = Places { points, facet: Some((side.local, tangents)) };
-    let mut group = GroupSide::new(mesh, &binding.elements, (side.shape, cells), &places, hessians)?;
+    let mut group = GroupSide::new(mesh, &binding.elements, (side.shape, cells), &places, further)?;
     if side.in_part
         && let Some((table, weights)) = &mut group.measure.facet
     {

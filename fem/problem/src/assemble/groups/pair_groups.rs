@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use forms_core::contract::{Integral, Pairing, Requirements};
 
+use super::means::FurtherTables;
 use super::{Group, GroupSide, Places};
 use crate::assemble::batch::basis_in_lanes::LaneElement;
 use crate::assemble::binding::{Binding, pair_error};
@@ -55,7 +56,7 @@ pub(in crate::assemble) fn pair_groups<const D: usize>(
     binding.check_functions_on_pairs(region, quadrature, degree, requirements)?;
     let pairs = binding.pairs(region, integral.displacement, quadrature, degree)?;
     let region = &binding.regions[region];
-    groups_of(binding, &format!("the pairs `{}` ({})", region.symbol, region.name), &pairs)
+    groups_of(binding, &format!("the pairs `{}` ({})", region.symbol, region.name), &pairs, requirements)
 }
 
 /// The groups of some pairs.
@@ -64,9 +65,12 @@ pub(in crate::assemble) fn groups_of<const D: usize>(
     binding: &Binding<D>,
     place: &str,
     pairs: &Pairs<D>,
+    requirements: &Requirements,
 ) -> Result<Vec<Group<D>>, AssemblyError> {
     let mesh = binding.mesh;
     let form = binding.name;
+    // Second derivatives are evaluated in lanes.
+    let further = FurtherTables { hessians: false, means: requirements.reads_means() };
     let mut groups = Vec::new();
     // Groups that differ by the number of points have the same tables.
     let mut known: HashMap<(usize, CellShape, u8), GroupSide<D>> = HashMap::new();
@@ -91,7 +95,7 @@ pub(in crate::assemble) fn groups_of<const D: usize>(
             let rule = map_to_facet::<D>(shape, usize::from(local), &vertex).map_err(failed)?;
             let places = Places { points: rule.points, facet: Some((local, rule.tangents)) };
             let made =
-                GroupSide::new(mesh, &binding.elements, (shape, vec![]), &places, false).map_err(failed)?;
+                GroupSide::new(mesh, &binding.elements, (shape, vec![]), &places, further).map_err(failed)?;
             sides.push(GroupSide { cells, ..made.clone() });
             known.insert((side, shape, local), made);
         }

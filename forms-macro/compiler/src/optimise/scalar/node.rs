@@ -22,6 +22,31 @@ pub enum Derivative {
     First(usize),
     /// Along two axes, the smaller one first: second derivatives are symmetric.
     Second(usize, usize),
+    /// Mean of the value over the cell.
+    MeanValue,
+    /// Mean over the cell of the derivative along an axis.
+    MeanFirst(usize),
+}
+
+/// The derivatives of a component that are read together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    Value,
+    Gradient,
+    Hessian,
+    MeanValue,
+    MeanGradient,
+}
+
+impl Kind {
+    /// Number of axes along which a component is differentiated.
+    pub fn order(self) -> usize {
+        match self {
+            Kind::Value | Kind::MeanValue => 0,
+            Kind::Gradient | Kind::MeanGradient => 1,
+            Kind::Hessian => 2,
+        }
+    }
 }
 
 impl Derivative {
@@ -34,12 +59,28 @@ impl Derivative {
         }
     }
 
-    /// Order of differentiation of the component.
-    pub fn order(self) -> usize {
+    /// The mean over the cell of a value or first derivative.
+    pub fn mean(self) -> Self {
         match self {
-            Derivative::Value => 0,
-            Derivative::First(_) => 1,
-            Derivative::Second(..) => 2,
+            Derivative::Value => Derivative::MeanValue,
+            Derivative::First(axis) => Derivative::MeanFirst(axis),
+            other => other,
+        }
+    }
+
+    /// Is it a mean over the cell?
+    pub fn is_mean(self) -> bool {
+        matches!(self, Derivative::MeanValue | Derivative::MeanFirst(_))
+    }
+
+    /// What it is read with.
+    pub fn kind(self) -> Kind {
+        match self {
+            Derivative::Value => Kind::Value,
+            Derivative::First(_) => Kind::Gradient,
+            Derivative::Second(..) => Kind::Hessian,
+            Derivative::MeanValue => Kind::MeanValue,
+            Derivative::MeanFirst(_) => Kind::MeanGradient,
         }
     }
 }

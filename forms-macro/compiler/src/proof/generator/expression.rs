@@ -19,6 +19,8 @@ pub struct Limits {
     pub facets: bool,
     /// On an interior facet, outside `this`, `other`, `jump` and `avg`: fields have no value yet.
     pub sideless: bool,
+    /// Means over the cell may be read: not in what `derivative` and `diff` differentiate, by which they may not be.
+    pub means: bool,
     /// The test function in which the expression is linear.
     pub test: Option<usize>,
 }
@@ -136,6 +138,8 @@ impl Writer<'_, '_> {
         let is_part = |(at, _): &(usize, &str)| {
             template[at + 1..].starts_with(['s', 'v', 't', 'q', 'c', 'S', 'V', 'T'])
         };
+        let derived = template.contains("derivative(") || template.contains("diff(");
+        let limits = Limits { means: limits.means && !derived, ..limits };
         let smaller = limits.smaller(template.match_indices('{').filter(is_part).count());
         let mut text = String::from("(");
         let mut rest = template;
@@ -209,6 +213,12 @@ impl Writer<'_, '_> {
             if name.field && limits.order >= 1 && name.shape.axes() + 1 == shape.axes() {
                 leaves.push(format!("grad({})", name.text));
             }
+            if name.field && name.variable && limits.means && name.shape == shape {
+                leaves.push(format!("mean({})", name.text));
+            }
+            if name.field && name.variable && limits.means && name.shape.axes() + 1 == shape.axes() {
+                leaves.push(format!("mean(h * grad({}))", name.text));
+            }
             if name.field && limits.order >= 2 && name.shape.axes() + 2 == shape.axes() && known("hess(u)") {
                 leaves.push(format!("hess({})", name.text));
             }
@@ -234,12 +244,16 @@ impl Writer<'_, '_> {
     /// A test function, brought to a shape.
     fn linear_leaf(&mut self, shape: Shape, test: usize, limits: Limits) -> String {
         let Name { text, shape: own, .. } = self.tests[test].clone();
+        let averaged = limits.means && self.choices.below(3) == 0;
         if own == shape {
-            return text;
+            return if averaged { format!("mean({text})") } else { text };
         }
         let letter = own.letter();
         let gradient = limits.order >= 1;
         let template = match (own, shape) {
+            (Shape::Scalar, Shape::Vector) | (Shape::Vector, Shape::Tensor) if gradient && averaged => {
+                "mean(grad(#))".to_string()
+            }
             (Shape::Scalar, Shape::Vector) if gradient => "grad(#)".to_string(),
             (Shape::Scalar, Shape::Tensor) if limits.order >= 2 && known("hess(u)") => "hess(#)".to_string(),
             (Shape::Vector, Shape::Tensor) if gradient => "grad(#)".to_string(),
@@ -282,7 +296,8 @@ impl Writer<'_, '_> {
             return None;
         }
         let function = *self.choices.one_of(&fits);
-        let inside = limits.inside(function.order)?.smaller(function.arguments.len());
+        let inside = Limits { means: false, ..limits };
+        let inside = inside.inside(function.order)?.smaller(function.arguments.len());
         let arguments: Vec<String> =
             function.arguments.iter().map(|shape| self.expression(*shape, inside)).collect();
         Some(format!("{}({})", function.text, arguments.join(", ")))
@@ -291,7 +306,7 @@ impl Writer<'_, '_> {
     /// `{ let w = ..; .. }`, where w may be used in what follows.
     fn block(&mut self, shape: Shape, limits: Limits) -> Option<String> {
         let inside = limits.smaller(2);
-        let (name, value) = self.name_a_value(inside.free());
+        let (name, value) = self.name_a_value(Limits { means: false, ..inside.free() });
         let before = self.names.len();
         self.names.push(name.clone());
         let result = self.expression(shape, inside);

@@ -63,8 +63,15 @@ pub fn module(list: &[u32], dimension: usize) -> String {
     let body = match result {
         "Scalar" | "Vector" | "Tensor" => {
             let shape = Shape::FIELDS.into_iter().find(|shape| shape.name() == result);
-            let limits =
-                Limits { size: 12, order, smooth: false, facets: false, sideless: false, test: None };
+            let limits = Limits {
+                size: 12,
+                order,
+                smooth: false,
+                facets: false,
+                sideless: false,
+                means: true,
+                test: None,
+            };
             writer.expression(shape.unwrap_or(Shape::Scalar), limits)
         }
         _ => integrals(&mut writer, order),
@@ -98,7 +105,8 @@ fn helper(
     let declared: Vec<String> =
         arguments.iter().enumerate().map(|(number, shape)| format!("a{number}: {}", shape.name())).collect();
     let mut writer = Writer { choices, dimension, names, tests: vec![], functions, lets: 0 };
-    let limits = Limits { size: 5, order, smooth: true, facets: false, sideless: false, test: None };
+    let limits =
+        Limits { size: 5, order, smooth: true, facets: false, sideless: false, means: false, test: None };
     let body = writer.expression(result, limits);
     let declared = declared.join(", ");
     let written = format!("    fn {text}({declared}) -> {} {{\n        {body}\n    }}\n", result.name());
@@ -115,13 +123,21 @@ fn integrals(writer: &mut Writer, order: usize) -> String {
             0 => None,
             count => Some(writer.choices.below(count)),
         };
-        let limits = Limits { size: 14, order, smooth: false, facets, sideless, test };
+        let limits = Limits { size: 14, order, smooth: false, facets, sideless, means: true, test };
         let density = writer.expression(Shape::Scalar, limits);
         let mut integral = format!("integral({region}, {density})");
         // The measure moves, too; everything in the integral must have a derivative by the shape.
         if writer.choices.below(4) == 1 && order >= 1 {
-            let smooth = Limits { size: 8, order: order - 1, smooth: true, facets: false, sideless, test };
-            let theta = Limits { size: 4, sideless: false, test: None, ..smooth };
+            let smooth = Limits {
+                size: 8,
+                order: order - 1,
+                smooth: true,
+                facets: false,
+                sideless,
+                means: false,
+                test,
+            };
+            let theta = Limits { size: 4, sideless: false, means: true, test: None, ..smooth };
             let density = writer.expression(Shape::Scalar, smooth);
             let theta = writer.expression(Shape::Vector, theta);
             integral = format!("derivative(integral({region}, {density}), shape, {theta})");

@@ -4,7 +4,7 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]
 
-use forms_core::contract::{BilinearConstants, BilinearKernel};
+use forms_core::contract::{BilinearConstants, BilinearKernel, Further};
 
 use super::batch::FixedBatch;
 use super::fields::FieldBuffers;
@@ -94,7 +94,7 @@ impl<L: SimdLane> ByMoments<L> {
             const { (lengths::<K, D>(), <S::Points<f64> as Array<f64>>::LENGTH) };
         let slope = L::splat(self.moments.slope);
         let target = &mut self.numbers[..pairs * entries * points];
-        let hessian = [[L::splat(0.0); D]; D];
+        let further = Further::none();
         let cell = kernel.cell(&batch.cell_geometry(requirements));
         let mut numbers = [L::splat(0.0); MOST_NUMBERS];
         let (test, trial) = K::zero_factors::<L>();
@@ -111,8 +111,8 @@ impl<L: SimdLane> ByMoments<L> {
             }
             for k in 0..asked {
                 let function = unit::<L, D>(&inverse, derivatives.kind(k));
-                tests[k] = kernel.test(&point, &function, &hessian);
-                trials[k] = kernel.trial(&point, &function, &hessian);
+                tests[k] = kernel.test(&point, &function, &further);
+                trials[k] = kernel.trial(&point, &function, &further);
             }
             let place = self.place_of[q] as usize;
             assert!(place < points);

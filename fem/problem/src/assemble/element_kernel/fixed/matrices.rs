@@ -4,7 +4,7 @@
 // loops over lane values are plain.
 #![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
-use forms_core::contract::{BilinearConstants, BilinearKernel};
+use forms_core::contract::{BilinearConstants, BilinearKernel, Further};
 
 use super::batch::FixedBatch;
 use super::by_moments::{self, ByMoments};
@@ -318,15 +318,15 @@ impl<'a, K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Work<'a, K
         trials: &mut S::Nodes<K::Trial<L>>,
     ) {
         let requirements = &K::REQUIREMENTS;
-        let hessian = [[L::splat(0.0); D]; D];
+        let further = Further::none();
         let map = batch.map_at(0);
         let mut numbers = [L::splat(0.0); MOST_NUMBERS];
         let geometry = batch.point(requirements, 0, &map, fields, &mut numbers);
         let point = self.kernel.point(cell, &geometry, &numbers);
         for i in 0..<S::Nodes<f64> as Array<f64>>::LENGTH {
             let basis = batch.basis(requirements, 0, &map, i);
-            tests.entries_mut()[i] = self.kernel.test(&point, &basis, &hessian);
-            trials.entries_mut()[i] = self.kernel.trial(&point, &basis, &hessian);
+            tests.entries_mut()[i] = self.kernel.test(&point, &basis, &further);
+            trials.entries_mut()[i] = self.kernel.trial(&point, &basis, &further);
         }
     }
 
@@ -394,7 +394,7 @@ impl<'a, K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Work<'a, K
             return;
         }
         let zero = L::splat(0.0);
-        let hessian = [[zero; D]; D];
+        let further = Further::none();
         if const { simple::<S, D>() } {
             let map = batch.map_at(0);
             let mut numbers = [zero; MOST_NUMBERS];
@@ -404,8 +404,8 @@ impl<'a, K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Work<'a, K
             let (mut tests, mut trials) = (S::Nodes::filled(test), S::Nodes::filled(trial));
             for i in 0..nodes {
                 let basis = batch.basis(requirements, 0, &map, i);
-                tests.entries_mut()[i] = kernel.test(&point, &basis, &hessian);
-                trials.entries_mut()[i] = kernel.trial(&point, &basis, &hessian);
+                tests.entries_mut()[i] = kernel.test(&point, &basis, &further);
+                trials.entries_mut()[i] = kernel.trial(&point, &basis, &further);
             }
             let (tests, trials) = (tests.entries(), trials.entries());
             let symmetric = K::SYMMETRIC;
@@ -422,8 +422,8 @@ impl<'a, K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Work<'a, K
             // One after the other: gradients of all functions at once do not fit into registers.
             for i in 0..nodes {
                 let basis = batch.basis(requirements, q, &map, i);
-                tests[i * points + q] = kernel.test(&point, &basis, &hessian);
-                trials[i * points + q] = kernel.trial(&point, &basis, &hessian);
+                tests[i * points + q] = kernel.test(&point, &basis, &further);
+                trials[i * points + q] = kernel.trial(&point, &basis, &further);
             }
         }
         // The compiler is not to see the number of points: it would unroll, load all factors first, and spill them.

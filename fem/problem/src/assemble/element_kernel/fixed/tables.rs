@@ -27,7 +27,7 @@ pub(super) const fn corner(node: usize) -> usize {
 
 /// Whether a kernel reads only what the loops of fixed lengths give.
 pub(in crate::assemble) const fn fits(requirements: &Requirements) -> bool {
-    if requirements.hessian
+    if requirements.reads_further()
         || requirements.curvature
         || requirements.opposite_diameter
         || requirements.opposite_volume
@@ -40,6 +40,7 @@ pub(in crate::assemble) const fn fits(requirements: &Requirements) -> bool {
         let slot = &requirements.fields[k];
         if matches!(slot.side, Side::Other)
             || matches!(slot.order, Order::Hessian)
+            || slot.order.is_mean()
             || slot.components > MOST_COMPONENTS
         {
             return false;

@@ -15,7 +15,7 @@
 // loops over lane values are plain.
 #![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
-use forms_core::contract::{Basis, LinearKernel};
+use forms_core::contract::{Basis, Further, LinearKernel};
 
 use super::batch::FixedBatch;
 use super::fields::FieldBuffers;
@@ -110,7 +110,7 @@ impl<K: LinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Vectors<K, L, S,
         // Of known lengths: nothing is checked per function.
         let (fluxes, _) = fluxes.as_chunks_mut::<C>();
         let fluxes = &mut fluxes[..<S::Points<f64> as Array<f64>>::LENGTH * asked];
-        let hessian = [[zero; D]; D];
+        let further = Further::none();
         let arguments = &tables.arguments;
         let mut numbers = [zero; MOST_NUMBERS];
         for q in 0..<S::Points<f64> as Array<f64>>::LENGTH {
@@ -127,7 +127,7 @@ impl<K: LinearKernel<D>, L: SimdLane, S: Sizes, const D: usize> Vectors<K, L, S,
                         unit.gradient[i] = map.inverse[i][j];
                     }
                 }
-                let block = kernel.test(&flux, &unit, &hessian);
+                let block = kernel.test(&flux, &unit, &further);
                 let block = &block.as_ref()[..C];
                 for component in 0..C {
                     fluxes[q * asked + number][component] = block[component];

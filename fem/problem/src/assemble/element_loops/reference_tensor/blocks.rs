@@ -4,7 +4,7 @@
 // loops over lane values are plain.
 #![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
-use forms_core::contract::{Basis, BilinearKernel, PointGeometry, Requirements};
+use forms_core::contract::{Basis, BilinearKernel, Further, PointGeometry, Requirements};
 
 use crate::assemble::element_loops::block_sink::BlockSink;
 use crate::assemble::groups::GroupSide;
@@ -154,14 +154,14 @@ pub(super) fn contract<K, L, S, const ENTRIES: usize, const D: usize>(
     let count = const { direction_count::<D>(&K::REQUIREMENTS) };
     let geometry = PointGeometry::of_weight(determinant);
     let point = kernel.point(cell, &geometry, &[]);
-    let hessian = [[zero; D]; D];
+    let further = Further::none();
     directions.resize(PLACES * ENTRIES, zero);
     let (directions, _) = directions.as_chunks_mut::<ENTRIES>();
     let Some(directions) = directions.first_chunk_mut::<PLACES>() else { return };
     for a in 0..count {
-        let test = kernel.test(&point, &direction::<K, L, D>(inverse, a), &hessian);
+        let test = kernel.test(&point, &direction::<K, L, D>(inverse, a), &further);
         for b in if K::SYMMETRIC { a } else { 0 }..count {
-            let trial = kernel.trial(&point, &direction::<K, L, D>(inverse, b), &hessian);
+            let trial = kernel.trial(&point, &direction::<K, L, D>(inverse, b), &further);
             let mut accumulator = K::zero::<L>();
             K::pair(&mut accumulator, &test, &trial);
             let block = kernel.finish(cell, &accumulator);

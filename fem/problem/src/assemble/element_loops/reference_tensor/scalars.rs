@@ -7,7 +7,7 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]
 
-use forms_core::contract::{Basis, BilinearKernel, PointGeometry, Requirements};
+use forms_core::contract::{Basis, BilinearKernel, Further, PointGeometry, Requirements};
 
 use crate::assemble::element_loops::block_sink::BlockSink;
 use crate::assemble::groups::GroupSide;
@@ -151,14 +151,14 @@ fn contract_products<K, L, C, S, const PRODUCTS: usize, const D: usize>(
     let zero = L::splat(0.0);
     let geometry = PointGeometry::of_weight(determinant);
     let point = kernel.point(cell, &geometry, &[]);
-    let hessian = [[zero; D]; D];
+    let further = Further::none();
     let mut products = [zero; PRODUCTS];
     let directions = const { directions::<D>(&BilinearConstants::of::<K, D>()) };
     let mut product = 0;
     for a in 0..directions {
-        let test = kernel.test(&point, &direction::<K, L, D>(inverse, a), &hessian);
+        let test = kernel.test(&point, &direction::<K, L, D>(inverse, a), &further);
         for b in if K::SYMMETRIC { a } else { 0 }..directions {
-            let trial = kernel.trial(&point, &direction::<K, L, D>(inverse, b), &hessian);
+            let trial = kernel.trial(&point, &direction::<K, L, D>(inverse, b), &further);
             let mut sum = K::zero::<L>();
             K::pair(&mut sum, &test, &trial);
             products[product] = kernel.finish(cell, &sum).as_ref()[0];

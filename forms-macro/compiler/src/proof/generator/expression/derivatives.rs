@@ -14,7 +14,7 @@ impl Writer<'_, '_> {
         }
         let variable = self.choices.one_of(&variables).clone();
         let order = self.choices.below(limits.order + 1);
-        let expression = Limits { order, ..limits.smaller(2) };
+        let expression = Limits { order, means: false, ..limits.smaller(2) };
         let direction = limits.inside(order)?.smaller(2);
         let test_in_direction = limits.test.is_some() && self.choices.below(2) == 0;
         let (expression, direction) = match test_in_direction {
@@ -55,7 +55,7 @@ impl Writer<'_, '_> {
     }
 
     fn partial_of(&mut self, of: Shape, by: Shape, limits: Limits) -> Option<String> {
-        let inside = limits.smaller(2);
+        let inside = Limits { means: false, ..limits.smaller(2) };
         let names: Vec<Name> =
             self.names.iter().filter(|name| name.shape == by && name.variable).cloned().collect();
         if !names.is_empty() && self.choices.below(2) == 0 {
