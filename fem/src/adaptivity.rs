@@ -15,11 +15,11 @@
 //!     pub fn direct(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
 //!         integral(Omega, dot(grad(u), grad(v)) - v)
 //!     }
-//!     pub fn mean(u: State<Scalar>) -> Functional {
+//!     pub fn total(u: State<Scalar>) -> Functional {
 //!         integral(Omega, u)
 //!     }
 //!     pub fn adjoint(u: State<Scalar>, p: Unknown<Scalar>, q: Test<Scalar>) -> Form {
-//!         derivative(direct(u, p), u, q) + derivative(mean(u), u, q)
+//!         derivative(direct(u, p), u, q) + derivative(total(u), u, q)
 //!     }
 //!     /// R(u; q z), the residual weighted with z, part by part of a partition of unity.
 //!     pub fn localised(u: State<Scalar>, z: State<Scalar>, q: Test<Scalar>) -> Form {
@@ -42,7 +42,7 @@
 //!
 //! let estimate = ErrorEstimate::dual_weighted(&Assembler::new(&mesh), &p, &space, |z| model.localised(u, z))?;
 //! // The mean over the unit square is 0.0351442537 (series).
-//! let error = 0.0351442537 - solved.functional(&model.mean(u))?;
+//! let error = 0.0351442537 - solved.functional(&model.total(u))?;
 //! assert!((estimate.value() / error - 1.0).abs() < 0.02);
 //! # Ok(())
 //! # }

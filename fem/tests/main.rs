@@ -4,6 +4,7 @@ mod action;
 mod adaptivity;
 mod assembly;
 mod bad_input;
+mod cell_means;
 mod cell_values;
 mod diameter_kinks;
 mod eigenproblems;

@@ -21,7 +21,7 @@ mod springs {
     pub fn sliding(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         integral(Touch(u), this(modulus) * gap * dot(toward, jump(v)))
     }
-    pub fn mean() -> Functional {
+    pub fn total() -> Functional {
         integral(Touch, this(modulus))
     }
     pub fn own_derived() -> Scalar {
@@ -45,7 +45,7 @@ where
     let pairing = Pairing::onto("below", "above");
     let touch = springs::Touch::on(pairing.clone());
     let (own, opposite) = (springs::own(&data, &touch), springs::opposite(&data, &touch));
-    let (sliding, mean) = (springs::sliding(&data, &touch), springs::mean(&data, &touch));
+    let (sliding, total) = (springs::sliding(&data, &touch), springs::total(&data, &touch));
     let (u, spaces) = (Field::zero(&space), [&space]);
     let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(3));
     [
@@ -53,7 +53,7 @@ where
         assembler.tangent(&own, &[&u], &spaces).map(|_| ()),
         assembler.action(&own, &[&u], &[&u], &spaces).map(|_| ()),
         assembler.residual(&sliding, &[&u], &spaces).map(|_| ()),
-        assembler.functional(&mean).map(|_| ()),
+        assembler.functional(&total).map(|_| ()),
         assembler.at_pairs(&springs::own_derived(&data), &pairing, 3).map(|_| ()),
         assembler.residual(&opposite, &[&u], &spaces).map(|_| ()),
         assembler.at_pairs(&springs::opposite_derived(&data), &pairing, 3).map(|_| ()),

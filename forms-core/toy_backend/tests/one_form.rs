@@ -27,7 +27,7 @@ pub mod module {
     pub fn energy(u: Unknown<Scalar>) -> Energy {
         integral(Omega, k / 2 * dot(grad(u), grad(u)))
     }
-    pub fn mean(u: State<Scalar>) -> Functional {
+    pub fn total(u: State<Scalar>) -> Functional {
         integral(Omega, f * u)
     }
 }
@@ -103,7 +103,7 @@ fn energies_functionals_and_values() {
         f: Given<Scalar> = Given::function(|x: &[f64; 2]| x[0] - x[1]),
         crate = toy_backend,
     );
-    let theirs = functional(&mesh, &module::mean(&data(), &omega, u.source()));
+    let theirs = functional(&mesh, &module::total(&data(), &omega, u.source()));
     assert!((functional(&mesh, &mean(u.source())) - theirs).abs() < 1e-14);
     // A closure may be called again, with another field.
     let twice: Vec<f64> = u.values.iter().map(|value| 2.0 * value).collect();

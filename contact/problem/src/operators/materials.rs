@@ -29,6 +29,21 @@ pub mod strains {
     pub fn green_lagrange(u: Vector) -> Tensor {
         (right_cauchy_green(u) - I) / 2
     }
+
+    /// F̄ = (det ⟨F⟩ / det F)^(1/D) F: F with the change of volume of its mean over the cell (F-bar). Nearly incompressible
+    /// quadrilaterals and hexahedra of degree 1 do not lock with it; on simplices of degree 1 it is F. In place of F in an
+    /// energy density, `density(f_bar(u))`, or in a stress.
+    #[doc(alias = "F̄")]
+    pub fn f_bar(u: Vector) -> Tensor {
+        let F = deformation_gradient(u);
+        pow(det(mean(F)) / det(F), 1 / D) * F
+    }
+
+    /// ε̄ = ε + (⟨div w⟩ − div w)/D I, which has the cell's mean in place of div w (B-bar): [`f_bar`] at small strains.
+    #[doc(alias = "ε̄")]
+    pub fn strain_bar(w: Vector) -> Tensor {
+        eps(w) + (mean(div(w)) - div(w)) / D * I
+    }
 }
 
 /// Isotropic linear elasticity; in two dimensions plane strain.
@@ -97,8 +112,9 @@ pub mod neo_hookean {
     pub use super::linear_elastic::Data;
     use super::strains::deformation_gradient;
 
+    /// W of a deformation gradient: that of a displacement, or [`f_bar`](super::strains::f_bar). P is `diff(density(F), F)`.
     #[doc(alias = "W")]
-    fn density(F: Tensor) -> Scalar {
+    pub fn density(F: Tensor) -> Scalar {
         let J = det(F);
         mu / 2 * (inner(F, F) - D - 2 * ln(J)) + lambda / 2 * pow(ln(J), 2)
     }

@@ -1,4 +1,4 @@
-//! Derivatives in space: `grad`, `div`, `eps`, `curl`, `hess`.
+//! Derivatives in space and means over cells: `grad`, `div`, `eps`, `curl`, `hess`, `mean`.
 //!
 //! A trailing axis is the direction of differentiation: `grad(u)[i][j]` is ∂u_i/∂x_j, as in UFL and GetFEM. Every operator
 //! of this page is linear, so its derivative is the operator of the direction.
@@ -13,10 +13,15 @@
 //! | `curl(a)` | vector in 2D | scalar | ∂₀a₁ − ∂₁a₀ |
 //! | `curl(s)` | scalar in 2D | vector | (∂₁s, −∂₀s) |
 //! | `hess(e)` | any rank | two ranks more | ∂_j ∂_k of each component |
+//! | `mean(e)` | any rank | as `e` | (∫ e)/\|T\| over the cell T, also on its facets |
 //!
 //! They apply to expressions, too: `grad(k * u)` follows the product rule, `grad(x)` is the identity. A function of position
 //! given as a Rust closure has no gradient: interpolate it into a field. Third derivatives of a field and derivatives of the
 //! normal are not available.
+//!
+//! `mean(e)` is of what is affine in fields and gradients, with coefficients that are constant on the cell: numbers, parameters, `h`,
+//! `cell_volume`, other means. On two-sided regions it is of the cell on the side at hand, `this(mean(u))` or `mean(this(u))`. Second derivatives,
+//! positions, histories and Rust closures have no mean, and there is no derivative of one by the shape or by `diff` of what is inside.
 //!
 //! ```
 //! # use forms_fem::prelude::*;
@@ -29,6 +34,7 @@
 //!     pub fn rotation(u: Vector) -> Scalar { curl(u) }
 //!     pub fn product_rule(s: Scalar, u: Vector) -> Tensor { grad(s * u) - s * grad(u) - outer(u, grad(s)) }
 //!     pub fn laplacian(s: Scalar) -> Scalar { tr(hess(s)) }
+//!     pub fn averaged(u: Vector) -> Tensor { mean(grad(u)) }
 //! }
 //! # let mesh = Arc::new(rectangle([0.0; 2], [2.0; 2], [1, 1], CellShape::Triangle, 1)?);
 //! # let assembler = Assembler::new(&mesh);
@@ -45,6 +51,8 @@
 //! near(assembler.at_point(&calculus::rotation(&u), point)?, &[2.0 - 3.0]);
 //! near(assembler.at_point(&calculus::product_rule(&s, &u), point)?, &[0.0; 4]);
 //! near(assembler.at_point(&calculus::laplacian(&s), point)?, &[10.0]);
+//! // Linear gradients: that at the centre of the lower triangle, (4/3, 2/3).
+//! near(assembler.at_point(&calculus::averaged(&u), point)?, &[2.0, 4.0, 8.0 / 3.0, 0.0]);
 //! # Ok(())
 //! # }
 //! ```

@@ -176,6 +176,8 @@ names! {
             fn div<A: Value>(a: A) -> A::Divergence;
             /// Strain ε(a) = (∇a + ∇aᵀ)/2.
             fn eps(a: Vector) -> Tensor;
+            /// Mean over the cell, on its facets too, of what is affine in fields and their gradients.
+            fn mean<A: Value>(a: A) -> A;
             /// Rotation ∇ × a; in the plane a scalar of a vector, a vector of a scalar.
             fn curl(a: Vector) -> Vector;
         }
