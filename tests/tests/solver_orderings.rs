@@ -139,13 +139,13 @@ fn two_unknowns() {
     let model = model();
     let (flow, tied) = (model.flow(), model.tied());
     let pressures = Space::scalar(&mesh, 1).unwrap();
-    check(SolverPath::Indefinite, |solver, threads| {
+    check(SolverPath::SignedCholesky, |solver, threads| {
         let assembler = Assembler::new(&mesh).with_threads(threads);
         let problem = Problem::new(&flow, [&velocities, &pressures]).assembler(&assembler);
         problem.constrained(&walls).solver(solver).solve().unwrap()
     });
     let multipliers = Space::on_facets(&mesh, "top", 1).unwrap();
-    check(SolverPath::Indefinite, |solver, threads| {
+    check(SolverPath::SignedCholesky, |solver, threads| {
         let assembler = Assembler::new(&mesh).with_threads(threads);
         let problem = Problem::new(&tied, [&velocities, &multipliers]).assembler(&assembler);
         problem.constrained(&walls).solver(solver).solve().unwrap()

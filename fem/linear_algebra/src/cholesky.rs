@@ -1,6 +1,8 @@
-//! Sparse factorisation of symmetric matrices: LLᵀ of a positive definite one, LBLᵀ of an indefinite one.
+//! Sparse factorisation of symmetric matrices: LLᵀ of a positive definite one, LSLᵀ with signs S of a saddle point, LBLᵀ of any
+//! other indefinite one.
 
 mod numeric;
+mod signed;
 mod solve;
 mod triangular;
 
@@ -13,13 +15,14 @@ use faer::sparse::linalg::cholesky::supernodal::{self, SupernodalIntranodeLbltRe
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Par, Spec};
 
-use self::numeric::Numeric;
+use self::numeric::{Numeric, Positive};
 use super::analysis::{Analysis, LowerTriangle};
 use super::csr::CsrMatrix;
 use super::error::LinearAlgebraError;
 use super::singularity::singular_ratio;
 use super::threads::Threads;
 use super::vector::largest;
+pub use signed::Remainder;
 pub use solve::Refined;
 
 /// A factor of a symmetric matrix, on a shared [`Analysis`].
@@ -27,11 +30,26 @@ pub use solve::Refined;
 pub struct SymmetricFactor {
     analysis: Arc<Analysis>,
     values: Vec<f64>,
-    /// None for LLᵀ.
-    pivoting: Option<Pivoting>,
+    kind: Kind,
     smallest_pivot_ratio: f64,
     negative_eigenvalues: usize,
     seconds: f64,
+}
+
+/// What a factor has between L and Lᵀ.
+#[derive(Debug)]
+enum Kind {
+    /// Nothing: LLᵀ.
+    Positive,
+    /// Signs: LSLᵀ.
+    Signed {
+        /// Places of the negative ones in the order of elimination.
+        negative: Vec<u32>,
+        /// Number of pivots that were replaced.
+        replaced: usize,
+    },
+    /// Blocks of one or two: LBLᵀ.
+    Pivoted(Pivoting),
 }
 
 /// The part that Bunch–Kaufman pivoting inside supernodes adds to a factor.
@@ -70,7 +88,7 @@ impl SymmetricFactor {
     ) -> Result<Self, LinearAlgebraError> {
         let start = Instant::now();
         matrix.check_finite()?;
-        let numeric = Numeric::new(analysis, matrix)?;
+        let numeric = Numeric::new(Positive, analysis, matrix)?;
         let mut values = room(analysis, storage)?;
         let supernodes = &analysis.supernodes;
         numeric.factorise(threads, &mut values).map_err(|place| LinearAlgebraError::NotPositiveDefinite {
@@ -89,7 +107,7 @@ impl SymmetricFactor {
         Ok(Self {
             analysis: analysis.clone(),
             values,
-            pivoting: None,
+            kind: Kind::Positive,
             smallest_pivot_ratio: smallest.ratio,
             negative_eigenvalues: 0,
             seconds: start.elapsed().as_secs_f64(),
@@ -173,7 +191,7 @@ impl SymmetricFactor {
         Ok(Self {
             analysis: analysis.clone(),
             values,
-            pivoting: Some(pivoting),
+            kind: Kind::Pivoted(pivoting),
             smallest_pivot_ratio: smallest.ratio,
             negative_eigenvalues,
             seconds: start.elapsed().as_secs_f64(),
@@ -227,7 +245,7 @@ impl SymmetricFactor {
 
     /// Whether this is an LLᵀ factor, so that the matrix is positive definite.
     pub fn is_positive_definite(&self) -> bool {
-        self.pivoting.is_none()
+        matches!(self.kind, Kind::Positive)
     }
 
     /// Smallest pivot divided by its diagonal's scale, over all unknowns.
@@ -236,7 +254,8 @@ impl SymmetricFactor {
     }
 
     /// The number of negative eigenvalues of the matrix, by Sylvester's law of inertia: that of its pivots. It is that of a matrix nearby
-    /// as far as [`SymmetricFactor::solve_refined`] finds accurate solutions.
+    /// as far as [`SymmetricFactor::solve_refined`] finds accurate solutions, and for LSLᵀ as far as the [`SymmetricFactor::remainder`] is less
+    /// than one.
     pub fn negative_eigenvalues(&self) -> usize {
         self.negative_eigenvalues
     }

@@ -2,6 +2,7 @@
 //! (Ruiz 2001), by powers of two, so that it rounds nothing.
 
 use super::csr::CsrMatrix;
+use super::error::LinearAlgebraError;
 
 /// Rows whose largest entries differ by less than this are left as they are.
 const CONTRAST: f64 = 1e6;
@@ -40,6 +41,15 @@ impl Equilibration {
             largest = row_maxima(matrix, &scale);
         }
         Some(Equilibration { scale })
+    }
+
+    /// The scaling of a symmetric saddle point, as an LU factorisation scales it: its rows of multipliers may hold entries of
+    /// another size and unit than its diagonal.
+    ///
+    /// # Errors
+    /// [`LinearAlgebraError::Singular`] with the unknown whose row is zero.
+    pub fn of_saddle_point(matrix: &CsrMatrix) -> Result<Self, LinearAlgebraError> {
+        Ok(Equilibration { scale: super::lu::scale(matrix)?.0 })
     }
 
     /// S A S.

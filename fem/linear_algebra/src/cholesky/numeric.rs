@@ -1,4 +1,4 @@
-//! LLᵀ on given supernodes, looking left: a supernode takes from its columns the products of the rows that earlier supernodes
+//! LLᵀ, or LSLᵀ with signs S, on given supernodes, looking left: a supernode takes from its columns the products of the rows that earlier supernodes
 //! have in it, one earlier supernode after the other, and is factored then.
 //!
 //! Columns are cut into panels, and the rows of wide supernodes into tiles, that do not depend on the number of threads, and each entry
@@ -6,10 +6,12 @@
 
 mod dense;
 mod entries;
+mod pivots;
 mod subtrees;
 mod updates;
 mod wide;
 
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use faer::linalg::matmul::matmul;
@@ -17,6 +19,8 @@ use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::{Accum, MatMut, MatRef, Par};
 
 use self::dense::{Factor, Rows, Subtract, run};
+use self::pivots::Pivots;
+pub(super) use self::pivots::{Positive, Signed};
 use self::updates::Updates;
 use crate::analysis::Analysis;
 use crate::csr::CsrMatrix;
@@ -34,7 +38,8 @@ const WIDE: usize = 24;
 const TILE: usize = 512;
 
 /// The supernodes of a factor whose values are computed.
-pub(super) struct Numeric<'a> {
+pub(super) struct Numeric<'a, P> {
+    pivots: P,
     symbolic: &'a SymbolicSupernodalCholesky<u32>,
     matrix: &'a CsrMatrix,
     /// The unknown at each place, and the place of each unknown.
@@ -71,14 +76,22 @@ impl Scratch {
 struct Panel {
     targets: Vec<u32>,
     products: Vec<f64>,
+    /// Signs of the columns of an earlier supernode.
+    signs: Vec<f64>,
+    /// Rows of that with these signs.
+    signed: Vec<f64>,
 }
 
-impl<'a> Numeric<'a> {
+impl<'a, P: Pivots> Numeric<'a, P> {
     /// The factorisation of a matrix, which must have the pattern that was analysed.
-    pub(super) fn new(analysis: &'a Analysis, matrix: &'a CsrMatrix) -> Result<Self, LinearAlgebraError> {
+    pub(super) fn new(
+        pivots: P,
+        analysis: &'a Analysis,
+        matrix: &'a CsrMatrix,
+    ) -> Result<Self, LinearAlgebraError> {
         let (places, symbolic) = (analysis.places(matrix)?, &analysis.supernodes);
         let (order, is_like_last) = (&analysis.order[..], &analysis.is_like_last[..]);
-        Ok(Self { symbolic, matrix, order, places, is_like_last, updates: Updates::new(symbolic) })
+        Ok(Self { pivots, symbolic, matrix, order, places, is_like_last, updates: Updates::new(symbolic) })
     }
 
     fn columns(&self, supernode: usize) -> Range<usize> {
@@ -119,11 +132,13 @@ impl<'a> Numeric<'a> {
         };
         if columns.len() <= PANEL {
             panels.for_each(|panel| gather(panel, &mut scratch.own));
-            let factor = Factor { columns: block, height, first: 0, end: height };
+            let (pivots, place) = (self.pivots, columns.start);
+            let factor = Factor { pivots, place, columns: block, height, first: 0, end: height };
             return run(factor).map_err(|column| columns.start + column);
         }
         wide::share(threads, panels.collect(), &mut scratch.own, gather);
-        wide::factor(threads, block, height).map_err(|column| columns.start + column)
+        wide::factor(threads, (self.pivots, columns.start), block, height)
+            .map_err(|column| columns.start + column)
     }
 
     /// Columns of a supernode from one on, with what all earlier supernodes take from them.
@@ -162,10 +177,14 @@ impl<'a> Numeric<'a> {
             let values = self.values(earlier..earlier + 1);
             let block = &known[values.start - start..values.end - start];
             let block_height = block.len() / width;
+            P::read_signs(block, block_height, &mut scratch.signs);
+            let signs = &scratch.signs[..];
             if width.min(count) < WIDE || rows.len() * width * count < LARGE {
                 let rows = Rows { block, height: block_height, first: above };
-                run(Subtract {
+                run(Subtract::<P> {
                     rows,
+                    signs,
+                    rule: PhantomData,
                     columns: count,
                     targets,
                     target: panel,
@@ -175,7 +194,8 @@ impl<'a> Numeric<'a> {
                 continue;
             }
             let block = MatRef::from_column_major_slice(block, block_height, width);
-            let others = block.subrows(above, count).transpose();
+            let others = block.subrows(above, count);
+            let others = with_signs(others, signs, &mut scratch.signed).transpose();
             let mut done = 0;
             while done < targets.len() {
                 let tile = TILE.min(targets.len() - done);
@@ -192,6 +212,18 @@ impl<'a> Numeric<'a> {
             }
         }
     }
+}
+
+/// The columns of a matrix with their signs; itself if none is negative.
+fn with_signs<'a>(matrix: MatRef<'a, f64>, signs: &[f64], memory: &'a mut Vec<f64>) -> MatRef<'a, f64> {
+    if signs.iter().all(|sign| *sign > 0.0) {
+        return matrix;
+    }
+    memory.clear();
+    for (column, sign) in matrix.col_iter().zip(signs) {
+        memory.extend(column.iter().map(|value| sign * value));
+    }
+    MatRef::from_column_major_slice(memory, matrix.nrows(), matrix.ncols())
 }
 
 /// Subtracts numbers from those at some places of a column, run by run of neighbours.

@@ -5,7 +5,7 @@ use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::supernodal::SupernodalIntranodeLbltRef;
 use faer::{Conj, MatMut, Par};
 
-use super::SymmetricFactor;
+use super::{Kind, SymmetricFactor};
 use crate::backward_error::{Refinement, Residual};
 use crate::csr::CsrMatrix;
 use crate::equations::Side;
@@ -41,18 +41,19 @@ impl SymmetricFactor {
         check_finite("the right-hand side", b)?;
         let supernodes = &analysis.supernodes;
         let mut x = vec![0.0; size];
-        match &self.pivoting {
-            None => {
+        match &self.kind {
+            Kind::Positive | Kind::Signed { .. } => {
                 for (target, &unknown) in x.iter_mut().zip(&analysis.order) {
                     *target = b[unknown as usize];
                 }
                 self.solve_with_lower(&mut x);
+                self.apply_signs(&mut x);
                 self.solve_with_upper(&mut x);
                 for (value, &unknown) in x.iter().zip(&analysis.order) {
                     b[unknown as usize] = *value;
                 }
             }
-            Some(pivoting) => {
+            Kind::Pivoted(pivoting) => {
                 let mut memory = MemBuffer::try_new(supernodes.solve_in_place_scratch::<f64>(1, Par::Seq))
                     .map_err(|_| LinearAlgebraError::OutOfMemory { what: "a triangular solve" })?;
                 let stack = MemStack::new(&mut memory);

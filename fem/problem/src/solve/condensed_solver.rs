@@ -132,6 +132,7 @@ impl CondensedSolver {
             analyses: own.analyses + other.analyses,
             factorisations: own.factorisations + other.factorisations,
             indefinite_factorisations: other.indefinite_factorisations,
+            signed_factorisations: other.signed_factorisations,
             lu_factorisations: other.lu_factorisations,
             solves: own.solves + other.solves,
             iterations: own.iterations.iter().chain(&other.iterations).copied().collect(),
@@ -142,6 +143,7 @@ impl CondensedSolver {
             factor_entries: own.factor_entries.max(other.factor_entries),
             orderings: if own.orderings.is_empty() { &other.orderings } else { &own.orderings }.clone(),
             condition: other.condition,
+            negative_eigenvalues: other.negative_eigenvalues,
             path: match self.current {
                 Some(Current::Fallback) => other.path,
                 _ => own.path,

@@ -11,6 +11,8 @@ pub enum SolverPath {
     Condensed,
     /// By a Cholesky factor.
     Cholesky,
+    /// By a Cholesky factor with signs of a symmetric saddle point, and refinement.
+    SignedCholesky,
     /// By a Bunch–Kaufman factor of a symmetric matrix that is not positive definite.
     Indefinite,
     /// By GMRES with the factor of a symmetrised matrix.
@@ -24,6 +26,7 @@ impl fmt::Display for SolverPath {
         f.write_str(match self {
             SolverPath::Condensed => "condensed to the unknowns that change",
             SolverPath::Cholesky => "Cholesky",
+            SolverPath::SignedCholesky => "Cholesky with signs",
             SolverPath::Indefinite => "Bunch–Kaufman",
             SolverPath::Gmres => "GMRES with the factor of the symmetrised tangent",
             SolverPath::Lu => "LU",
@@ -40,7 +43,9 @@ pub struct SolverReport {
     pub factorisations: usize,
     /// Those of them that were LBLᵀ because the symmetric part was not positive definite.
     pub indefinite_factorisations: usize,
-    /// LU factorisations: of saddle points, and where the other factors failed.
+    /// Those of them that were Cholesky factors with signs, of symmetric saddle points.
+    pub signed_factorisations: usize,
+    /// LU factorisations: of saddle points that are not symmetric, and where the other factors failed.
     pub lu_factorisations: usize,
     /// Systems solved.
     pub solves: usize,
@@ -60,6 +65,9 @@ pub struct SolverReport {
     pub orderings: Vec<Candidate>,
     /// Condition number in the 1-norm, where it was asked for ([`super::TangentSolver::estimate_condition`]).
     pub condition: Option<f64>,
+    /// Number of negative eigenvalues of the last matrix that was factored by Cholesky with signs or by Bunch–Kaufman, so far
+    /// as its solutions were accurate. For a stable equilibrium under multipliers it is the number of multipliers.
+    pub negative_eigenvalues: Option<usize>,
     /// The way that the last solve took.
     pub path: Option<SolverPath>,
     /// Unknowns to which a [`super::CondensedSolver`] condensed; none where no Schur complement was used.

@@ -1,6 +1,7 @@
-//! Solver for tangents that are symmetric, or unsymmetric on few unknowns; saddle points go to LU.
+//! Solver for tangents that are symmetric, also saddle points, or unsymmetric on few unknowns; others go to LU.
 
 mod iterative;
+mod saddle_point;
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -45,7 +46,7 @@ pub struct TangentSolverOptions {
     pub refresh_after: Option<usize>,
     /// Most steps of iterative refinement of a direct solution.
     pub refinement_steps: usize,
-    /// Threads for factors LLᵀ, and for products and dot products of GMRES; solutions are the same for each number of them. Factors
+    /// Threads for factors LLᵀ and LSLᵀ, and for products and dot products of GMRES; solutions are the same for each number of them. Factors
     /// LBLᵀ, LU and triangular solves run on one.
     pub threads: Threads,
 }
@@ -73,8 +74,9 @@ const DOUBTFUL: f64 = 1e-9;
 /// unsymmetric one is solved by GMRES, preconditioned with the factor of the symmetric part of itself or of an
 /// earlier matrix; its transpose too, with the same factor. Analysis and factor are kept between matrices.
 ///
-/// A matrix with a zero on its diagonal (a saddle point) is factored by LU with partial pivoting, because LBLᵀ
-/// pivots inside supernodes only; so is every matrix on which the other ways fail. Where rows differ much in size, as
+/// A symmetric matrix with zeros or negative numbers on its diagonal, as a saddle point has, gets a Cholesky factor with signs,
+/// on all threads, and solutions are refined against the matrix. An unsymmetric saddle point is factored by LU with partial
+/// pivoting, and so is every matrix on which the other ways fail. Where rows differ much in size, as
 /// those of a stiff and a soft part or of fields in different units, the matrix is scaled first. A solution is handed out
 /// if each equation holds relative to its own terms.
 #[derive(Debug, Default)]
@@ -99,6 +101,8 @@ pub struct TangentSolver {
     proved_singular: bool,
     /// The current matrix is factored by LU.
     by_lu: bool,
+    /// Whether the current factor is of a saddle point, with signs.
+    by_signs: bool,
     /// Matrices of this many unknowns defeated the other factors: LU from the start.
     lu_size: Option<usize>,
     report: SolverReport,
@@ -167,14 +171,9 @@ impl TangentSolver {
         let analysis = match self.analysis.take() {
             Some(analysis) if analysis.fits(&part) => analysis,
             _ => {
-                let (analysis, completed) = Analysis::of_symmetric(&part, &self.options.ordering)?;
-                part = completed.map_or(part, Cow::Owned);
-                let analysis = Arc::new(analysis);
-                self.report.analyses += 1;
-                self.report.analysis_seconds += analysis.seconds();
-                self.report.factor_entries = analysis.factor_entries();
-                self.report.orderings = analysis.candidates().to_vec();
+                let (analysis, completed) = analyse(&part, &self.options.ordering, &mut self.report)?;
                 self.fresh_iterations = None;
+                part = completed.map_or(part, Cow::Owned);
                 analysis
             }
         };
@@ -193,6 +192,9 @@ impl TangentSolver {
         }
         self.report.factorisations += 1;
         self.report.indefinite_factorisations += usize::from(!factor.is_positive_definite());
+        if !factor.is_positive_definite() {
+            self.report.negative_eigenvalues = Some(factor.negative_eigenvalues());
+        }
         self.factor = Some(factor);
         self.factor_is_fresh = true;
         self.refresh_wanted = false;
@@ -202,7 +204,7 @@ impl TangentSolver {
     /// Hands the current matrix to LU.
     fn factor_by_lu(&mut self) -> Result<(), SolverError> {
         let matrix = self.matrix.clone().ok_or(SolverError::NoMatrix)?;
-        self.lu_size = Some(matrix.rows());
+        self.by_signs = false;
         (self.by_lu, self.scaled) = (true, None); // LU has a scaling of its own
         let start = Instant::now();
         let result = self.lu.set_matrix(matrix);
@@ -227,7 +229,10 @@ impl TangentSolver {
             true => Side::of_symmetric(matrix),
             false => Side::of(matrix, transpose),
         };
-        let TangentSolverOptions { threads, refinement_steps, .. } = self.options;
+        let TangentSolverOptions { threads, mut refinement_steps, .. } = self.options;
+        if self.by_signs {
+            refinement_steps = refinement_steps.max(saddle_point::REFINEMENTS);
+        }
         // Without refinement nothing is measured by it.
         let matrix_norm = if refinement_steps == 0 { 0.0 } else { matrix.row_sum_norm() };
         let refined = factor.solve_side_refined(&side, threads, matrix_norm, b, refinement_steps);
@@ -277,13 +282,27 @@ impl TangentSolver {
     }
 }
 
+/// Analyses the pattern of a symmetric matrix, and completes the matrix where entries are stored on one side only.
+fn analyse(
+    matrix: &CsrMatrix,
+    ordering: &Ordering,
+    report: &mut SolverReport,
+) -> Result<(Arc<Analysis>, Option<CsrMatrix>), SolverError> {
+    let (analysis, completed) = Analysis::of_symmetric(matrix, ordering)?;
+    report.analyses += 1;
+    report.analysis_seconds += analysis.seconds();
+    report.factor_entries = analysis.factor_entries();
+    report.orderings = analysis.candidates().to_vec();
+    Ok((Arc::new(analysis), completed))
+}
+
 impl LinearSolver for TangentSolver {
     fn set_matrix(&mut self, matrix: CsrMatrix) -> Result<(), SolverError> {
         if (self.factor_is_fresh || self.by_lu) && self.matrix.as_ref() == Some(&matrix) {
             return Ok(()); // an adjoint problem with the tangent that is already factored
         }
         (self.matrix, self.scaled, self.factor_is_fresh, self.by_lu) = (None, None, false, false);
-        self.proved_singular = false;
+        (self.proved_singular, self.by_signs) = (false, false);
         check_size("the set of columns of a square matrix", matrix.rows(), matrix.columns())?;
         matrix.check_finite()?;
         let asymmetry = matrix.asymmetry()?;
@@ -291,7 +310,21 @@ impl LinearSolver for TangentSolver {
             (asymmetry <= self.options.symmetry_tolerance, asymmetry == 0.0);
         let fits = self.factor.as_ref().is_some_and(|factor| factor.analysis().size() == matrix.rows());
         let known = self.lu_size == Some(matrix.rows());
-        let saddle = matrix.diagonal().contains(&0.0);
+        let diagonal = matrix.diagonal();
+        let saddle = diagonal.contains(&0.0);
+        if self.symmetric && !known && diagonal.iter().any(|value| *value <= 0.0) {
+            let found = self.factor_with_signs(&matrix);
+            match found {
+                Ok(()) => {
+                    self.matrix = Some(matrix);
+                    return Ok(());
+                }
+                Err(error) if !error.is_for_lu() => return Err(error),
+                // It does not help the next matrix, either.
+                Err(_) if saddle => self.lu_size = Some(matrix.rows()),
+                Err(_) => {}
+            }
+        }
         // LU scales by itself.
         let scales = !known && !saddle;
         let scaling = if scales { Equilibration::of(&matrix) } else { None };
@@ -309,6 +342,7 @@ impl LinearSolver for TangentSolver {
         } else if refactors {
             result = self.refactor();
             if result.as_ref().is_err_and(SolverError::is_for_lu) && !self.proved_singular {
+                self.lu_size = self.matrix.as_ref().map(CsrMatrix::rows);
                 result = self.factor_by_lu();
             }
         }
@@ -345,12 +379,14 @@ impl LinearSolver for TangentSolver {
         };
         let solution = match found {
             Err(error) if !self.by_lu && error.is_for_lu() => {
+                self.lu_size = Some(b.len());
                 self.factor_by_lu()?;
                 self.solve_by_lu(b, transpose)?
             }
             found => found?,
         };
         self.report.path = Some(match (self.by_lu, self.symmetric, self.is_positive_definite()) {
+            _ if self.by_signs => SolverPath::SignedCholesky,
             (true, ..) => SolverPath::Lu,
             (_, false, _) => SolverPath::Gmres,
             (_, _, Some(false)) => SolverPath::Indefinite,

@@ -2,7 +2,12 @@
 //!
 //! An entry is one sum over the columns in their order, whichever tile it is in: tiles may be cut as is best.
 
+use std::marker::PhantomData;
+
 use faer::traits::pulp::{Arch, Simd, WithSimd};
+
+use super::PANEL;
+use super::pivots::Pivots;
 
 /// Columns of a tile.
 const COLUMNS: usize = 4;
@@ -19,10 +24,13 @@ pub(super) struct Rows<'a> {
     pub(super) first: usize,
 }
 
-/// Takes products of rows out of another block: entry (targets[i], targets[j]) less Σ row i × row j, for each row i and the
+/// Takes products of rows out of another block: entry (targets[i], targets[j]) less Σ sign × row i × row j, for each row i and the
 /// first `columns` of rows j, as far as i ≥ j.
-pub(super) struct Subtract<'a> {
+pub(super) struct Subtract<'a, P> {
     pub(super) rows: Rows<'a>,
+    /// Of the columns of these rows, as the rule for pivots reads them.
+    pub(super) signs: &'a [f64],
+    pub(super) rule: PhantomData<P>,
     pub(super) columns: usize,
     /// Rows of the other block.
     pub(super) targets: &'a [u32],
@@ -33,8 +41,11 @@ pub(super) struct Subtract<'a> {
 }
 
 /// Factors columns of a block: their triangle on the diagonal and what is below it. An error is the first of the columns whose
-/// pivot is not positive.
-pub(super) struct Factor<'a> {
+/// pivot is not taken. There are at most as many as in a panel.
+pub(super) struct Factor<'a, P> {
+    pub(super) pivots: P,
+    /// Place of the first column in the elimination order.
+    pub(super) place: usize,
     pub(super) columns: &'a mut [f64],
     pub(super) height: usize,
     /// Row of the first column's diagonal.
@@ -47,7 +58,7 @@ pub(super) fn run<Op: WithSimd>(op: Op) -> Op::Output {
     Arch::new().dispatch(op)
 }
 
-impl WithSimd for Subtract<'_> {
+impl<P: Pivots> WithSimd for Subtract<'_, P> {
     type Output = ();
 
     #[inline(always)]
@@ -66,29 +77,29 @@ impl WithSimd for Subtract<'_> {
     }
 }
 
-impl Subtract<'_> {
+impl<P: Pivots> Subtract<'_, P> {
     #[inline(always)]
     fn strip<S: Simd, const C: usize>(&mut self, simd: S, from: usize) {
         let count = self.targets.len();
         let full = REGISTERS * S::F64_LANES;
         let mut row = from;
         while row + full <= count {
-            let sums = products::<S, REGISTERS, C, true>(simd, self.rows, row, from, full);
+            let sums = products::<S, P, REGISTERS, C, true>(simd, (self.rows, self.signs), row, from, full);
             self.store::<S, REGISTERS, C>(sums, from, row, full);
             row += full;
         }
         let rest = count - row;
         match rest.div_ceil(S::F64_LANES) {
             3 => {
-                let sums = products::<S, 3, C, false>(simd, self.rows, row, from, rest);
+                let sums = products::<S, P, 3, C, false>(simd, (self.rows, self.signs), row, from, rest);
                 self.store::<S, 3, C>(sums, from, row, rest);
             }
             2 => {
-                let sums = products::<S, 2, C, false>(simd, self.rows, row, from, rest);
+                let sums = products::<S, P, 2, C, false>(simd, (self.rows, self.signs), row, from, rest);
                 self.store::<S, 2, C>(sums, from, row, rest);
             }
             1 => {
-                let sums = products::<S, 1, C, false>(simd, self.rows, row, from, rest);
+                let sums = products::<S, P, 1, C, false>(simd, (self.rows, self.signs), row, from, rest);
                 self.store::<S, 1, C>(sums, from, row, rest);
             }
             _ => {}
@@ -134,21 +145,22 @@ impl Subtract<'_> {
 
 /// Sums over all columns of products of some rows with C others; of the last register only the rows that exist.
 #[inline(always)]
-fn products<S: Simd, const R: usize, const C: usize, const FULL: bool>(
+fn products<S: Simd, P: Pivots, const R: usize, const C: usize, const FULL: bool>(
     simd: S,
-    rows: Rows<'_>,
+    (rows, signs): (Rows<'_>, &[f64]),
     row: usize,
     other: usize,
     count: usize,
 ) -> [[S::f64s; R]; C] {
     let mut sums = [[simd.splat_f64s(0.0); R]; C];
     let count = if FULL { R * S::F64_LANES } else { count };
-    for column in rows.block.chunks_exact(rows.height) {
+    for (number, column) in rows.block.chunks_exact(rows.height).enumerate() {
+        let sign = P::sign(signs, number);
         let column = &column[rows.first..];
         let factors = &column[other..other + C];
         let left = load::<S, R, FULL>(simd, &column[row..row + count]);
         for k in 0..C {
-            let factor = simd.splat_f64s(factors[k]);
+            let factor = simd.splat_f64s(sign * factors[k]);
             for r in 0..R {
                 sums[k][r] = simd.mul_add_e_f64s(left[r], factor, sums[k][r]);
             }
@@ -172,29 +184,35 @@ fn load<S: Simd, const R: usize, const FULL: bool>(simd: S, values: &[f64]) -> [
     registers
 }
 
-impl WithSimd for Factor<'_> {
+impl<P: Pivots> WithSimd for Factor<'_, P> {
     type Output = Result<(), usize>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) -> Result<(), usize> {
         let mut from = 0;
         let width = self.columns.len() / self.height;
+        let mut signs = [1.0; PANEL];
         while from + COLUMNS <= width {
-            self.strip::<S, COLUMNS>(simd, from)?;
+            self.strip::<S, COLUMNS>(simd, from, &mut signs)?;
             from += COLUMNS;
         }
         match width - from {
-            3 => self.strip::<S, 3>(simd, from),
-            2 => self.strip::<S, 2>(simd, from),
-            1 => self.strip::<S, 1>(simd, from),
+            3 => self.strip::<S, 3>(simd, from, &mut signs),
+            2 => self.strip::<S, 2>(simd, from, &mut signs),
+            1 => self.strip::<S, 1>(simd, from, &mut signs),
             _ => Ok(()),
         }
     }
 }
 
-impl Factor<'_> {
+impl<P: Pivots> Factor<'_, P> {
     #[inline(always)]
-    fn strip<S: Simd, const C: usize>(&mut self, simd: S, from: usize) -> Result<(), usize> {
+    fn strip<S: Simd, const C: usize>(
+        &mut self,
+        simd: S,
+        from: usize,
+        signs: &mut [f64; PANEL],
+    ) -> Result<(), usize> {
         let height = self.height;
         let (known, rest) = self.columns.split_at_mut(from * height);
         let own = &mut rest[..C * height];
@@ -207,40 +225,52 @@ impl Factor<'_> {
                 triangle[k][l] = own[l * height + from + k];
             }
         }
-        for column in known.chunks_exact(height) {
+        for (number, column) in known.chunks_exact(height).enumerate() {
+            let sign = P::sign(&signs[..], number);
             let factors = &column[from..from + C];
             for k in 0..C {
                 for l in 0..=k {
-                    triangle[k][l] -= factors[k] * factors[l];
+                    triangle[k][l] -= sign * factors[k] * factors[l];
                 }
             }
         }
-        let inverse = factor(&mut triangle).map_err(|pivot| column + pivot)?;
+        let place = self.place + column;
+        let inverse = factor(&mut triangle, |k, pivot| self.pivots.diagonal(place + k, pivot))
+            .map_err(|pivot| column + pivot)?;
         for (k, row) in triangle.iter().enumerate() {
             for (l, value) in row[..=k].iter().enumerate() {
                 own[l * height + from + k] = *value;
             }
         }
+        for k in 0..C {
+            signs[column + k] = 1.0_f64.copysign(triangle[k][k]);
+        }
+        // Other rows are taken with the signs of the triangle's columns.
+        let own_signs: [f64; C] = std::array::from_fn(|l| P::sign(&signs[..], column + l));
+        for row in &mut triangle {
+            row.iter_mut().zip(own_signs).for_each(|(value, sign)| *value *= sign);
+        }
+        let signs = &signs[..];
         let solve = Solve { triangle, inverse, height };
         let full = REGISTERS * S::F64_LANES;
         let mut row = from + C;
         while row + full <= self.end {
-            let sums = products::<S, REGISTERS, C, true>(simd, rows, row, from, full);
+            let sums = products::<S, P, REGISTERS, C, true>(simd, (rows, signs), row, from, full);
             solve.apply::<S, REGISTERS, true>(simd, sums, own, row, full);
             row += full;
         }
         let rest = self.end - row;
         match rest.div_ceil(S::F64_LANES) {
             3 => {
-                let sums = products::<S, 3, C, false>(simd, rows, row, from, rest);
+                let sums = products::<S, P, 3, C, false>(simd, (rows, signs), row, from, rest);
                 solve.apply::<S, 3, false>(simd, sums, own, row, rest);
             }
             2 => {
-                let sums = products::<S, 2, C, false>(simd, rows, row, from, rest);
+                let sums = products::<S, P, 2, C, false>(simd, (rows, signs), row, from, rest);
                 solve.apply::<S, 2, false>(simd, sums, own, row, rest);
             }
             1 => {
-                let sums = products::<S, 1, C, false>(simd, rows, row, from, rest);
+                let sums = products::<S, P, 1, C, false>(simd, (rows, signs), row, from, rest);
                 solve.apply::<S, 1, false>(simd, sums, own, row, rest);
             }
             _ => {}
@@ -249,24 +279,26 @@ impl Factor<'_> {
     }
 }
 
-/// Factors a small triangle, and gives the inverses of its diagonal; or else the first pivot that is not positive.
+/// Factors a small triangle, and gives the inverses of its diagonal's sizes; or else the first pivot that is not taken.
 #[inline(always)]
-fn factor<const C: usize>(triangle: &mut [[f64; C]; C]) -> Result<[f64; C], usize> {
+fn factor<const C: usize>(
+    triangle: &mut [[f64; C]; C],
+    diagonal: impl Fn(usize, f64) -> Option<f64>,
+) -> Result<[f64; C], usize> {
     let mut inverse = [0.0; C];
+    let mut signs = [1.0; C];
     for k in 0..C {
         let (above, rest) = triangle.split_at_mut(k);
         let own = &mut rest[0];
         for (l, other) in above.iter().enumerate() {
-            let known: f64 = other[..l].iter().zip(&own[..l]).map(|(a, b)| a * b).sum();
+            let known: f64 =
+                other[..l].iter().zip(&own[..l]).zip(&signs).map(|((a, b), sign)| sign * (a * b)).sum();
             own[l] = (own[l] - known) * inverse[l];
         }
-        let known: f64 = own[..k].iter().map(|value| value * value).sum();
-        let pivot = own[k] - known;
-        if pivot.is_nan() || pivot <= 0.0 {
-            return Err(k);
-        }
-        own[k] = pivot.sqrt();
-        inverse[k] = 1.0 / own[k];
+        let known: f64 = own[..k].iter().zip(&signs).map(|(value, sign)| sign * (value * value)).sum();
+        own[k] = diagonal(k, own[k] - known).ok_or(k)?;
+        inverse[k] = 1.0 / own[k].abs();
+        signs[k] = 1.0_f64.copysign(own[k]);
     }
     Ok(inverse)
 }

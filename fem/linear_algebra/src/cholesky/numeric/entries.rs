@@ -8,7 +8,7 @@ use crate::ahead::ask_for;
 /// Columns for whose rows memory is asked ahead: rows follow each other in the order of elimination, not in memory.
 const COLUMNS_AHEAD: usize = 6;
 
-impl Numeric<'_> {
+impl<P> Numeric<'_, P> {
     /// Copies the entries of some columns from the diagonal on into a panel of zeros. `places` has the panel's row for each row.
     pub(super) fn copy_entries(&self, columns: Range<usize>, panel: &mut [f64], places: &[u32]) {
         let height = panel.len() / columns.len().max(1);

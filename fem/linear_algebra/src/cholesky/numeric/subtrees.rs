@@ -5,6 +5,7 @@
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
+use super::pivots::Pivots;
 use super::wide::share;
 use super::{Numeric, Scratch};
 use crate::threads::Threads;
@@ -86,8 +87,8 @@ impl Tree {
     }
 }
 
-impl Numeric<'_> {
-    /// Factors into the values; an error is the place in the elimination order of the first pivot that is not positive.
+impl<P: Pivots> Numeric<'_, P> {
+    /// Factors into the values; an error is the place in the elimination order of the first pivot that is not taken.
     pub(in crate::cholesky) fn factorise(&self, threads: Threads, values: &mut [f64]) -> Result<(), usize> {
         let count = self.symbolic.n_supernodes();
         let mut scratch = Scratch::default();

@@ -4,10 +4,12 @@ use std::sync::{Mutex, PoisonError};
 
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::reborrow::ReborrowMut;
 use faer::{Accum, MatMut, MatRef, Par};
 
-use super::PANEL;
 use super::dense::{Factor, run};
+use super::pivots::Pivots;
+use super::{PANEL, with_signs};
 use crate::threads::Threads;
 
 /// Rows of a tile.
@@ -34,27 +36,40 @@ pub(super) fn share<T: Send, Memory: Default + Send>(
     });
 }
 
-/// Factors a block of columns: a triangle and what is below it.
-pub(super) fn factor(threads: Threads, block: &mut [f64], height: usize) -> Result<(), usize> {
+/// Factors a block of columns from a place of the elimination order on: a triangle and what is below it.
+pub(super) fn factor<P: Pivots>(
+    threads: Threads,
+    (pivots, place): (P, usize),
+    block: &mut [f64],
+    height: usize,
+) -> Result<(), usize> {
     let mut rest = block;
     let mut first = 0;
+    let (mut signs, mut signed) = (vec![], vec![]);
     while !rest.is_empty() {
         let width = PANEL.min(rest.len() / height);
         let (panel, later) = rest.split_at_mut(width * height);
-        run(Factor { columns: panel, height, first, end: first + width }).map_err(|column| first + column)?;
+        let place = place + first;
+        run(Factor { pivots, place, columns: panel, height, first, end: first + width })
+            .map_err(|column| first + column)?;
+        P::read_signs(&panel[first..], height, &mut signs);
         let matrix = MatMut::from_column_major_slice_mut(panel, height, width);
         let (above, below) = matrix.split_at_row_mut(first + width);
         let triangle = above.as_ref().subrows(first, width);
-        share(threads, tiles(below), &mut (), |(_, tile), ()| {
-            solve_lower_triangular_in_place(triangle, tile.transpose_mut(), Par::Seq);
+        share(threads, tiles(below), &mut (), |(_, mut tile), ()| {
+            solve_lower_triangular_in_place(triangle, tile.rb_mut().transpose_mut(), Par::Seq);
+            for (column, sign) in tile.col_iter_mut().zip(&signs).filter(|(_, sign)| **sign < 0.0) {
+                column.iter_mut().for_each(|value| *value *= sign);
+            }
         });
         let known = MatRef::from_column_major_slice(&*panel, height, width);
+        let with_signs = with_signs(known, &signs, &mut signed);
         let mut products = vec![];
         for (k, columns) in later.chunks_mut(PANEL * height).enumerate() {
             let start = first + width + k * PANEL;
             let count = columns.len() / height;
             let matrix = MatMut::from_column_major_slice_mut(columns, height, count);
-            let others = known.subrows(start, count).transpose();
+            let others = with_signs.subrows(start, count).transpose();
             let below = tiles(matrix.split_at_row_mut(start).1);
             products.extend(below.into_iter().map(|(row, tile)| (start + row, tile, others)));
         }

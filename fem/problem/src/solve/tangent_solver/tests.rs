@@ -117,9 +117,11 @@ fn each_path_is_taken_and_named() {
     saddle.values_mut()[place] = 0.0;
     let cases = [
         (chain(40, 0.0, 0.0), SolverPath::Cholesky),
-        (chain(40, 0.0, -9.0), SolverPath::Indefinite),
+        (chain(40, 0.0, -9.0), SolverPath::SignedCholesky),
+        (chain(40, 0.0, -1.9), SolverPath::Indefinite),
         (chain(40, 0.4, 0.0), SolverPath::Gmres),
-        (saddle, SolverPath::Lu),
+        (saddle, SolverPath::SignedCholesky),
+        (chain(40, 0.4, -2.0), SolverPath::Lu),
     ];
     for (matrix, path) in cases {
         let mut solver = TangentSolver::default();
