@@ -1,5 +1,7 @@
 //! Symmetric and unsymmetric tangents by their residuals.
 
+mod saddle_points;
+
 use super::*;
 use crate::linear_algebra::LinearAlgebraError;
 
