@@ -87,29 +87,6 @@ fn a_floating_body_that_multipliers_hold_agrees_with_lu() {
 }
 
 #[test]
-fn times() {
-    let Ok(cells) = std::env::var("SADDLE_CELLS") else { return };
-    let cells: usize = cells.parse().unwrap();
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [cells, cells], CellShape::Triangle, 1).unwrap());
-    let (bodies, pressures) = (Space::vector(&mesh, 2).unwrap(), Space::scalar(&mesh, 1).unwrap());
-    let form = saddle::incompressible(&data(), &saddle::Omega::on("all"));
-    let mut held = Constraints::new(&bodies);
-    held.fix("left", |_| [0.0; 2]).unwrap();
-    println!("{} unknowns", bodies.unknowns() + pressures.unknowns());
-    for threads in [1, 2] {
-        let options = TangentSolverOptions { threads: Threads::new(threads), ..Default::default() };
-        let mut solver = TangentSolver::new(options);
-        Problem::new(&form, [&bodies, &pressures]).constrained(&held).solver(&mut solver).solve().unwrap();
-        println!("{threads} threads {:#?}", solver.report());
-    }
-    let start = std::time::Instant::now();
-    let mut lu = LuSolver::default();
-    Problem::new(&form, [&bodies, &pressures]).constrained(&held).solver(&mut lu).solve().unwrap();
-    println!("lu {:?}", start.elapsed());
-    println!("{}", std::fs::read_to_string("/proc/self/status").unwrap());
-}
-
-#[test]
 fn a_saddle_point_that_is_singular_is_an_error() {
     let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [9, 7], CellShape::Triangle, 1).unwrap());
     let (bodies, pressures) = (Space::vector(&mesh, 2).unwrap(), Space::scalar(&mesh, 1).unwrap());
