@@ -13,6 +13,7 @@ mod asymmetry;
 pub mod back_substitution;
 #[doc(hidden)]
 pub mod backward_error;
+pub mod block_elimination;
 mod block_graph;
 pub mod block_matrix;
 pub mod block_product;
@@ -56,6 +57,7 @@ pub mod vector;
 pub use analysis::Analysis;
 pub use back_substitution::PartialBackSubstitution;
 pub use backward_error::check_residual;
+pub use block_elimination::{BlockElimination, Counts, Eliminated, Groups};
 pub use block_matrix::BlockMatrix;
 pub use block_sparsity::{BlockRows, BlockSparsity, NodeSet};
 pub use cells::Cells;

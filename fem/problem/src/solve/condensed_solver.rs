@@ -148,6 +148,7 @@ impl CondensedSolver {
                 Some(Current::Fallback) => other.path,
                 _ => own.path,
             },
+            local_unknowns: None,
             condensed_unknowns: own.condensed_unknowns,
         }
     }

@@ -1,11 +1,11 @@
 //! The linear solver of a loop over steps: its own, or one that is lent to it.
 
-use super::{LinearSolver, TangentSolver};
+use super::{LinearSolver, LocalUnknowns};
 
 /// A linear solver of one's own, or a lent one.
 #[doc(hidden)]
 pub enum LentSolver<'a> {
-    Own(Box<TangentSolver>),
+    Own(Box<LocalUnknowns>),
     Lent(&'a mut dyn LinearSolver),
 }
 

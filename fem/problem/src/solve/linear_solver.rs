@@ -6,7 +6,8 @@ use super::condensed_solver::CondensedSolver;
 use super::floating::Floating;
 use super::solver_report::SolverReport;
 use crate::linear_algebra::{
-    CsrMatrix, GmresReport, KrylovReport, LinearAlgebraError, ResidualHistory, SparsityPattern, Transpose,
+    CsrMatrix, GmresReport, Groups, KrylovReport, LinearAlgebraError, ResidualHistory, SparsityPattern,
+    Transpose,
 };
 
 /// A solver of systems with one square matrix after another. An implementation may keep whatever serves the next
@@ -20,6 +21,11 @@ pub trait LinearSolver {
     fn set_processes(&mut self, count: usize) -> Result<(), SolverError> {
         if count <= 1 { Ok(()) } else { Err(SolverError::Processes { problem: count, solver: 1 }) }
     }
+
+    /// Says which unknowns of the coming matrices live in one cell or facet each, so that a solver may eliminate them before others: see
+    /// [`LocalUnknowns`](super::LocalUnknowns). A problem says it before it sets a matrix. Other solvers do not use it.
+    #[doc(hidden)]
+    fn set_local_unknowns(&mut self, _groups: Groups) {}
 
     /// Takes the matrix of the next solves.
     ///

@@ -20,6 +20,7 @@ mod linear_part;
 pub mod linear_solver;
 pub mod linear_system;
 pub mod load_steps;
+pub mod local_unknowns;
 pub mod lu_solver;
 pub mod multigrid_solver;
 pub mod newton;
@@ -44,6 +45,7 @@ pub use linear_system::{solve_linear, solve_linear_transposed};
 pub use load_steps::{
     CommittingSteps, Extrapolate, Increment, LoadPath, LoadStep, LoadStepError, LoadSteps, StepStart,
 };
+pub use local_unknowns::LocalUnknowns;
 pub use lu_solver::LuSolver;
 pub use multigrid_solver::{MultigridSolver, MultigridSolverOptions, MultigridSolverReport};
 pub use newton::{

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::linear_algebra::Candidate;
+use crate::linear_algebra::{Candidate, Counts};
 
 /// The way in which a system was solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,6 +68,9 @@ pub struct SolverReport {
     /// Number of negative eigenvalues of the last matrix that was factored by Cholesky with signs or by Bunch–Kaufman, so far
     /// as its solutions were accurate. For a stable equilibrium under multipliers it is the number of multipliers.
     pub negative_eigenvalues: Option<usize>,
+    /// Unknowns of one cell or facet each that were eliminated from the last matrix, and why others were not; none where a form has no such
+    /// unknowns, or the solver does not look for them.
+    pub local_unknowns: Option<Counts>,
     /// The way that the last solve took.
     pub path: Option<SolverPath>,
     /// Unknowns to which a [`super::CondensedSolver`] condensed; none where no Schur complement was used.

@@ -11,8 +11,9 @@ use crate::instantiate::instantiate;
 use crate::linear_algebra::{BlockMatrix, Restriction};
 use crate::solve::communicator::agreed;
 use crate::solve::linear_part::{Assembled, System};
+use crate::solve::local_unknowns::groups_of;
 use crate::solve::{
-    Elimination, LinearSolver, NewtonFailure, NewtonStep, Solved, Start, TangentSolver, newton_eliminating,
+    Elimination, LinearSolver, LocalUnknowns, NewtonFailure, NewtonStep, Solved, Start, newton_eliminating,
 };
 
 /// Memory that one step of a history leaves to the next, and the map from its matrix to the reduced one: nothing that a result depends on.
@@ -25,7 +26,7 @@ pub struct StepMemory {
 
 /// The problem's own linear solver, or one that is lent to it.
 pub(in crate::solve) enum Solver<'a> {
-    Own(Box<TangentSolver>),
+    Own(Box<LocalUnknowns>),
     Lent(&'a mut dyn LinearSolver),
 }
 
@@ -101,6 +102,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         let constraints = constraints.each_ref().map(|one| &**one);
         self.agree_on_problem(&constraints)?;
         let mut elimination = Elimination::of(&constraints).map_err(NewtonFailure::Mismatch)?;
+        solver.set_local_unknowns(groups_of(&self.system.spaces, &elimination));
         if self.system.form.is_affine() {
             elimination = elimination.with_restriction(self.memory.restriction.take());
             let found = self.solve_affine(&mut elimination, solver);
