@@ -23,7 +23,7 @@ use super::transpose::Transpose;
 /// Groups whose products are formed side by side before they are added one after the other.
 const AT_ONCE: usize = 4096;
 
-/// What is known of the elimination of groups from a pattern.
+/// Symbolic part of the elimination of groups: what a pattern says.
 #[derive(Debug)]
 pub struct BlockElimination {
     pattern: Arc<SparsityPattern>,
@@ -87,7 +87,7 @@ impl BlockElimination {
         Ok((Some(BlockElimination { pattern, plan, left, counts, groups, refused }), counts))
     }
 
-    /// How many unknowns are eliminated, and why others are not.
+    /// Numbers of unknowns that are eliminated, and of others by the reason.
     pub fn counts(&self) -> Counts {
         self.counts
     }

@@ -18,7 +18,7 @@ pub struct Groups {
 }
 
 impl Groups {
-    /// Adds a group with its rank. Unknowns that are in an earlier group stay there.
+    /// One more group with its rank. Unknowns that are in an earlier group stay there.
     pub fn add(&mut self, rank: u8, unknowns: impl IntoIterator<Item = u32>) {
         self.unknowns.extend(unknowns);
         if self.ends.last().copied().unwrap_or(0) < self.unknowns.len() {

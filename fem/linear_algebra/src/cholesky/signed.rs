@@ -25,7 +25,7 @@ const SUBSTITUTE: f64 = 1e-8;
 /// Steps of the power method that estimates a remainder.
 const STEPS: usize = 3;
 
-/// What refinement with a factor of a matrix nearby can do.
+/// Quality of a factor of a matrix nearby for refinement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Remainder {
     /// Estimate of the part of an error that a step of refinement leaves, ‖I − Ã⁻¹ A‖ for the matrix à that was factored. It is 1 for a

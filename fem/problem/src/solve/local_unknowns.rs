@@ -72,7 +72,7 @@ pub struct LocalUnknowns<S = TangentSolver> {
     seconds: f64,
 }
 
-/// The matrix of the next solves, of which something was eliminated.
+/// The matrix of the next solves, where something was eliminated from it.
 #[derive(Debug)]
 struct Current {
     matrix: CsrMatrix,
