@@ -104,7 +104,8 @@ impl KrylovError {
 /// Equations that are off by more than this many times the tolerance, each relative to its own terms, are solved further.
 #[doc(hidden)]
 pub const BESIDE_TERMS: f64 = 100.0;
-/// The same where a residual of this part of the right-hand side is enough: ten times that part, within bounds.
+/// Bound on equations off by a part of their own terms, where a residual of the given part of the right-hand side is enough: ten times that
+/// part, within limits.
 #[doc(hidden)]
 pub fn rough(target: f64) -> f64 {
     (10.0 * target).clamp(1e-3, 1e-1)

@@ -9,7 +9,7 @@ mod jumps {
     #[interior_facets]
     pub struct Skeleton;
 
-    pub fn mean(u: State<Scalar>, m: Test<Scalar>) -> Form {
+    pub fn mean_jump(u: State<Scalar>, m: Test<Scalar>) -> Form {
         integral(Skeleton, this(m) * jump(u))
     }
     pub fn square(u: State<Scalar>) -> Functional {
@@ -29,7 +29,7 @@ where
     let facets = Space::on_facets(mesh, "interior", 0)?;
     let skeleton = jumps::Skeleton::on("interior");
     let assembler = Assembler::new(mesh);
-    let means = assembler.residual(&jumps::mean(&skeleton, &u), &[], &[&facets])?;
+    let means = assembler.residual(&jumps::mean_jump(&skeleton, &u), &[], &[&facets])?;
     assert!(means.iter().all(|mean| mean.abs() < 1e-15));
     // All functions are seen on all facets: the jumps themselves do not vanish.
     assert!(assembler.functional(&jumps::square(&skeleton, &u))? > 0.1);

@@ -381,6 +381,18 @@ pub enum AssemblyError {
         /// The facet region of the field's space.
         region: String,
     },
+    /// The mean over a cell of functions that no table of a reference cell has.
+    #[error(
+        "form `{form}` reads the mean over a cell of `{field}`, which has {elements}: their means are not available"
+    )]
+    NoMean {
+        /// The form or function.
+        form: &'static str,
+        /// The field's name in the form.
+        field: &'static str,
+        /// Elements of its space.
+        elements: Elements,
+    },
     /// The two sides of an interior facet do not meet.
     #[error(
         "form `{form}`: cells {} and {} share a facet, but at x = {position:?} their sides are {distance:e} apart",

@@ -60,8 +60,8 @@ impl Backend<3> for Finish {
         let mut sum = K::zero();
         K::pair(
             &mut sum,
-            &kernel.test(&point, &basis, &[[0.0; 3]; 3]),
-            &kernel.trial(&point, &basis, &[[0.0; 3]; 3]),
+            &kernel.test(&point, &basis, &Further::none()),
+            &kernel.trial(&point, &basis, &Further::none()),
         );
         kernel.finish(&cell, &sum).as_ref().to_vec()
     }

@@ -165,7 +165,7 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
                 }
             }
             self.basis[index][node] = Basis { value, gradient };
-            self.hessians[index][node] = [[L::splat(0.0); D]; D];
+            self.further[index][node].hessian = [[L::splat(0.0); D]; D];
         }
     }
 

@@ -46,7 +46,8 @@ impl<const D: usize> super::Group<D> {
     /// Checks that the functions of a space have means over cells.
     ///
     /// # Errors
-    /// [`AssemblyError::MeanOnFacets`] if the space lives on facets.
+    /// [`AssemblyError::MeanOnFacets`] if the space lives on facets; [`AssemblyError::NoMean`] if its functions are not those of a
+    /// reference cell.
     pub fn check_mean(
         &self,
         form: &'static str,
@@ -55,7 +56,13 @@ impl<const D: usize> super::Group<D> {
     ) -> Result<(), AssemblyError> {
         match space.facet_region() {
             Some(region) => Err(AssemblyError::MeanOnFacets { form, field, region: region.to_owned() }),
-            None => Ok(()),
+            None => {
+                let mut shapes = self.sides.iter().map(|side| space.element_of(side.shape));
+                match shapes.any(|element| element.is_at_points() || element.is_in_space()) {
+                    true => Err(AssemblyError::NoMean { form, field, elements: space.elements().clone() }),
+                    false => Ok(()),
+                }
+            }
         }
     }
 }

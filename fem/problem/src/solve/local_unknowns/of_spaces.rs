@@ -4,39 +4,15 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::linear_algebra::Groups;
-use crate::mesh::Facet;
 use crate::solve::Elimination;
-use crate::space::{Family, Space};
+use crate::space::{Owner, Scope, Space};
 
-/// Where some nodes live. Facets give way to cells with which they are coupled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Home {
-    Cell(u32),
-    /// The first of its sides.
-    Facet(Facet),
-}
-
-/// Calls `visit` with the nodes of a space that live in one cell or facet, for each of these; not at all for a space whose nodes are shared.
-fn visit_local_nodes<const D: usize>(space: &Space<D>, mut visit: impl FnMut(Home, &[u32])) {
-    let on_cells = matches!(space.family(), Family::Discontinuous);
-    let on_facets = match space.family() {
-        Family::DiscontinuousOnFacets(_) => true,
-        Family::OnFacets(_) => space.degree() == 0,
-        Family::Continuous | Family::Discontinuous => false,
-    };
-    if on_cells {
-        for cell in 0..space.mesh().cell_count() {
-            visit(Home::Cell(cell as u32), space.cell_nodes(cell));
-        }
-    }
-    if on_facets {
-        // The two sides of an interior facet share its nodes.
-        let mut seen = vec![false; space.node_count()];
-        for (facet, nodes) in &space.facets {
-            if nodes.first().is_some_and(|node| !std::mem::replace(&mut seen[*node as usize], true)) {
-                visit(Home::Facet(*facet), nodes);
-            }
-        }
+/// The nodes of a space that live in one cell or facet each. Nodes of continuous elements inside cells are not among them: they cost a
+/// factorisation little, and are as many as the others.
+fn local_nodes<const D: usize>(space: &Space<D>) -> Vec<(Owner, &[u32])> {
+    match space.scope().sharing() {
+        Scope::Nodes => vec![],
+        _ => space.local_nodes(),
     }
 }
 
@@ -46,12 +22,12 @@ pub(in crate::solve) fn groups_of<const D: usize>(
     elimination: &Elimination,
 ) -> Groups {
     let mut groups = Groups::default();
-    let mut homes: BTreeMap<Home, Vec<u32>> = BTreeMap::new();
+    let mut homes: BTreeMap<Owner, Vec<u32>> = BTreeMap::new();
     let mut numbers = vec![];
     let mut offset = 0;
     for space in spaces {
         let components = space.components();
-        visit_local_nodes(space, |home, nodes| {
+        for (home, nodes) in local_nodes(space) {
             if numbers.is_empty() {
                 numbers = numbers_of(elimination);
             }
@@ -61,11 +37,11 @@ pub(in crate::solve) fn groups_of<const D: usize>(
             });
             let free = unknowns.filter_map(|unknown| numbers[unknown]);
             homes.entry(home).or_default().extend(free);
-        });
+        }
         offset += space.unknowns();
     }
     for (home, unknowns) in homes {
-        groups.add(u8::from(matches!(home, Home::Facet(_))), unknowns);
+        groups.add(u8::from(matches!(home, Owner::Facet(_))), unknowns);
     }
     groups
 }
