@@ -290,7 +290,7 @@ impl HalfSpaces<2> {
         self.problem(|x| self.pressing(x))
     }
 
-    /// The bodies under P and Q, the upper one drawn along x, from the displacement under P alone.
+    /// The bodies under P and Q, the upper one drawn along x, from the displacement under only P.
     ///
     /// # Errors
     /// Data that do not fit.
@@ -334,7 +334,7 @@ impl HalfSpaces<3> {
         self.problem(|x| self.pressing(x))
     }
 
-    /// The bodies under P and Q, the upper one drawn along x, from the displacement under P alone: for [`halved_balls`].
+    /// The bodies under P and Q, the upper one drawn along x, from the displacement under only P: for [`halved_balls`].
     ///
     /// # Errors
     /// Data that do not fit.

@@ -13,7 +13,7 @@ use crate::threshold::{Threshold, largest_eigenvalues, on_cells_of_facets};
 pub mod isotropic {
     use crate::operators::linear_elastic::stress;
 
-    /// The material, and what products of tractions are divided by.
+    /// The material, and the divisor of products of tractions.
     pub struct Data {
         /// λ \[stress\].
         pub lambda: Given<Scalar>,

@@ -27,7 +27,7 @@ pub use forms_macro::resume_forms;
 
 use crate::described::Described;
 
-/// A form without kernels, for those who only ask what it is. A backend's contract has one with its kernels.
+/// A form without kernels, for its description. A backend's contract has one with its kernels.
 pub type Form<const D: usize> = crate::function::Form<D, Described>;
 /// An energy without kernels.
 pub type Energy<const D: usize> = crate::function::Energy<D, Described>;

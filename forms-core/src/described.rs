@@ -4,7 +4,7 @@ use crate::function::Backend;
 use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel};
 use crate::kernel_constants::{BilinearConstants, ExpressionConstants, LinearConstants};
 
-/// The backend of those who only ask what a function is: it keeps the constants of kernels.
+/// The backend for descriptions of functions. It keeps only the constants of kernels.
 #[derive(Clone, Copy, Debug)]
 pub struct Described;
 

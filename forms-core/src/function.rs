@@ -13,7 +13,7 @@ use crate::dimension::Integrals;
 use crate::form::{Dependence, FieldDescription, Formula, Inputs, Integral, Role};
 use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel};
 
-/// A backend, by what it makes of the kernels of compiled functions in a dimension.
+/// A backend, given by its types for the kernels of compiled functions in a dimension.
 pub trait Backend<const D: usize>: Sized + 'static {
     /// The kernel of an integral that is linear in a test function.
     type Linear: Send + Sync + 'static;
@@ -230,7 +230,7 @@ value! {
     Expression
 }
 
-/// An energy W(u): a number, and the form of its first variation. It can be used where a form is asked for.
+/// An energy W(u): a number, and the form of its first variation. It can be used in place of a form.
 pub struct Energy<const D: usize, B: Backend<D>>(Form<D, B>);
 
 impl<const D: usize, B: Backend<D>> Energy<D, B> {

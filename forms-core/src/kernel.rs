@@ -111,7 +111,7 @@ pub struct PointGeometry<L, const D: usize> {
 }
 
 impl<L: Lane, const D: usize> PointGeometry<L, D> {
-    /// A weight alone: all else is zero.
+    /// Only a weight; all else is zero.
     #[inline(always)]
     pub fn of_weight(weight: L) -> Self {
         let zero = L::splat(0.0);

@@ -32,7 +32,7 @@ pub enum PairQuadrature {
     WholeFacets,
 }
 
-/// The surfaces of a region of contact pairs and the way in which opposite points are found: what a user binds the region to.
+/// The surfaces of a region of contact pairs and the way in which opposite points are found. A user binds the region to it.
 ///
 /// A point for which none is found adds nothing to an integral over the pairs: it is free.
 ///

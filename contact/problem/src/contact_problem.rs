@@ -99,7 +99,7 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
         self.split.is_some()
     }
 
-    /// The assembler of what reads the contact zone of a displacement: [`ContactProblem::assembler`], with facets of Γ_C split
+    /// The assembler of integrals over the contact zone of a displacement: [`ContactProblem::assembler`], with facets of Γ_C split
     /// if that was asked for.
     ///
     /// # Errors

@@ -23,7 +23,7 @@ pub enum Range {
 }
 
 impl Range {
-    /// Whether a member of the data lies in it; what varies in space and is no constant is not looked at.
+    /// Check that a constant member of the data lies in the range. Members that vary in space are not checked.
     ///
     /// # Errors
     /// [`AssemblyError::ParameterRange`].

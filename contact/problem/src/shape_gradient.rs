@@ -23,7 +23,7 @@ pub enum Diameters {
 /// A function of position, here ∇u_D: entry \[i\]\[j\] is ∂u_D,i/∂x_j.
 pub type ImposedSlope<'a, const D: usize> = &'a dyn Fn(&[f64; D]) -> [[f64; D]; D];
 
-/// DJ as a vector: what each component of each node's movement contributes.
+/// DJ as a vector: the contribution of each component of each node's movement.
 #[derive(Clone, Debug)]
 pub struct ShapeGradient<const D: usize> {
     /// The movements Θ that it takes: the space of the mesh's geometry.

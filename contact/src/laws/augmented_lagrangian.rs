@@ -22,7 +22,7 @@ pub mod augmented_lagrangian {
     use super::super::frictional_nitsche::{augmented, elasticity, law, loads};
     use crate::operators::obstacle::gamma;
 
-    /// T(λ): the projection of the augmented multiplier onto what contact and friction allow.
+    /// T(λ): the projection of the augmented multiplier onto the tractions that contact and friction allow.
     pub fn update(multiplier: Vector, w: Vector) -> Vector {
         law(augmented(multiplier, w))
     }

@@ -64,7 +64,7 @@ pub mod cohesive {
         opening(-jump(w), toward, shear_weight)
     }
 
-    /// κ(u), the largest effective opening up to now: what the history becomes after a step.
+    /// κ(u), the largest effective opening so far: the history's value after a step.
     #[doc(alias = "κ")]
     pub fn opening_after(w: Vector) -> Scalar {
         max(this(largest_opening), effective_opening(w))

@@ -22,7 +22,7 @@ pub(super) struct LowerTriangle {
     pub(super) source: Vec<u32>,
 }
 
-/// The symbolic part of a factorisation, from the pattern alone. It is computed once and serves every matrix
+/// The symbolic part of a factorisation, which needs only the pattern. It is computed once and serves every matrix
 /// with that pattern.
 #[derive(Debug)]
 pub struct Analysis {

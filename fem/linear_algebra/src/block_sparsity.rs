@@ -90,7 +90,7 @@ impl BlockSparsity {
         Ok(self.with_cells_made_by(move || cells))
     }
 
-    /// These positions with cells that are made when they are first asked for: only orderings read them. All of their unknowns must be
+    /// These positions with cells that are computed on first use: only orderings read them. All of their unknowns must be
     /// rows and columns.
     #[doc(hidden)]
     pub fn with_cells_made_by(self, make: impl FnOnce() -> Cells + Send + Sync + 'static) -> Self {

@@ -265,7 +265,7 @@ impl SymmetricFactor {
         self.seconds
     }
 
-    /// This factor without what only a further factorisation on its analysis needs, if no other factor shares that.
+    /// This factor without the memory for further factorisations on its analysis, if no other factor shares it.
     pub fn for_solves(self) -> Self {
         let analysis = match Arc::try_unwrap(self.analysis) {
             Ok(own) => Arc::new(own.for_solves()),

@@ -119,12 +119,12 @@ impl Condensation {
         column(&(&self.schur * as_column(x)))
     }
 
-    /// L_c y_c of a vector y = L⁻¹ b: the right-hand side of the condensed system.
+    /// The right-hand side of the condensed system: L_c y_c of a vector y = L⁻¹ b.
     pub fn condensed_load(&self, y: &[f64]) -> Vec<f64> {
         column(&(&self.lower * as_column(&y[y.len() - self.unknowns.len()..])))
     }
 
-    /// L_cᵀ x_c: what back-substitution reads in the place of y_c.
+    /// L_cᵀ x_c, which back-substitution reads in place of y_c.
     pub fn shifted(&self, x: &[f64]) -> Vec<f64> {
         column(&(self.lower.transpose() * as_column(x)))
     }

@@ -137,7 +137,7 @@ impl CsrMatrix {
         &mut self.values
     }
 
-    /// The values alone, for example to reuse their memory.
+    /// The values without the pattern, for example to reuse their memory.
     pub fn into_values(self) -> Vec<f64> {
         self.values
     }

@@ -14,7 +14,7 @@ const UNDERFLOW: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 /// Equations that are judged together, on any number of threads.
 const PIECE: usize = 4096;
 
-/// A square matrix by what it takes to judge a solution.
+/// A square matrix, with the operations that judging a solution needs.
 pub trait Equations: fmt::Debug {
     /// Writes b − A x, and returns the equation that holds worst, both the same for each number of threads. `room` is memory
     /// that is kept from one call to the next. From the products, unless there is a quicker way.

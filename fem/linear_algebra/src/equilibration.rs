@@ -66,7 +66,8 @@ impl Equilibration {
         scaled
     }
 
-    /// S v: a right-hand side of the scaled system from one of the system as it is, or a solution the other way round.
+    /// S v: the right-hand side of the scaled system from that of the original one, or the solution of the original system from that
+    /// of the scaled one.
     pub fn times(&self, v: &[f64]) -> Vec<f64> {
         v.iter().zip(&self.scale).map(|(v, scale)| v * scale).collect()
     }

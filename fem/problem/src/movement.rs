@@ -87,7 +87,7 @@ impl<const D: usize> Field<D> {
         mesh.with_nodes(nodes).map(Arc::new).map_err(|source| MovementError::Mesh { step, source })
     }
 
-    /// These coefficients on a mesh that has moved: what a field is that keeps its nodal values.
+    /// These coefficients on a mesh that has moved: the field keeps its nodal values.
     ///
     /// # Errors
     /// [`MovementError::OtherNodes`] when the space is of another kind, or its mesh has other cells.

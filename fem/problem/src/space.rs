@@ -116,7 +116,7 @@ impl<const D: usize> Space<D> {
         Space::of(mesh, Elements::Lagrange(degree), Scope::Cell, &[D, D])
     }
 
-    /// The scalar space on the facets of a region alone: continuous of degree 1 to 4, or constant on each
+    /// The scalar space only on the facets of a region: continuous of degree 1 to 4, or constant on each
     /// facet in degree 0.
     ///
     /// # Errors
@@ -125,7 +125,7 @@ impl<const D: usize> Space<D> {
         Space::of(mesh, Elements::Lagrange(degree), Scope::Facets(region.to_owned()), &[])
     }
 
-    /// The space of vectors with D components on the facets of a region alone.
+    /// The space of vectors with D components only on the facets of a region.
     ///
     /// # Errors
     /// As [`Space::on_facets`].
@@ -137,7 +137,7 @@ impl<const D: usize> Space<D> {
         Space::of(mesh, Elements::Lagrange(degree), Scope::Facets(region.to_owned()), &[D])
     }
 
-    /// The scalar space on the facets of a region alone whose values jump between facets: of degree 0 (constant on each
+    /// The scalar space only on the facets of a region, with values that jump between facets: of degree 0 (constant on each
     /// facet) to 4.
     ///
     /// ```
@@ -159,7 +159,7 @@ impl<const D: usize> Space<D> {
         Space::of(mesh, Elements::Lagrange(degree), Scope::EachFacet(region.to_owned()), &[])
     }
 
-    /// The space of vectors with D components on the facets of a region alone, whose values jump between facets.
+    /// The space of vectors with D components only on the facets of a region, with values that jump between facets.
     ///
     /// # Errors
     /// As [`Space::on_facets`].
@@ -237,7 +237,7 @@ impl<const D: usize> Space<D> {
         &self.scope
     }
 
-    /// The region of a space that lives on facets alone.
+    /// The region of a space that lives only on facets.
     pub fn facet_region(&self) -> Option<&str> {
         self.scope.facet_region()
     }

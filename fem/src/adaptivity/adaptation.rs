@@ -120,7 +120,7 @@ impl fmt::Display for AdaptiveStep {
     }
 }
 
-/// The last mesh of a cycle and what was computed on it.
+/// The last mesh of a cycle and the results on it.
 #[derive(Clone, Debug)]
 pub struct Adapted<const D: usize> {
     /// The mesh, to go on with.

@@ -22,7 +22,7 @@ macro_rules! choices_of {
                 self
             }
 
-            /// A function of the controls alone that adds to the criterion, with its gradient, as a regularisation.
+            /// A function of only the controls that is added to the criterion, with its gradient, as a regularisation.
             pub fn with_cost_of_controls(mut self, cost: impl Fn(&[f64]) -> (f64, Vec<f64>) + 'a) -> Self {
                 self.criterion.of_controls = Some(Box::new(cost));
                 self
@@ -88,7 +88,7 @@ macro_rules! choices_of {
                 self
             }
 
-            /// J with its gradient, and what it took.
+            /// J with its gradient, and the cost.
             ///
             /// # Errors
             /// [`HistoryError`], which names the step.

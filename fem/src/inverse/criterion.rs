@@ -163,7 +163,7 @@ impl<'a, const D: usize> Criterion<'a, D> {
         Ok(())
     }
 
-    /// Contribution of the controls alone.
+    /// Contribution of only the controls.
     ///
     /// # Errors
     /// Those of [`Self::add_cost_of_controls`].

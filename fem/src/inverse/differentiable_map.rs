@@ -58,7 +58,7 @@ pub enum MapError {
     Problem(Box<dyn Error + 'static>),
 }
 
-/// A map F from controls m to outputs: what other programs ask of a problem.
+/// A map F from controls m to outputs, as other programs use a problem.
 ///
 /// Products with the Jacobian F′ are those of the discrete problem, by adjoints; there are no difference quotients in them. A map
 /// remembers the last m: asking for its value and then for products with its Jacobian solves the equations once.

@@ -7,7 +7,7 @@ use crate::field::FieldError;
 use crate::instantiate::instantiate;
 use crate::space::Space;
 
-/// Components u_c(x) of a state at points x or at nodes, in the order in which they were asked for.
+/// Components u_c(x) of a state at points x or at nodes, in the order of the requests.
 #[derive(Clone, Debug)]
 pub struct Readings<const D: usize> {
     space: Arc<Space<D>>,

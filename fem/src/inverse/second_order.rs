@@ -16,7 +16,7 @@ pub struct SecondOrder {
     pub along: Vec<f64>,
 }
 
-/// J, its gradient, and the Hessian along a direction, with what it took.
+/// J, its gradient, and the Hessian along a direction, with the cost.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hessian {
     /// J(m).

@@ -119,7 +119,7 @@ impl StepMap {
         after
     }
 
-    /// The slope by the row before, as far as what the step solves for stays, from that by the row at its end.
+    /// The slope by the row before, with the step's unknown kept fixed, from that by the row at its end.
     pub fn slope_before(&self, slope: &[f64]) -> Vec<f64> {
         let mut by_before = vec![0.0; slope.len()];
         for (combination, slope) in self.formulas.end.iter().zip(slope.chunks(self.unknowns)) {

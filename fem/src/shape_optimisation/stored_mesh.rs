@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::element::CellShape;
 use crate::mesh::{BOUNDARY, EVERYWHERE, Facet, INTERIOR, Mesh, MeshError};
 
-/// A mesh with its regions, to the last bit: what a descent goes on from once the cells are no longer those it began with.
+/// A mesh with its regions, to the last bit. A descent resumes from it if the cells are no longer those of its start.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StoredMesh {
     degree: usize,

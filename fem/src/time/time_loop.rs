@@ -123,7 +123,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         self
     }
 
-    /// The promise that an affine form's tangent depends on the step size alone: a step is then one residual and one solve.
+    /// The promise that an affine form's tangent depends only on the step size. A step is then one residual and one solve.
     /// Without it each step's equations are assembled at their solution too, and the matrix again when they do not hold; with it this
     /// is done at each 32nd step, and is an error.
     pub fn constant_coefficients(mut self) -> Self {

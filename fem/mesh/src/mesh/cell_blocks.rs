@@ -108,7 +108,7 @@ impl<const D: usize> Mesh<D> {
         shapes
     }
 
-    /// The shape of all cells, for what cannot do with several.
+    /// The shape of all cells, for functions that do not support several shapes.
     ///
     /// # Errors
     /// [`MeshError::SeveralShapes`], which says what it was needed for.

@@ -63,7 +63,7 @@ pub(super) struct Touching<const D: usize> {
 }
 
 impl<const D: usize> Conformity<D> {
-    /// Whether cells touch in shared facets alone.
+    /// True if cells touch only in shared facets.
     pub fn is_conforming(&self) -> bool {
         self.cracks.is_empty() && self.hanging_nodes.is_empty() && self.overlaps.is_empty()
     }

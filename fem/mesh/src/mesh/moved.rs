@@ -43,7 +43,7 @@ impl<const D: usize> Mesh<D> {
         self.check_parts()
     }
 
-    /// The mesh with its nodes at other places, whatever becomes of the cells: for tests of what finds inverted ones.
+    /// The mesh with its nodes at other places, without a check of the cells: for tests of functions that find inverted cells.
     #[doc(hidden)]
     #[inline(never)]
     pub fn with_unchecked_nodes(&self, nodes: Vec<[f64; D]>) -> Self {

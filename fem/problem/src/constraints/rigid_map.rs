@@ -68,7 +68,7 @@ impl<const D: usize> RigidMap<D> {
         orthogonal && determinant(&self.rotation) > 0.0 && self.translation.iter().all(|t| t.is_finite())
     }
 
-    /// The motion next to what a field does to the nodes of a region, by least squares, and the largest distance of a node from where that
+    /// The motion closest to a field at the nodes of a region, by least squares, and the largest distance of a node from where that
     /// motion brings it \[length\].
     ///
     /// # Errors

@@ -67,7 +67,7 @@ impl Write for StandardOutput {
     }
 }
 
-/// A program: runs it with its standard output, and says at the end what was wrong in one line on the standard error stream.
+/// A program, run with its standard output. If it fails, the reason is one line on the standard error stream.
 /// The exit code is 0 if all went well, 1 after an error or if the standard output could not be written, and 141 without a
 /// word if its reader had gone away, as a shell reports of other programs.
 ///
@@ -103,7 +103,7 @@ pub fn program<E: Display>(run: impl FnOnce(&mut StandardOutput) -> Result<(), E
     }
 }
 
-/// A line on the standard error stream, for progress and warnings; that nobody can hear it is no error.
+/// A line on the standard error stream, for progress and warnings. A closed stream is no error.
 pub fn tell(line: impl Display) {
     // One write: lines of several processes do not mingle.
     let _ = io::stderr().lock().write_all(format!("{line}\n").as_bytes());

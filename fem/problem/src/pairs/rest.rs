@@ -123,7 +123,7 @@ impl<const D: usize> Default for SurfacesAtRest<D> {
 }
 
 impl<const D: usize> SurfacesAtRest<D> {
-    /// A surface of that mesh with these facets, and what of it some fields displace.
+    /// A surface of that mesh with these facets, and its parts that some fields displace.
     pub fn of(
         &self,
         mesh: &Mesh<D>,

@@ -42,7 +42,7 @@ pub(super) fn names(pairing: &Pairing) -> Vec<&str> {
 }
 
 impl<'m, const D: usize> Surfaces<'m, D> {
-    /// The surfaces of a pairing, displaced, from what is known of them at rest.
+    /// The displaced surfaces of a pairing, from the data that are known at rest.
     ///
     /// # Errors
     /// A surface that does not exist, or displacements that fold it.

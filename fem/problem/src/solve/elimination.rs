@@ -47,7 +47,7 @@ impl Elimination {
         Ok(Self { size, prescribed: prescribed.clone(), relations: BTreeMap::new(), free, restriction: None })
     }
 
-    /// Elimination of what constraints prescribe and relate. Those of several spaces are one system, in which the unknowns
+    /// Elimination of prescribed and related unknowns. Constraints of several spaces are one system, in which the unknowns
     /// of the spaces follow one after the other.
     ///
     /// # Errors
@@ -159,7 +159,7 @@ impl Elimination {
         Ok(lifted)
     }
 
-    /// Cᵀ times a full vector of residuals or loads: its free entries, with what others pass on to them.
+    /// Cᵀ times a full vector of residuals or loads: its free entries, with the contributions of related ones.
     ///
     /// # Errors
     /// If the size is wrong.
@@ -175,7 +175,7 @@ impl Elimination {
         Ok(self.free.iter().map(|&unknown| sums[unknown]).collect())
     }
 
-    /// |C|ᵀ times a full vector of amounts, which are not negative: bounds of what [`Elimination::reduce`] sums.
+    /// |C|ᵀ times a full vector of amounts, which are not negative: bounds of the sums in [`Elimination::reduce`].
     ///
     /// # Errors
     /// If the size is wrong.
@@ -224,7 +224,7 @@ impl Elimination {
         Ok(residual)
     }
 
-    /// Cᵀ K C of a full matrix K: its free rows and columns, and what relations add to them.
+    /// Cᵀ K C of a full matrix K: its free rows and columns, with the contributions of relations.
     ///
     /// # Errors
     /// If the matrix has the wrong size.

@@ -126,7 +126,7 @@ impl<S, E: Error + 'static> Error for LoadStepError<S, E> {
 const SMALLEST: f64 = 1.0 / 1024.0;
 
 impl LoadSteps {
-    /// These factors, from 0 on. The smallest increment is 1/1024 of the largest one asked for.
+    /// These factors, from 0 on. The smallest increment is 1/1024 of the largest requested one.
     pub fn through(factors: impl IntoIterator<Item = f64>) -> Self {
         let factors: Vec<f64> = factors.into_iter().collect();
         let start_of_steps = StepStart::default();
@@ -291,7 +291,7 @@ impl LoadSteps {
     }
 }
 
-/// Load steps with what is done on the way: [`LoadSteps::committing`].
+/// Load steps with actions at each success and each attempt: [`LoadSteps::committing`], [`LoadSteps::each_attempt`].
 pub struct CommittingSteps<'a, S> {
     steps: &'a LoadSteps,
     commit: Box<dyn FnMut(&S) + 'a>,

@@ -297,7 +297,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     }
 }
 
-/// A form with what belongs to its solution.
+/// A form with the data of its solution.
 #[doc(hidden)]
 pub struct OwnedForm<'a, const D: usize> {
     pub form: Form<D>,
@@ -308,7 +308,7 @@ pub struct OwnedForm<'a, const D: usize> {
     pub options: NewtonOptions,
 }
 
-/// The solution of a form, for those who make one form after the other.
+/// The solution of a form, for callers that make one form after the other.
 ///
 /// # Errors
 /// As [`Problem::solve`].

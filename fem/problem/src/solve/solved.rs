@@ -142,7 +142,7 @@ impl<const D: usize> Solved<D, 1> {
         &self.fields[0]
     }
 
-    /// The unknown alone.
+    /// The unknown, without the rest of the solution.
     ///
     /// ```
     /// # use forms_fem::prelude::*;

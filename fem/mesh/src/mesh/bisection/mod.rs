@@ -15,7 +15,7 @@ use marked_edges::{MarkedEdges, Part};
 
 pub(super) use refinement::step_of_bisection;
 
-/// A conforming mesh of triangles or tetrahedra, with what its refinement and coarsening by bisection go by.
+/// A conforming mesh of triangles or tetrahedra, with the data of its refinement and coarsening by bisection.
 ///
 /// Refinement bisects the marked cells and those that would be left with hanging nodes. In the plane the first bisection of a
 /// triangle divides its longest edge, and then the edge opposite the newest vertex: no angle falls below half of the least one of the first

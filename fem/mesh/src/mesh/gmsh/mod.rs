@@ -27,7 +27,7 @@ const WORDS: Words = Words {
               physical group, too, or save with the option Mesh.SaveAll = 1",
 };
 
-/// A mesh from a file, and what is worth knowing of it.
+/// A mesh from a file, and remarks on it.
 #[derive(Clone, Debug)]
 pub struct GmshMesh<const D: usize> {
     /// The mesh. Nodes have the order of the file, and so have the cells of each shape.

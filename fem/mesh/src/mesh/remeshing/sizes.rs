@@ -10,7 +10,7 @@ const FACING: f64 = -0.5;
 /// A length by place \[length\].
 type SizeFunction<'a> = dyn Fn(&[f64; 2]) -> f64 + 'a;
 
-/// The lengths of edges that are asked for.
+/// The requested lengths of edges.
 #[derive(Clone, Copy)]
 pub struct Sizes<'a> {
     pub(super) largest: f64,

@@ -55,7 +55,7 @@ impl Polygons {
         })
     }
 
-    /// Triangles of about the sizes asked for.
+    /// Triangles of about the requested sizes.
     ///
     /// # Errors
     /// [`RemeshingError`]: the outline cannot be triangulated.

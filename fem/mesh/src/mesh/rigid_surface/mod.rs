@@ -230,7 +230,7 @@ impl<const D: usize> Mesh<D> {
         }
     }
 
-    /// The facet that represents all of a rigid surface: what its points belong to is the cell that carries it.
+    /// The facet that represents a whole rigid surface. Its points belong to the cell that carries the surface.
     #[doc(hidden)]
     pub fn carrier(&self, name: &str) -> Option<Facet> {
         self.rigid_surface(name).map(|carried| Facet { cell: carried.cell, local: 0 })

@@ -24,7 +24,7 @@ pub use super::imported::{FilePosition, ImportProblem, Item, Note};
 pub use array::VtkArray;
 pub use error::{VtkError, VtkProblem};
 
-/// A mesh from a file, its data, and what is worth knowing of it.
+/// A mesh from a file, its data, and remarks on it.
 #[derive(Clone, Debug)]
 pub struct VtkMesh<const D: usize> {
     /// The mesh. Nodes have the order of the file's points, and so have the cells of each shape.

@@ -236,7 +236,7 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
         position
     }
 
-    /// Values, and what is read of gradients and second derivatives, of all basis functions; `inverse` is J⁻ᵀ.
+    /// Values of all basis functions, and those of their gradients and second derivatives that are read; `inverse` is J⁻ᵀ.
     #[inline(always)]
     pub fn evaluate_basis(
         &mut self,

@@ -12,7 +12,7 @@ use crate::contract::Function;
 use crate::mesh::Facet;
 use crate::space::Space;
 
-/// A form with what the tangents of some of its integrals couple.
+/// A form with the couplings in the tangents of some of its integrals.
 #[doc(hidden)]
 pub struct Outline<'a, const D: usize> {
     form: &'a Function<D>,
@@ -78,7 +78,7 @@ impl Coupling {
         key(self) == key(other) && self.sides == other.sides
     }
 
-    /// The nodes of contact pairs that the kernel sees, test and trial, at the sides on which the functions live: what its tangents write.
+    /// The nodes of contact pairs whose entries the kernel's tangents write, test and trial, at the sides on which the functions live.
     /// None elsewhere, and where the spaces differ, so that all nodes count.
     pub fn seen_on_pairs<const D: usize>(
         &self,

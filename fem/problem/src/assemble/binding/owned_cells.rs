@@ -31,8 +31,8 @@ impl OwnedCells {
         self.owned.get(cell as usize).is_some_and(|owned| *owned)
     }
 
-    /// The owned ones among some cells or facets, all where nothing is said: an exterior facet goes with its cell, an
-    /// interior one with that of its first side.
+    /// The owned ones among some cells or facets; all if none are given. An exterior facet belongs to the owner of its cell, an
+    /// interior one to that of its first side.
     pub fn among<'a>(owned: Option<&Self>, entities: Entities<'a>) -> Entities<'a> {
         match owned {
             Some(owned) => owned.keep(entities),

@@ -36,7 +36,7 @@ pub struct RegionPairs<const D: usize> {
 const HIGH_ESTIMATE: usize = 20;
 
 impl<const D: usize> RegionPairs<D> {
-    /// A word on a rule of many points that nobody chose: what depends on rays and normals is no polynomial, and its estimated degree
+    /// A note on a rule of many points that the user did not choose: integrands with rays and normals are no polynomials, and their estimated degree
     /// says little.
     pub fn note_on_quadrature(&self) -> Option<String> {
         let degree = self.estimated_degree.filter(|degree| *degree > HIGH_ESTIMATE)?;

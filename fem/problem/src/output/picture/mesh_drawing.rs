@@ -25,7 +25,7 @@ pub struct MeshDrawing<'a> {
 }
 
 impl<'a> MeshDrawing<'a> {
-    /// The mesh alone.
+    /// The mesh without regions.
     pub fn new(mesh: &'a Mesh<2>) -> MeshDrawing<'a> {
         MeshDrawing {
             mesh,

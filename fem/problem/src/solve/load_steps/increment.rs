@@ -73,7 +73,7 @@ impl<S> Increment<'_, S> {
         self.predicted.as_ref().unwrap_or(self.before)
     }
 
-    /// The state on the secant; none in a first step, or where none is asked for.
+    /// The state on the secant; none in a first step, or if secants are switched off.
     pub fn predicted(&self) -> Option<&S> {
         self.predicted.as_ref()
     }

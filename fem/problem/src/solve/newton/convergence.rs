@@ -53,7 +53,7 @@ impl Component {
         largest(&full[self.field.clone()])
     }
 
-    /// The difference of its largest and its smallest value: what does not change with an offset.
+    /// The difference of the largest and the smallest value, which an offset does not change.
     pub fn range(&self, full: &[f64]) -> f64 {
         let ends = self.unknowns().fold(None, |ends: Option<(f64, f64)>, unknown| {
             let value = full[unknown];
@@ -73,7 +73,7 @@ pub(in crate::solve) struct Fields {
 }
 
 impl Fields {
-    /// Fields that follow each other; what is left over is one more.
+    /// Fields that follow each other; the remaining entries are one more.
     pub fn new(layouts: &[FieldUnknowns], elimination: &Elimination) -> Self {
         let (mut all, mut components, mut end) = (Vec::new(), Vec::new(), 0_usize);
         let rest = FieldUnknowns { unknowns: elimination.size(), components: 1 };

@@ -18,7 +18,7 @@ pub(super) struct FieldBuffers<L>(Vec<Vec<L>>);
 pub(super) type Numbers<L> = [L; MOST_NUMBERS];
 
 impl<L: SimdLane> FieldBuffers<L> {
-    /// Room for what a kernel reads.
+    /// Memory for the coefficients that a kernel reads.
     pub fn new<S: Sizes, const D: usize>(requirements: &Requirements, tables: &FixedTables<S, D>) -> Self {
         let zero = L::splat(0.0);
         let coefficients = requirements.fields.iter().map(|slot| {

@@ -72,7 +72,7 @@ const fn in_order(nodes: usize, m: usize, n: usize) -> usize {
 }
 
 impl Moments {
-    /// The plan, where the element and the grid of points allow for it. Forms that read values alone are left out.
+    /// The plan, if the element and the grid of points allow for it. Forms that read only values have none.
     pub fn new<const D: usize>(
         tables: &ProductTables,
         derivatives: Derivatives,
