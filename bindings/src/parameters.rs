@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// Numbers by name. A constructor asks for those that it knows; what was given and not asked for is a mistake.
+/// Numbers by name. A constructor reads those that it knows; a given name that it does not read is a mistake.
 #[derive(Clone, Debug, Default)]
 pub struct Parameters {
     given: Vec<(String, f64)>,

@@ -192,7 +192,7 @@ fn ended() -> Failure {
     Failure::Panic("its thread has ended".to_owned())
 }
 
-/// Answers requests until there is no one left to ask, or for ever after a panic with that.
+/// Answers requests until no caller is left. After a panic every answer is that panic.
 fn serve<M: DifferentiableMap>(map: M, requests: &Receiver<Request>) {
     let mut live = Ok(map);
     while let Ok(Request { call, answer }) = requests.recv() {
@@ -203,7 +203,7 @@ fn serve<M: DifferentiableMap>(map: M, requests: &Receiver<Request>) {
         if let Err(why @ Failure::Panic(_)) = &found
             && let Ok(broken) = std::mem::replace(&mut live, Err(why.clone()))
         {
-            // What was interrupted may panic again as it is dropped.
+            // The interrupted value may panic again when it is dropped.
             drop(catch_unwind(AssertUnwindSafe(|| drop(broken))));
         }
         // Who asked may have gone.

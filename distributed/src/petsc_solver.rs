@@ -28,7 +28,7 @@ pub const TOLERANCE: f64 = 1e-10;
 pub enum Method {
     /// LU by MUMPS, for any matrix.
     Direct,
-    /// Conjugate gradients with smoothed aggregation (GAMG), told the rigid motions where the unknown is a displacement: for
+    /// Conjugate gradients with smoothed aggregation (GAMG), with the rigid motions if the unknown is a displacement: for
     /// symmetric positive definite matrices.
     ConjugateGradients {
         /// Relative residual ‖b − A x‖₂ / ‖b‖₂ to reach.

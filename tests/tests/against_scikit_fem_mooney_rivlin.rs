@@ -1,4 +1,4 @@
-//! A Mooney-Rivlin solid stated by its energy alone, against scikit-fem's hand-written residual and tangent.
+//! A Mooney-Rivlin solid given only by its energy, against scikit-fem's hand-written residual and tangent.
 
 use forms_examples::mooney_rivlin::solid;
 use forms_fem::prelude::*;

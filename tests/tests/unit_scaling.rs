@@ -35,7 +35,7 @@ struct Table {
 }
 
 impl Table {
-    /// Fields and the units that they are measured in, or why there are none.
+    /// Fields and their units, or the reason why there are none.
     fn enter(&mut self, label: String, found: Result<Vec<(Vec<f64>, f64)>, String>) {
         let fields: Vec<Vec<f64>> = match found {
             Ok(found) => {

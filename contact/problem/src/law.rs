@@ -39,7 +39,7 @@ pub trait ContactLaw<const D: usize>: Clone + ParameterRanges {
     }
 }
 
-/// A contact law with a scalar whose sign tells what touches: facets can be split at its zeros.
+/// A contact law with a scalar whose sign shows which points are in contact. Facets can be split at its zeros.
 #[diagnostic::on_unimplemented(
     message = "the contact law `{Self}` names no contact indicator, and facets are split at its zeros",
     note = "add `indicator: name` of a scalar of u to its `contact_law!`"

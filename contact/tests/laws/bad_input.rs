@@ -127,8 +127,8 @@ fn sliding_surfaces_that_face_each_other_nowhere() {
     assert!(note.starts_with("`Touch`: the rule has degree 33, an estimate"), "{note}");
 }
 
-/// A layer of two bodies, the upper one a hundred times as stiff, that touch where a function of position has its jump: it is refused where it
-/// is the other body's on a surface, and else there is the closed form's pressure, that of two springs in a row.
+/// A layer of two bodies that touch where a function of position jumps; the upper one is a hundred times as stiff. A value on a surface that
+/// belongs to the other body is refused. Otherwise the pressure is that of the closed form, two springs in a row.
 #[test]
 fn a_modulus_that_jumps_where_bodies_touch() {
     const STIFFER: f64 = 100.0;

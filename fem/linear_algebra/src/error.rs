@@ -84,7 +84,7 @@ pub enum LinearAlgebraError {
         "the solution is inaccurate: equation {row} is off by {backward_error:e} of its terms after refinement"
     )]
     Inaccurate {
-        /// Row number of the equation that is off most, relative to its own terms.
+        /// Row number of the equation with the largest error relative to its own terms.
         row: usize,
         /// |b − A x| / (|A| |x| + |b|) in that row.
         backward_error: f64,

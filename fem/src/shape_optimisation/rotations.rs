@@ -145,7 +145,7 @@ mod tests {
             assert!((cosine * own[0] - sine * own[1] - other[0]).abs() < 1e-14);
             assert!((sine * own[0] + cosine * own[1] - other[1]).abs() < 1e-14);
         }
-        // An orthogonal projection: once more changes nothing, and what it took away is orthogonal to what it left.
+        // An orthogonal projection: a second application changes nothing, and the removed part is orthogonal to the rest.
         let mut again = mean.clone();
         rotations.average(&mut again).unwrap();
         assert!(again.iter().zip(&mean).all(|(a, b)| (a - b).abs() < 1e-14));

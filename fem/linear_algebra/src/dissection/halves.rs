@@ -21,7 +21,7 @@ pub(super) struct Halves<'a, 'c> {
     cells: &'a CellBlocks<'c>,
     /// The cells, those of each part side by side.
     order: Vec<u32>,
-    /// Of each cell its smallest part.
+    /// The smallest part that each cell is in.
     parts: Vec<Part>,
     /// Blocks that the halves of some larger part have in common.
     separated: Vec<bool>,

@@ -124,7 +124,7 @@ impl<const D: usize> Constraints<D> {
                     terms.iter().map(|(master, a)| (master * components + component, *a)).collect();
                 Arc::make_mut(&mut self.conditions).hanging.insert(dependent);
                 match self.add_relation(place, dependent, &of_component, 0.0) {
-                    // An edge of a facet that hangs on two larger ones: what one says may determine another unknown of the other.
+                    // An edge of a facet that hangs on two larger ones: the relation of one may determine another unknown of the other.
                     Err(ConstraintsError::AlreadyGiven { .. }) => {
                         let others = of_component.iter().map(|(master, a)| (*master, -a));
                         let equation: Vec<(usize, f64)> =

@@ -30,7 +30,7 @@ pub struct Approach<const D: usize> {
 pub struct FirstTouch<const D: usize> {
     /// The displacement with the moving body in contact.
     pub start: Field<D>,
-    /// The way until the first point touched \[length\].
+    /// Distance until the first point touched \[length\].
     pub distance: f64,
     /// The quadrature point that touches, where it was before \[length\].
     pub at: [f64; D],

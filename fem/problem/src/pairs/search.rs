@@ -71,7 +71,7 @@ pub(super) struct Search<'s, 'm, const D: usize> {
     pub mesh: &'m Mesh<D>,
     pub own: &'s [SurfaceFacet<'m, D>],
     pub opposite: &'s [SurfaceFacet<'m, D>],
-    /// Boxes around the opposite facets, where they are asked for.
+    /// Boxes around the opposite facets, if requested.
     grid: OnceLock<BoxGrid<D>>,
     rim: BoundaryEdges,
     /// Normals at corners of the opposite surface, means of those of its facets there.

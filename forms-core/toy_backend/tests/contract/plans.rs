@@ -4,7 +4,7 @@ use toy_backend::contract::*;
 
 use crate::{assert_near, data, gamma_c, omega, signorini};
 
-/// A backend that keeps sizes of what the kernels keep, in numbers per node or node pair.
+/// A backend that records how many numbers the kernels keep per node or node pair.
 struct Sizes;
 
 impl<const D: usize> Backend<D> for Sizes {

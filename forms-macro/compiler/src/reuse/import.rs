@@ -148,7 +148,7 @@ pub fn written_here(found: &[Imported]) -> Vec<(ItemFn, Foreign)> {
     written.into_values().chain(named).collect()
 }
 
-/// The function with the sign that it has in formulas, which its canonical name shall not be.
+/// The function with its sign in formulas, which must not be its canonical name.
 fn with_sign(function: &ItemFn) -> ItemFn {
     let mut function = function.clone();
     let is_sign = |doc: &syn::Attribute| doc.path().is_ident("doc") && matches!(doc.meta, syn::Meta::List(_));

@@ -55,7 +55,7 @@ fn regions_and_volumes_stay() -> Result<(), MeshError> {
             mesh.name_interface("seam", "right part", "left part")?;
             let fine = check(&check(&mesh)?)?;
             assert_eq!(fine.cell_region("left part")?.len(), mesh.cell_region("left part")?.len() * 16);
-            // What was the first side still is.
+            // The first side is the same as before.
             for [first, second] in fine.interior_facet_region("seam")? {
                 assert!(fine.cell_centre(first.cell as usize)[0] > 1.0);
                 assert!(fine.cell_centre(second.cell as usize)[0] < 1.0);
