@@ -30,7 +30,7 @@ pub struct Basis<L, const D: usize> {
 /// Second derivatives ∂²φ/∂x_i∂x_j of a basis function \[1/length²\].
 pub type Hessian<L, const D: usize> = [[L; D]; D];
 
-/// What few kernels read of a basis function, separate from [`Basis`]. Zeros where [`Requirements::reads_further`] is false.
+/// Values of a basis function that few kernels read, separate from [`Basis`]. Zeros where [`Requirements::reads_further`] is false.
 #[derive(Clone, Copy, Debug)]
 pub struct Further<L, const D: usize> {
     /// Second derivatives, where [`Requirements::hessian`] asks.
@@ -41,7 +41,7 @@ pub struct Further<L, const D: usize> {
 }
 
 impl<L: Lane, const D: usize> Further<L, D> {
-    /// Of a function of which nothing further is read.
+    /// No further values.
     #[inline(always)]
     pub fn none() -> Self {
         let zero = L::splat(0.0);

@@ -42,8 +42,8 @@ ITEM_LIMITS = {
     "Result without # Errors": 0,
 }
 
-# Lines of all user pages (docs without decisions and the book's table of contents): a ratchet.
-USER_LINES = 1972
+# Lines of all user pages (docs without decisions and the book's table of contents), half of those before: a ratchet.
+USER_LINES = 1950
 
 # Lines of a page, and characters of an entry in the changelog, which are two lines of a wide editor.
 PAGE_LINES = {"README.md": 150, "docs/decisions/*.md": 60}

@@ -82,7 +82,7 @@ pub(super) struct Places<const D: usize> {
 }
 
 impl FurtherTables {
-    /// What a kernel reads.
+    /// The data that a kernel reads.
     pub fn of(requirements: &Requirements) -> Self {
         let fields = requirements.fields.iter();
         let hessians = requirements.hessian || fields.clone().any(|slot| slot.order == Order::Hessian);

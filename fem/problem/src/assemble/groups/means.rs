@@ -43,7 +43,7 @@ impl<const D: usize> MeanTables<D> {
 }
 
 impl<const D: usize> super::Group<D> {
-    /// Checks that the functions of a space have means over cells.
+    /// Check that the functions of a space have means over cells.
     ///
     /// # Errors
     /// [`AssemblyError::MeanOnFacets`] if the space lives on facets; [`AssemblyError::NoMean`] if its functions are not those of a
