@@ -155,7 +155,7 @@ impl<'a> CellMeans<'a> {
     }
 }
 
-/// Reports that an expression is differentiated by what stands inside of a mean in it: a derivative at a point does not say
+/// Reports that an expression is differentiated by what is inside of a mean in it: a derivative at a point does not say
 /// how the rest of the cell varies. The operators of differentiation are still in it.
 pub fn check_variable(arena: &Arena, expression: Tensor, variable: Variable, diagnostics: &mut Diagnostics) {
     let varied = |node: Tensor| match (variable, &arena.node(node).operator) {
