@@ -41,14 +41,14 @@ fn exact_centre() -> f64 {
 }
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
-    // Mesh, space, boundary condition. Meshes and spaces are shared, hence `Arc`.
-    let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [16, 16], CellShape::Triangle, 1)?);
+    // Mesh, space, boundary condition.
+    let mesh = rectangle([0.0, 0.0], [1.0, 1.0], [16, 16], CellShape::Triangle, 1)?;
     let space = Space::scalar(&mesh, 2)?;
     let mut constraints = Constraints::new(&space);
     constraints.fix("boundary", |_| 0.0)?;
 
     // The module with its data. Its regions go by their own names in the mesh, a single one of cells is all of it.
-    let model = poisson::Model::new(poisson::Data { load: Given::constant(1.0) });
+    let model = poisson::Model::new(poisson::data().load(1.0));
     let form = model.residual();
 
     // The compiler has proved that the form is linear in u and symmetric: one assembly, one Cholesky

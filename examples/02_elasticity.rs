@@ -55,7 +55,7 @@ const PRESSURE: f64 = 100.0; // MPa
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     // Curved cells: the nodes of the second-order geometry lie on the circles.
-    let mesh = Arc::new(annulus(INNER, OUTER, 4, 48, CellShape::Quadrilateral, 2)?);
+    let mesh = annulus(INNER, OUTER, 4, 48, CellShape::Quadrilateral, 2)?;
     let space = Space::vector(&mesh, 2)?;
 
     // Only symmetry holds the pipe: no vertical motion where y = 0, no horizontal motion where x = 0.
@@ -69,11 +69,10 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         }
     }
 
-    let data = pipe::Data {
-        lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
-        mu: YOUNG / (2.0 * (1.0 + POISSON)),
-        pressure: PRESSURE,
-    };
+    let data = pipe::data()
+        .lambda(YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
+        .mu(YOUNG / (2.0 * (1.0 + POISSON)))
+        .pressure(PRESSURE);
     let model = pipe::Model { data, regions: pipe::Regions::default().inside("inner") };
     let form = model.equilibrium();
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));

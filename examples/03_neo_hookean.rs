@@ -59,10 +59,10 @@ const MU: f64 = 1.0; // MPa
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     // A bar of 2 × 1 × 1 mm. Its faces x = 0, y = 0 and z = 0 are planes of symmetry.
-    let mesh = Arc::new(cuboid([0.0; 3], [2.0, 1.0, 1.0], [4, 2, 2], CellShape::Hexahedron, 1)?);
+    let mesh = cuboid([0.0; 3], [2.0, 1.0, 1.0], [4, 2, 2], CellShape::Hexahedron, 1)?;
     let space = Space::vector(&mesh, 1)?;
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));
-    let data = rubber::Data { lambda: LAMBDA, mu: MU };
+    let data = rubber::data().lambda(LAMBDA).mu(MU);
     let model = rubber::Model { data, regions: rubber::Regions::default().end("right") };
     let form = model.energy();
 

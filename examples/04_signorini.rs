@@ -75,19 +75,18 @@ const GAP: f64 = 0.02; // mm
 const PUSH: f64 = 0.1; // mm
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
-    let mesh = Arc::new(rectangle([0.0, 0.0], [WIDTH, HEIGHT], [12, 6], CellShape::Triangle, 1)?);
+    let mesh = rectangle([0.0, 0.0], [WIDTH, HEIGHT], [12, 6], CellShape::Triangle, 1)?;
     let space = Space::vector(&mesh, 1)?;
     let mut constraints = Constraints::new(&space);
     constraints.fix_component("left", 0, |_| 0.0)?;
     constraints.fix_component("top", 1, |_| -PUSH)?;
 
-    let data = block::Data {
-        lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
-        mu: YOUNG / (2.0 * (1.0 + POISSON)),
-        gamma0: 10.0 * YOUNG,
-        down: [0.0, -1.0],
-        gap: Given::function(|x: &[f64; 2]| x[1] + GAP),
-    };
+    let data = block::data()
+        .lambda(YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
+        .mu(YOUNG / (2.0 * (1.0 + POISSON)))
+        .gamma0(10.0 * YOUNG)
+        .down([0.0, -1.0])
+        .gap(|x: &[f64; 2]| x[1] + GAP);
     let model = block::Model::new(data);
     let form = model.contact();
     let solved = Problem::new(&form, &space)

@@ -88,14 +88,13 @@ const YIELD_STRESS: f64 = 250.0; // MPa
 const HARDENING: f64 = 10e3; // MPa
 
 fn data(assembler: &Assembler<2>) -> Result<metal::Data<2>, AssemblyError> {
-    Ok(metal::Data {
-        lambda: LAMBDA,
-        mu: MU,
-        yield_stress: YIELD_STRESS,
-        hardening: HARDENING,
-        plastic: assembler.history(Entity::Cells, "all", 2, [[0.0; 2]; 2])?,
-        amount: assembler.history(Entity::Cells, "all", 2, 0.0)?,
-    })
+    Ok(metal::data()
+        .lambda(LAMBDA)
+        .mu(MU)
+        .yield_stress(YIELD_STRESS)
+        .hardening(HARDENING)
+        .plastic(assembler.history(Entity::Cells, "all", 2, [[0.0; 2]; 2])?)
+        .amount(assembler.history(Entity::Cells, "all", 2, 0.0)?))
 }
 
 /// One load step: equilibrium at given constraints, and the new history written, to be committed.
@@ -126,7 +125,7 @@ fn commit(data: &metal::Data<2>) {
 /// Uniaxial strain up to `LARGEST` and back to zero against the closed form.
 fn block(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     const LARGEST: f64 = 0.006;
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0, 1.0], [2, 2], CellShape::Triangle, 1)?);
+    let mesh = rectangle([0.0; 2], [1.0, 1.0], [2, 2], CellShape::Triangle, 1)?;
     let space = Space::vector(&mesh, 2)?;
     let assembler = Assembler::new(&mesh);
     let data = data(&assembler)?;
@@ -181,7 +180,7 @@ fn block(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
 /// A plate of 4 × 1 mm, clamped on the left; its right end is moved sideways.
 fn plate(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     const SIDEWAYS: f64 = 0.06; // mm
-    let mesh = Arc::new(rectangle([0.0; 2], [4.0, 1.0], [24, 6], CellShape::Triangle, 1)?);
+    let mesh = rectangle([0.0; 2], [4.0, 1.0], [24, 6], CellShape::Triangle, 1)?;
     let space = Space::vector(&mesh, 2)?;
     let assembler = Assembler::new(&mesh);
     let data = data(&assembler)?;

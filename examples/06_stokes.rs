@@ -74,7 +74,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         let (radius, angle) = (INNER + (OUTER - INNER) * t, PI * (1.0 - s));
         [radius * angle.cos(), radius * angle.sin()]
     };
-    let mesh = Arc::new(structured([24, 6], CellShape::Quadrilateral, 2, bend)?);
+    let mesh = structured([24, 6], CellShape::Quadrilateral, 2, bend)?;
 
     // Taylor and Hood's pair: the velocity one degree above the pressure. Equal degrees give a singular or
     // an oscillating pressure.
@@ -87,7 +87,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     walls.fix_component("right", 0, |_| 0.0)?;
     // The outlet fixes the level of the pressure. Without it one value would be prescribed, by constraints of its own.
 
-    let data = fluid::Data { viscosity: VISCOSITY, pressure: PRESSURE };
+    let data = fluid::data().viscosity(VISCOSITY).pressure(PRESSURE);
     let model = fluid::Model { data, regions: fluid::Regions::default().inlet("left").outlet("right") };
     let form = model.equilibrium();
     let solved = Problem::new(&form, [&velocities, &pressures]).constrained(&walls).solve()?;

@@ -54,13 +54,12 @@ fn solution(x: &[f64; 2]) -> f64 {
 
 /// ‖u_h − u‖ in L² on n × n squares, each cut into two triangles.
 fn error(n: usize, degree: usize) -> Result<f64, Box<dyn Error>> {
-    let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [n, n], CellShape::Triangle, 1)?);
+    let mesh = rectangle([0.0, 0.0], [1.0, 1.0], [n, n], CellShape::Triangle, 1)?;
     let space = Space::discontinuous_scalar(&mesh, degree)?;
-    let data = diffusion::Data {
-        penalty: 10.0 * (degree * degree) as f64,
-        source: Given::function(|x: &[f64; 2]| (PI * PI - 1.0) * solution(x)),
-        exact: Given::function(solution),
-    };
+    let data = diffusion::data()
+        .penalty(10.0 * (degree * degree) as f64)
+        .source(|x: &[f64; 2]| (PI * PI - 1.0) * solution(x))
+        .exact(solution);
     // Every mesh knows "interior", the facets between cells, and "boundary": what the regions are called by default.
     let form = diffusion::Model::new(data).balance();
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));

@@ -47,12 +47,12 @@ fn exact(x: f64) -> f64 {
 }
 
 fn solve(weight: f64) -> Result<Field<2>, Box<dyn Error>> {
-    let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [20, 20], CellShape::Triangle, 1)?);
+    let mesh = rectangle([0.0, 0.0], [1.0, 1.0], [20, 20], CellShape::Triangle, 1)?;
     let space = Space::scalar(&mesh, 1)?;
     let mut constraints = Constraints::new(&space);
     constraints.fix("left", |_| 0.0)?;
     constraints.fix("right", |_| 0.0)?;
-    let data = transport::Data { diffusivity: DIFFUSIVITY, wind: [1.0, 0.0], weight };
+    let data = transport::data().diffusivity(DIFFUSIVITY).wind([1.0, 0.0]).weight(weight);
     let form = transport::Model::new(data).balance();
     Ok(Problem::new(&form, &space).constrained(&constraints).solve()?.into_field())
 }

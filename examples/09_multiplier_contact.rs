@@ -93,21 +93,20 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         let (x, y) = (2.0 * s - 1.0, t - 1.0);
         [8.0 * (0.15 * x + 0.85 * x.powi(3)), 8.0 * (0.15 * y - 0.85 * y * y)]
     };
-    let mesh = Arc::new(structured([48, 20], CellShape::Quadrilateral, 1, finer)?);
+    let mesh = structured([48, 20], CellShape::Quadrilateral, 1, finer)?;
     let displacements = Space::vector(&mesh, 2)?;
     // A space on facets: no unknown inside the block.
     let pressures = Space::on_facets(&mesh, "top", 1)?;
     let mut held = Constraints::new(&displacements);
     held.fix("bottom", |_| [0.0, 0.0])?;
 
-    let data = pressed::Data {
-        lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
-        mu: YOUNG / (2.0 * (1.0 + POISSON)),
-        switch: YOUNG,
-        gamma0: 10.0 * YOUNG,
-        up: [0.0, 1.0],
-        gap: Given::function(|x: &[f64; 2]| x[0] * x[0] / (2.0 * RADIUS) - DEPTH),
-    };
+    let data = pressed::data()
+        .lambda(YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
+        .mu(YOUNG / (2.0 * (1.0 + POISSON)))
+        .switch(YOUNG)
+        .gamma0(10.0 * YOUNG)
+        .up([0.0, 1.0])
+        .gap(|x: &[f64; 2]| x[0] * x[0] / (2.0 * RADIUS) - DEPTH);
     let model = pressed::Model::new(data);
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
 

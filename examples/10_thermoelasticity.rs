@@ -51,7 +51,7 @@ const EXPANSION: f64 = 1.2e-5; // 1/K
 const HOTTER: f64 = 100.0; // K
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
-    let mesh = Arc::new(annulus(INNER, OUTER, 8, 64, CellShape::Quadrilateral, 2)?);
+    let mesh = annulus(INNER, OUTER, 8, 64, CellShape::Quadrilateral, 2)?;
     let (displacements, temperatures) = (Space::vector(&mesh, 2)?, Space::scalar(&mesh, 2)?);
 
     // Each unknown has its own constraints. Only symmetry holds the pipe.
@@ -68,12 +68,12 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     heated.fix("inner", |_| HOTTER)?;
     heated.fix("outer", |_| 0.0)?;
 
-    let data = pipe::Data {
-        lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
-        mu: YOUNG / (2.0 * (1.0 + POISSON)),
-        expansion: EXPANSION,
-        conductivity: 0.045, // W/(mm K); without sources its size does not matter
-    };
+    let data = pipe::data()
+        .lambda(YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
+        .mu(YOUNG / (2.0 * (1.0 + POISSON)))
+        .expansion(EXPANSION)
+        // W/(mm K); without sources its size does not matter
+        .conductivity(0.045);
     let model = pipe::Model::new(data);
     let form = model.balance();
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));

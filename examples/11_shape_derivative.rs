@@ -47,7 +47,7 @@ mod bar {
 }
 
 /// J on a mesh, with its state.
-fn rigidity(mesh: &Arc<Mesh<2>>) -> Result<(f64, Field<2>), Box<dyn Error>> {
+fn rigidity(mesh: &Mesh<2>) -> Result<(f64, Field<2>), Box<dyn Error>> {
     let space = Space::scalar(mesh, 2)?;
     let mut held = Constraints::new(&space);
     held.fix("boundary", |_| 0.0)?;
@@ -59,7 +59,7 @@ fn rigidity(mesh: &Arc<Mesh<2>>) -> Result<(f64, Field<2>), Box<dyn Error>> {
 }
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
-    let mesh = Arc::new(rectangle([-1.0, -0.5], [1.0, 0.5], [24, 12], CellShape::Triangle, 1)?);
+    let mesh = rectangle([-1.0, -0.5], [1.0, 0.5], [24, 12], CellShape::Triangle, 1)?;
     let (value, u) = rigidity(&mesh)?;
     let model = bar::Model { regions: bar::Regions::default().outline("boundary") };
     let assembler = Assembler::new(&mesh);

@@ -21,7 +21,6 @@ use std::process::ExitCode;
 
 use forms_contact::ContactProblem;
 use forms_contact::laws::sliding_bodies as law;
-use forms_contact::laws::two_bodies::Required;
 use forms_fem::mesh::structured;
 use forms_fem::output::picture::{Curve, FieldMap, LinePlot, Picture, Scale, Shown};
 use forms_fem::output::{StandardOutput, program};
@@ -37,7 +36,7 @@ const DOWN: f64 = 1.0;
 const ALONG: f64 = 10.0;
 
 /// A foundation of 12 × 4 mm, and a block with an arc for its lower side; the benchmark's mesh at a fineness of 4.
-pub fn mesh(fineness: usize) -> Result<Arc<Mesh<2>>, Box<dyn Error>> {
+pub fn mesh(fineness: usize) -> Result<Mesh<2>, Box<dyn Error>> {
     let cells = [30 * fineness, 15 * fineness / 2];
     let foundation = rectangle([0.0; 2], [12.0, 4.0], cells, CellShape::Quadrilateral, 1)?;
     let block = structured([3 * fineness, 3 * fineness / 2], CellShape::Quadrilateral, 1, |[s, t]| {
@@ -49,7 +48,7 @@ pub fn mesh(fineness: usize) -> Result<Arc<Mesh<2>>, Box<dyn Error>> {
     let mut mesh = Mesh::of_bodies(&[("foundation", &foundation), ("block", &block)])?;
     // The block sinks in deeper than its arc: its sides touch, too.
     mesh.name_facets("skin", "block boundary", |x| x[1] < 5.4 - 1e-9)?;
-    Ok(Arc::new(mesh))
+    Ok(mesh)
 }
 
 /// Young's modulus by the place: the bodies do not overlap.
@@ -58,17 +57,12 @@ fn modulus(x: &[f64; 2]) -> f64 {
 }
 
 fn data(before: &Field<2>) -> law::Data<2> {
-    let lambda = |x: &[f64; 2]| modulus(x) * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON));
-    law::Data {
-        friction: FRICTION,
-        displacement_before: Given::field(before),
-        ..Required {
-            lambda: Given::function(lambda),
-            mu: Given::function(|x| modulus(x) / (2.0 * (1.0 + POISSON))),
-            gamma0: Given::function(|x| 10.0 * modulus(x)),
-        }
-        .into()
-    }
+    law::data()
+        .lambda(|x: &[f64; 2]| modulus(x) * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
+        .mu(|x: &[f64; 2]| modulus(x) / (2.0 * (1.0 + POISSON)))
+        .gamma0(|x: &[f64; 2]| 10.0 * modulus(x))
+        .friction(FRICTION)
+        .displacement_before(before)
 }
 
 /// The problem with the block's top at a place on its way, the slip counted from the state before.

@@ -77,16 +77,14 @@ struct Course {
 
 fn model(step: Option<&Step<2>>, rho: &Field<2>) -> impact::Model<2> {
     let evaluated: operators::vector::Data<2> = step.map(Into::into).unwrap_or_default();
-    let data = impact::Rest {
-        rho: Given::field(rho),
-        lambda: 0.0,
-        mu: YOUNGS_MODULUS / 2.0,
-        theta: 1.0,
-        gamma0: 4.0 * YOUNGS_MODULUS,
-        obstacle_normal: Given::constant([-1.0, 0.0]),
-        gap: Given::constant(GAP),
-    }
-    .with(evaluated);
+    let data = impact::data_from(evaluated)
+        .lambda(0.0)
+        .mu(YOUNGS_MODULUS / 2.0)
+        .gamma0(4.0 * YOUNGS_MODULUS)
+        .obstacle_normal([-1.0, 0.0])
+        .gap(GAP)
+        .theta(1.0)
+        .rho(rho);
     impact::Model { data, regions: impact::Regions::default().gamma_c("left") }
 }
 
@@ -230,7 +228,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let (cells, size) = (given(0, 60), 1.0 / given(1, 400) as f64);
     // Square cells, one over the height.
     let mesh = rectangle([0.0; 2], [LENGTH, LENGTH / cells as f64], [cells, 1], CellShape::Quadrilateral, 1)?;
-    let space = Space::vector(&Arc::new(mesh), 1)?;
+    let space = Space::vector(&mesh, 1)?;
 
     let trapezoidal = Steps::Plain(GeneralisedAlpha::trapezoidal());
     let of_order_two = "backward differences, order 2";

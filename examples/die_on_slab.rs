@@ -12,7 +12,6 @@ use std::process::ExitCode;
 
 use forms_contact::ContactProblem;
 use forms_contact::laws::sliding_bodies as law;
-use forms_contact::laws::two_bodies::Required;
 use forms_examples::die_forces::{self, DieForces};
 use forms_fem::constraints::RigidMap;
 use forms_fem::mesh::RigidSurface;
@@ -60,12 +59,13 @@ fn problem(
     constraints.fix("bottom", |_| [0.0; 3])?;
     constraints.fix_component("front", 1, |_| 0.0)?;
     constraints.move_rigidly("die", &RigidMap::translation(motion(way)))?;
-    let data = law::Data {
-        share: 1.0,
-        friction: FRICTION,
-        displacement_before: Given::field(before),
-        ..Required { lambda: LAMBDA.into(), mu: MU.into(), gamma0: (20.0 * MU).into() }.into()
-    };
+    let data = law::data()
+        .lambda(LAMBDA)
+        .mu(MU)
+        .gamma0(20.0 * MU)
+        .share(1.0)
+        .friction(FRICTION)
+        .displacement_before(before);
     let regions = law::Regions::default().touch(touch.clone()).gamma_n("bottom");
     let assembler = Assembler::new(space.mesh()).with_quadrature(Quadrature::Degree(DEGREE));
     Ok(ContactProblem::new(assembler, space, law::Model { data, regions }, constraints)?)
@@ -75,7 +75,7 @@ fn problem(
 fn draw(u: &Field<3>, along: usize, way: f64, path: &str) -> Result<(), Box<dyn Error>> {
     let cells = [along, along * 3 / 16];
     let section = rectangle([0.0; 2], [LENGTH, HEIGHT], cells, CellShape::Quadrilateral, 1)?;
-    let space = Space::vector(&Arc::new(section), 1)?;
+    let space = Space::vector(&section, 1)?;
     let cut = space.positions().iter().map(|[x, z]| u.evaluate(&[*x, 0.0, *z]).map(|u| [u[0], u[2]]));
     let cut = Field::from_values(&space, cut.collect::<Result<Vec<_>, _>>()?.concat())?;
     let [right, _, up] = motion(way);
@@ -100,7 +100,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let [along, pressing, sliding] = [given(0, 32), given(1, 5), given(2, 28)];
     let cells = [along, along.div_ceil(4), (along * 3).div_ceil(16)];
     let slab = cuboid([0.0; 3], [LENGTH, HALF_WIDTH, HEIGHT], cells, CellShape::Hexahedron, 1)?;
-    let mesh = Arc::new(slab.with_rigid_surfaces(&[("die", &die()?)])?);
+    let mesh = slab.with_rigid_surfaces(&[("die", &die()?)])?;
     let space = Space::vector(&mesh, 1)?;
     let touch = Pairing::onto("top", "die").within_reach(REACH);
     out.line(format!("{} unknowns", space.unknowns()));

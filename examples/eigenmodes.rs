@@ -56,7 +56,7 @@ mod body {
 }
 
 fn square(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [24; 2], CellShape::Quadrilateral, 1)?);
+    let mesh = rectangle([0.0; 2], [1.0; 2], [24; 2], CellShape::Quadrilateral, 1)?;
     let space = Space::scalar(&mesh, 2)?;
     let mut rim = Constraints::new(&space);
     rim.fix("boundary", |_| 0.0)?;
@@ -78,12 +78,12 @@ fn square(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
 /// E = 2, ν = 0, height 1/20 of the length; clamped at the left.
 fn column(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let height = 0.05;
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0, height], [40, 2], CellShape::Quadrilateral, 1)?);
+    let mesh = rectangle([0.0; 2], [1.0, height], [40, 2], CellShape::Quadrilateral, 1)?;
     let space = Space::vector(&mesh, 2)?;
     let mut clamped = Constraints::new(&space);
     clamped.fix("left", |_| [0.0; 2])?;
     // A pressure whose resultant is one.
-    let model = body::Model::new(body::Data { lambda: 0.0, mu: 1.0, pull: -1.0 / height });
+    let model = body::Model::new(body::data().lambda(0.0).mu(1.0).pull(-1.0 / height));
     let loaded = Problem::new(&model.pulled(), &space).constrained(&clamped).solve()?.into_field();
     let (stiffness, geometric) = (model.stiffness(), model.geometric(&loaded));
     let modes = Eigenproblem::buckling(&stiffness, &geometric, &space).constrained(&clamped).smallest(3)?;
@@ -106,9 +106,9 @@ fn column(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
 }
 
 fn free_block(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
-    let mesh = Arc::new(cuboid([0.0; 3], [3.0, 2.0, 1.0], [6, 4, 2], CellShape::Hexahedron, 1)?);
+    let mesh = cuboid([0.0; 3], [3.0, 2.0, 1.0], [6, 4, 2], CellShape::Hexahedron, 1)?;
     let space = Space::vector(&mesh, 2)?;
-    let model = body::Model::new(body::Data { lambda: 1.0, mu: 1.0, pull: 0.0 });
+    let model = body::Model::new(body::data().lambda(1.0).mu(1.0).pull(0.0));
     let (stiffness, mass) = (model.stiffness(), model.mass());
     // Zero is an eigenvalue, with six rigid motions: the shift is below it.
     let modes = Eigenproblem::vibration(&stiffness, &mass, &space).above(-0.5, 8)?;

@@ -13,7 +13,6 @@ use std::process::ExitCode;
 
 use forms_contact::ContactProblem;
 use forms_contact::laws::sliding_bodies as law;
-use forms_contact::laws::two_bodies::Required;
 use forms_examples::die_forces::{self, DieForces};
 use forms_fem::mesh::structured;
 use forms_fem::output::picture::{FieldMap, Picture, Shown};
@@ -81,17 +80,13 @@ fn problem(
         let values = young.values().iter().map(|young| factor * young).collect();
         Ok(Given::field(&Field::from_values(young.space(), values)?))
     };
-    let data = law::Data {
-        share: 1.0,
-        friction: FRICTION,
-        displacement_before: Given::field(before),
-        ..Required {
-            lambda: times(POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))?,
-            mu: times(0.5 / (1.0 + POISSON))?,
-            gamma0: (GAMMA0 * YOUNG[0]).into(),
-        }
-        .into()
-    };
+    let data = law::data()
+        .lambda(times(POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))?)
+        .mu(times(0.5 / (1.0 + POISSON))?)
+        .gamma0(GAMMA0 * YOUNG[0])
+        .share(1.0)
+        .friction(FRICTION)
+        .displacement_before(before);
     // The softer body's surface is the one that is integrated over.
     let touch = Pairing::onto("slab top", "die bottom").within_reach(REACH);
     let regions = law::Regions::default().touch(touch).gamma_n("slab bottom");
@@ -109,7 +104,7 @@ fn draw(u: &Field<3>, along: usize, path: &str) -> Result<(), Box<dyn Error>> {
         of_die(PI * (s - 0.5), RADIUS - INSIDE - (THICKNESS - 2.0 * INSIDE) * r)
     })?;
     let section = Mesh::of_bodies(&[("slab", &slab), ("die", &die)])?;
-    let space = Space::vector(&Arc::new(section), 2)?;
+    let space = Space::vector(&section, 2)?;
     let cut = space.positions().iter().map(|[x, z]| u.evaluate(&[*x, 0.0, *z]).map(|u| [u[0], u[2]]));
     let cut = Field::from_values(&space, cut.collect::<Result<Vec<_>, _>>()?.concat())?;
     FieldMap::of(&cut, Shown::Component(0), "displacement along [mm]")
@@ -126,7 +121,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let counts: Vec<usize> = std::env::args().skip(1).map(|count| count.parse()).collect::<Result<_, _>>()?;
     let given = |place: usize, otherwise: usize| counts.get(place).copied().unwrap_or(otherwise).max(1);
     let [along, pressing, sliding] = [given(0, 12), given(1, 14), given(2, 20)];
-    let mesh = Arc::new(bodies(along)?);
+    let mesh = bodies(along)?;
     let space = Space::vector(&mesh, 2)?;
     // One value in each cell: where the bodies touch, a function of position would not know which of them is meant.
     let cells = Space::discontinuous_scalar(&mesh, 0)?;

@@ -59,7 +59,6 @@ struct Block {
 impl Block {
     fn new(cells: usize, degree: usize) -> Result<Self, Box<dyn Error>> {
         let mesh = rectangle([0.0; 2], [2.0, 1.0], [2 * cells, cells], CellShape::Quadrilateral, 1)?;
-        let mesh = Arc::new(mesh);
         let space = Space::vector(&mesh, 1)?;
         let mut held = Constraints::new(&space);
         held.fix_component("top", 1, |_| -0.01)?;
@@ -70,25 +69,17 @@ impl Block {
 
     fn model(&self, [young, coefficient]: [f64; 2], step: usize, before: &Field<2>) -> rubbed::Model<2> {
         let load = 1.5 * (2.0 * TAU * (step + 1) as f64 / STEPS as f64).sin();
-        let base = forms::Data {
-            traction: Given::constant(PULL.map(|pull| load * pull)),
-            ..forms::Required {
-                lambda: young * LAMBDA,
-                mu: young * MU,
-                theta: 0.0,
-                gamma0: 20.0 * YOUNG,
-                obstacle_normal: Given::constant([0.0, -1.0]),
-                gap: Given::constant(0.0),
-            }
-            .into()
-        };
-        let base = friction::Data {
-            friction: coefficient,
-            displacement_before: Given::field(before),
-            ..friction::Rest {}.with(base)
-        };
+        let base = forms::data()
+            .lambda(young * LAMBDA)
+            .mu(young * MU)
+            .gamma0(20.0 * YOUNG)
+            .obstacle_normal([0.0, -1.0])
+            .gap(0.0)
+            .theta(0.0)
+            .traction(PULL.map(|pull| load * pull));
+        let base = friction::data_from(base).friction(coefficient).displacement_before(before);
         let regions = rubbed::Regions::default().gamma_n("right").gamma_c("bottom");
-        let data = rubbed::Rest { true_lambda: LAMBDA, true_mu: MU }.with(base);
+        let data = rubbed::data_from(base).true_lambda(LAMBDA).true_mu(MU);
         rubbed::Model { data, regions }
     }
 

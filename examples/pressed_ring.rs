@@ -15,7 +15,6 @@ use std::error::Error;
 use std::f64::consts::PI;
 use std::process::ExitCode;
 
-use forms_contact::laws::two_bodies::Required;
 use forms_fem::constraints::RigidMap;
 use forms_fem::mesh::{RigidSurface, structured};
 use forms_fem::output::picture::{Colour, Curve, FieldMap, LinePlot, Picture, Scale, Shown};
@@ -77,7 +76,7 @@ fn lower_tool() -> Vec<[f64; 2]> {
 }
 
 /// The right half of the ring, from its top to its bottom, and both tools.
-fn half_ring(along: usize) -> Result<Arc<Mesh<2>>, Box<dyn Error>> {
+fn half_ring(along: usize) -> Result<Mesh<2>, Box<dyn Error>> {
     let across = along.div_ceil(16);
     let half = structured([along, across], CellShape::Quadrilateral, 2, |[s, t]| {
         let (angle, radius) = (PI * (0.5 - s), INSIDE + t * (OUTSIDE - INSIDE));
@@ -85,7 +84,7 @@ fn half_ring(along: usize) -> Result<Arc<Mesh<2>>, Box<dyn Error>> {
     })?;
     let tools =
         [("above", RigidSurface::along(&upper_tool())?), ("below", RigidSurface::along(&lower_tool())?)];
-    Ok(Arc::new(half.with_rigid_surfaces(&tools.each_ref().map(|(name, tool)| (*name, tool)))?))
+    Ok(half.with_rigid_surfaces(&tools.each_ref().map(|(name, tool)| (*name, tool)))?)
 }
 
 /// Setting of a step.
@@ -136,10 +135,11 @@ impl Setting {
         constraints.fix_node(self.held, 1, 0.0)?;
         constraints.move_rigidly("above", &RigidMap::translation([0.0, -way]))?;
         constraints.move_rigidly("below", &RigidMap::translation([0.0, way]))?;
-        let data = ring::Data {
-            force_direction: Given::function(|x: &[f64; 2]| [0.0, x[1].signum()]),
-            ..Required { lambda: LAMBDA.into(), mu: MU.into(), gamma0: (40.0 * MU).into() }.into()
-        };
+        let data = ring::data()
+            .lambda(LAMBDA)
+            .mu(MU)
+            .gamma0(40.0 * MU)
+            .force_direction(|x: &[f64; 2]| [0.0, x[1].signum()]);
         let regions = ring::Regions::default().touch(self.tools.clone()).walls(self.walls.clone());
         let model = ring::Model { data, regions };
         let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };

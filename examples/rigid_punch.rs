@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 use forms_contact::ContactProblem;
 use forms_contact::laws::sliding_bodies as law;
-use forms_contact::laws::two_bodies::{Data, Required};
+use forms_contact::laws::two_bodies::data;
 use forms_fem::constraints::RigidMap;
 use forms_fem::mesh::RigidSurface;
 use forms_fem::output::picture::{Colour, Curve, FieldMap, LinePlot, Picture, Scale, Shown};
@@ -89,7 +89,7 @@ fn press<const D: usize>(
 where
     Dim: Dimension<D>,
 {
-    let mesh = Arc::new(block.with_rigid_surfaces(&[("punch", punch)])?);
+    let mesh = block.with_rigid_surfaces(&[("punch", punch)])?;
     let space = Space::vector(&mesh, 1)?;
     out.line(format!("{D}D: {} facets of the punch, {} unknowns", punch.facets().len(), space.unknowns()));
     out.line("| depth [mm] | force | Newton steps |");
@@ -105,12 +105,13 @@ where
         let mut down = [0.0; D];
         down[D - 1] = -depth;
         constraints.move_rigidly("punch", &RigidMap::translation(down))?;
-        let data = Data {
-            share: 1.0,
-            friction: FRICTION,
-            displacement_before: Given::field(step.before),
-            ..Required { lambda: LAMBDA.into(), mu: MU.into(), gamma0: (40.0 * MU).into() }.into()
-        };
+        let data = data()
+            .lambda(LAMBDA)
+            .mu(MU)
+            .gamma0(40.0 * MU)
+            .share(1.0)
+            .friction(FRICTION)
+            .displacement_before(step.before);
         let touch = Pairing::onto("top", "punch").within_reach(0.2);
         let regions = law::Regions::default().touch(touch).gamma_n("bottom");
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));

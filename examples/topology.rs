@@ -113,7 +113,7 @@ impl<'a> Filtered<'a> {
 }
 
 fn smoothing(density: Given<f64, 2>) -> filter::Model<2> {
-    filter::Model::new(filter::Data { radius: RADIUS, density })
+    filter::Model::new(filter::data().radius(RADIUS).density(density))
 }
 
 fn at_start(why: HistoryFailure) -> HistoryError {
@@ -145,7 +145,7 @@ fn model(density: Field<2>) -> cantilever::Model<2> {
         true => [0.0, -pull],
         false => [0.0; 2],
     });
-    let data = cantilever::Data { density: Given::field(&density), traction };
+    let data = cantilever::data().density(&density).traction(traction);
     cantilever::Model { data, regions: cantilever::Regions::default() }
 }
 
@@ -155,7 +155,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let along = counts.first().copied().unwrap_or(120);
     let iterations = counts.get(1).copied().unwrap_or(200);
 
-    let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [along, along / 2], CellShape::Quadrilateral, 1)?);
+    let mesh = rectangle([0.0; 2], [2.0, 1.0], [along, along / 2], CellShape::Quadrilateral, 1)?;
     let (displacements, smooth) = (Space::vector(&mesh, 1)?, Space::scalar(&mesh, 1)?);
     let cells = Space::discontinuous_scalar(&mesh, 0)?;
     let mut held = Constraints::new(&displacements);

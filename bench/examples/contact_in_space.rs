@@ -49,7 +49,6 @@ fn block(divisions: usize, theta: f64) -> Result<ContactProblem<3>, Box<dyn Erro
     let near = |centre: &[f64; 3]| centre[0].abs().max(centre[1].abs()) < REACH;
     mesh.name_facets("contact", "bottom", near)?;
     mesh.name_facets("beside", "bottom", |centre| !near(centre))?;
-    let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 2)?;
     let mut constraints = Constraints::new(&space);
     constraints.fix("top", |_: &[f64; 3]| [0.0, 0.0, -PRESSED])?;
@@ -58,14 +57,13 @@ fn block(divisions: usize, theta: f64) -> Result<ContactProblem<3>, Box<dyn Erro
         let length = away.iter().map(|v| v * v).sum::<f64>().sqrt();
         (length, away.map(|v| v / length))
     };
-    let data = forms::Data::from(forms::Required {
-        lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
-        mu: YOUNG / (2.0 * (1.0 + POISSON)),
-        theta,
-        gamma0: 20.0 * YOUNG,
-        obstacle_normal: Given::function(move |x: &[f64; 3]| away(x).1.map(|v| -v)),
-        gap: Given::function(move |x: &[f64; 3]| away(x).0 - RADIUS),
-    });
+    let data = forms::data()
+        .lambda(YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
+        .mu(YOUNG / (2.0 * (1.0 + POISSON)))
+        .gamma0(20.0 * YOUNG)
+        .obstacle_normal(move |x: &[f64; 3]| away(x).1.map(|v| -v))
+        .gap(move |x: &[f64; 3]| away(x).0 - RADIUS)
+        .theta(theta);
     let regions = forms::Regions::default().gamma_n("beside").gamma_c("contact");
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
     Ok(ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints)?)

@@ -82,7 +82,7 @@ fn best<E>(runs: usize, mut run: impl FnMut() -> Result<(), E>) -> Result<f64, E
 }
 
 /// Two meshes as one; the top of the first is "below", the bottom of the second "above".
-fn stacked<const D: usize>(first: &Mesh<D>, second: &Mesh<D>) -> Result<Arc<Mesh<D>>, Box<dyn Error>> {
+fn stacked<const D: usize>(first: &Mesh<D>, second: &Mesh<D>) -> Result<Mesh<D>, Box<dyn Error>> {
     let mut nodes = first.nodes().to_vec();
     let start = nodes.len() as u32;
     nodes.extend(second.nodes());
@@ -95,7 +95,7 @@ fn stacked<const D: usize>(first: &Mesh<D>, second: &Mesh<D>) -> Result<Arc<Mesh
     let moved = second.facet_region("bottom")?.iter();
     let above: Vec<Facet> = moved.map(|facet| Facet { cell: facet.cell + count, ..*facet }).collect();
     mesh.name_listed_facets("above", &above)?;
-    Ok(Arc::new(mesh))
+    Ok(mesh)
 }
 
 /// Seconds of a residual, and of a tangent into its pattern.
@@ -117,7 +117,7 @@ fn assembly<const D: usize>(
 fn measure<const D: usize>(
     out: &mut StandardOutput,
     name: &str,
-    mesh: &Arc<Mesh<D>>,
+    mesh: &Mesh<D>,
     quadrature: PairQuadrature,
     threads: Threads,
 ) -> Result<(), Box<dyn Error>>
@@ -128,7 +128,7 @@ where
     let facets = (mesh.facet_region("below")?.len() + mesh.facet_region("above")?.len()) as f64;
     let space = Space::vector(mesh, 2)?;
     let assembler = Assembler::new(mesh).with_threads(threads);
-    let data = nitsche::Data { lambda: 100.0, mu: 80.0, gamma0: 2e4, theta: 1.0 };
+    let data = nitsche::data().lambda(100.0).mu(80.0).gamma0(2e4).theta(1.0);
     let form = nitsche::contact(&data, &nitsche::Touch::on(pairing.clone()));
     let u = Field::interpolate(&space, |x: &[f64; D]| {
         let mut value = [0.0; D];
@@ -154,7 +154,7 @@ where
 fn measure_sliding<const D: usize>(
     out: &mut StandardOutput,
     name: &str,
-    mesh: &Arc<Mesh<D>>,
+    mesh: &Mesh<D>,
     threads: Threads,
 ) -> Result<(), Box<dyn Error>>
 where
@@ -167,7 +167,7 @@ where
     let degree = 4;
     let rule = Quadrature::Degree(degree);
     let assembler = Assembler::new(mesh).with_threads(threads).with_quadrature(rule.clone());
-    let data = rubber::Data { lambda: 100.0, mu: 80.0, gamma0: 2e4, kappa: 0.3, old: [0.0; D].into() };
+    let data = rubber::data().lambda(100.0).mu(80.0).gamma0(2e4).kappa(0.3).old([0.0; D]);
     let form = rubber::contact(&data, &rubber::Touch::on(pairing.clone()));
     let at = |shift: f64| {
         Field::interpolate(&space, |x: &[f64; D]| {

@@ -8,7 +8,6 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
-use std::sync::Arc;
 
 use forms_bench::basket::BASKET;
 use forms_bench::forms::given::{body_in_contact, elasticity};
@@ -71,7 +70,6 @@ fn assembly<const D: usize>(out: &mut StandardOutput, name: &str, mesh: Mesh<D>)
 where
     Dim: Dimension<D>,
 {
-    let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 2)?;
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(2)).with_threads(Threads::ONE);
     let form = elasticity::<D>(&CONSTANTS);
@@ -97,7 +95,7 @@ where
 
 /// The tangent of the next iterate of a ring in contact.
 fn contact_update(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
-    let mesh = Arc::new(annulus(1.0, 2.0, 4, 32, CellShape::Quadrilateral, 2)?);
+    let mesh = annulus(1.0, 2.0, 4, 32, CellShape::Quadrilateral, 2)?;
     let space = Space::vector(&mesh, 2)?;
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4)).with_threads(Threads::ONE);
     let form = body_in_contact::<2>(&CONSTANTS, "outer", -0.001);

@@ -48,7 +48,7 @@ const DENSITY: f64 = 1.0;
 const SIZE: f64 = 0.01;
 
 fn model(step: forms_fem::time::operators::vector::Data<2>) -> square::Model<2> {
-    square::Model::new(square::Rest { lambda: LAMBDA, mu: MU, rho: DENSITY }.with(step))
+    square::Model::new(square::data_from(step).lambda(LAMBDA).mu(MU).rho(DENSITY))
 }
 
 /// scikit-fem's program, which takes the given number of steps.
@@ -107,7 +107,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let (cells, steps, turns) = (given(0, 499)?, given(1, 10)?.max(1), given(3, 3)?.max(1));
     let python = arguments.get(2).map_or("python3", String::as_str);
 
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [cells; 2], CellShape::Quadrilateral, 1)?);
+    let mesh = rectangle([0.0; 2], [1.0; 2], [cells; 2], CellShape::Quadrilateral, 1)?;
     let space = Space::vector(&mesh, 1)?;
     let mut held = Constraints::new(&space);
     held.fix("left", |_| [0.0; 2])?;

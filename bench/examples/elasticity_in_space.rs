@@ -49,10 +49,10 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let n: usize = divisions.map_or(Ok(32), |n| n.parse())?;
 
     let start = Instant::now();
-    let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [n; 3], CellShape::Tetrahedron, 1)?);
+    let mesh = cuboid([0.0; 3], [1.0; 3], [n; 3], CellShape::Tetrahedron, 1)?;
     let space = Space::vector(&mesh, 2)?;
     let f = Given::function(|x: &[f64; 3]| [0.3 * x[1], 0.1, -1.0]);
-    let form = elastic::balance(&elastic::Data { lambda: 1.2, mu: 0.8, f }, &elastic::Omega::on("all"));
+    let form = elastic::balance(&elastic::data().lambda(1.2).mu(0.8).f(f), &elastic::Omega::on("all"));
     let mut constraints = Constraints::new(&space);
     constraints.fix("left", |_: &[f64; 3]| [0.0; 3])?;
     let assembler = Assembler::new(&mesh);

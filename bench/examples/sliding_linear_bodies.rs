@@ -53,8 +53,7 @@ fn slide(
         let mut plates = Constraints::new(space);
         plates.fix("slab bottom", |_| [0.0; 2])?;
         plates.fix("block top", |_| [1.5 * width * f64::from(step), -0.004])?;
-        let data =
-            elastic::Data { lambda: 115.4, mu: 76.9, gamma0: 4e3, kappa: 0.3, old: Given::field(u.clone()) };
+        let data = elastic::data().lambda(115.4).mu(76.9).gamma0(4e3).kappa(0.3).old(u.clone());
         let form = elastic::balance(&data, &elastic::Omega::on("all"), &touch);
         let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
         let start = Instant::now();
@@ -86,7 +85,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let quads = CellShape::Quadrilateral;
     let slab = rectangle([0.0, 0.0], [2.0, 0.5], [count, count], quads, 1)?;
     let block = rectangle([0.7, 0.501], [1.2, 0.801], [count / 3, count / 3], quads, 1)?;
-    let mesh = Arc::new(Mesh::of_bodies(&[("slab", &slab), ("block", &block)])?);
+    let mesh = Mesh::of_bodies(&[("slab", &slab), ("block", &block)])?;
     let space = Space::vector(&mesh, 2)?;
     let width = 2.0 / count as f64;
     out.line(format!("{} unknowns", space.unknowns()));

@@ -28,7 +28,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         Some(count) => count.parse().map_err(|error| format!("threads \"{count}\": {error}"))?,
         None => Threads::all(),
     };
-    let mesh = |divisions| rectangle([0.0; 2], [1.0; 2], divisions, CellShape::Triangle, 1).map(Arc::new);
+    let mesh = |divisions| rectangle([0.0; 2], [1.0; 2], divisions, CellShape::Triangle, 1);
     let (from, to) = (mesh([224, 224])?, mesh([250, 200])?);
     let wave = |x: &[f64; 2]| (3.0 * x[0]).exp() * (5.0 * x[1]).sin();
     let (source, target) = (Space::scalar(&from, 2)?, Space::scalar(&to, 2)?);

@@ -1,7 +1,6 @@
 //! Whole assembly on our side: the cases that the peers' scripts have too (`peers/assembly_case.py`).
 
 use std::error::Error;
-use std::sync::Arc;
 use std::time::Instant;
 
 use forms_fem::assemble::{Assembler, Parts, TangentAction};
@@ -148,13 +147,13 @@ pub fn measure(
     match case {
         Case::Triangles => {
             let mesh = rectangle([0.0; 2], [1.0; 2], [divisions; 2], CellShape::Triangle, 1)?;
-            measure_on(Arc::new(mesh), 2, samples, threads)
+            measure_on(mesh, 2, samples, threads)
         }
         Case::Tetrahedra => {
             let mesh = cuboid([0.0; 3], [1.0; 3], [divisions; 3], CellShape::Tetrahedron, 1)?;
-            measure_on(Arc::new(mesh), 2, samples, threads)
+            measure_on(mesh, 2, samples, threads)
         }
-        Case::Annulus => measure_on(Arc::new(ring(divisions)?), 4, samples, threads),
+        Case::Annulus => measure_on(ring(divisions)?, 4, samples, threads),
     }
 }
 
@@ -163,7 +162,7 @@ fn ring(divisions: usize) -> Result<Mesh<2>, Box<dyn Error>> {
 }
 
 fn measure_on<const D: usize>(
-    mesh: Arc<Mesh<D>>,
+    mesh: Mesh<D>,
     rule: usize,
     samples: usize,
     threads: usize,
@@ -232,7 +231,6 @@ where
 pub fn measure_contact(across: usize, samples: usize) -> Result<ContactUpdate, Box<dyn Error>> {
     let mesh = ring(across)?;
     let facets = mesh.facet_region("outer")?.len();
-    let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 2)?;
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4)).with_threads(Threads::ONE);
     // The gap is negative: every facet is in contact.

@@ -198,7 +198,7 @@ pub fn measure(
 
 /// Two bodies, together and apart.
 struct Pair<'a, const D: usize> {
-    mesh: Arc<Mesh<D>>,
+    mesh: Mesh<D>,
     parts: [&'a Mesh<D>; 2],
     gamma: f64,
 }
@@ -210,7 +210,7 @@ impl Bodies {
         block: &'a Mesh<D>,
         divisions: usize,
     ) -> Result<Pair<'a, D>, Box<dyn Error>> {
-        let mesh = Arc::new(Mesh::of_bodies(&[("slab", slab), ("block", block)])?);
+        let mesh = Mesh::of_bodies(&[("slab", slab), ("block", block)])?;
         Ok(Pair { mesh, parts: [slab, block], gamma: CONSTANTS[2] * divisions as f64 })
     }
 }
@@ -241,7 +241,7 @@ impl<const D: usize> Pair<'_, D> {
 
     fn data(&self) -> sliding::Data<D> {
         let [lambda, mu, _, kappa] = CONSTANTS;
-        sliding::Data { lambda, mu, gamma: self.gamma, kappa }
+        sliding::data().lambda(lambda).mu(mu).gamma(self.gamma).kappa(kappa)
     }
 
     fn touch(&self) -> sliding::Touch {

@@ -240,7 +240,7 @@ where
         for (name, side) in SURFACES.into_iter().zip(["lower top", "upper bottom"]) {
             mesh.name_facets(name, side, |x| distance_from_axis(x) < NEAR * hertz.reach)?;
         }
-        let space = Space::vector(&Arc::new(mesh), 2)?;
+        let space = Space::vector(&mesh, 2)?;
         Ok(HalfSpaces { space, hertz, force, pairing, cut, symmetric })
     }
 
@@ -268,12 +268,11 @@ where
             constraints.fix(&format!("upper {side}"), |x| upper(*x))?;
         }
         let share = 1.0 / self.pairing.surfaces.len() as f64;
-        let required = law::Required {
-            lambda: Given::constant(YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON))),
-            mu: Given::constant(YOUNG / (2.0 * (1.0 + POISSON))),
-            gamma0: Given::constant(GAMMA0 * YOUNG),
-        };
-        let data = law::Data { share, ..required.into() };
+        let required = law::data()
+            .lambda(YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
+            .mu(YOUNG / (2.0 * (1.0 + POISSON)))
+            .gamma0(GAMMA0 * YOUNG);
+        let data = required.share(share);
         // There is no load.
         let regions = law::Regions::default().touch(self.pairing.clone()).gamma_n(SURFACES[0]);
         let assembler = Assembler::new(self.space.mesh()).with_quadrature(Quadrature::Degree(DEGREES[D - 2]));

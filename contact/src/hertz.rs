@@ -148,7 +148,7 @@ pub fn cylinder_on_flat(divisions: usize) -> Result<ContactProblem<2>, HertzErro
     let mut mesh = structured([divisions; 2], CellShape::Quadrilateral, 2, place)?;
     mesh.name_facets(CONTACT, "bottom", |centre| centre[0] < CYLINDER_REACH)?;
     mesh.name_cells_of_facets(CONTACT_CELLS, CONTACT)?;
-    cylinder_on(&Arc::new(mesh), "right", CYLINDER_PRESSED)
+    cylinder_on(&mesh, "right", CYLINDER_PRESSED)
 }
 
 /// Half a cylinder's section on a flat, on a given mesh of it, as [`cylinder_mesh`] or its refinements; `free` is the region
@@ -157,7 +157,7 @@ pub fn cylinder_on_flat(divisions: usize) -> Result<ContactProblem<2>, HertzErro
 ///
 /// # Errors
 /// A region that the mesh lacks.
-pub fn cylinder_on(mesh: &Arc<Mesh<2>>, free: &str, way: f64) -> Result<ContactProblem<2>, HertzError> {
+pub fn cylinder_on(mesh: &Mesh<2>, free: &str, way: f64) -> Result<ContactProblem<2>, HertzError> {
     let flat = (Given::constant([0.0, -1.0]), Given::function(|x: &[f64; 2]| x[1] + RADIUS));
     pressed(mesh, free, &["left"], way, flat, 8)
 }
@@ -170,25 +170,20 @@ pub fn in_space(body: Body, divisions: usize) -> Result<ContactProblem<3>, Hertz
     let mut mesh = structured([divisions; 3], CellShape::Hexahedron, 2, |t| body.place(t))?;
     mesh.name_facets(CONTACT, "bottom", |centre| centre[0].max(centre[1]) < QUARTER_REACH)?;
     mesh.name_cells_of_facets(CONTACT_CELLS, CONTACT)?;
-    body_on(body, &Arc::new(mesh), "right", QUARTER_PRESSED)
+    body_on(body, &mesh, "right", QUARTER_PRESSED)
 }
 
 /// A quarter of ball or block on its obstacle, on a given mesh of it, as [`quarter_mesh`] or its refinements.
 ///
 /// # Errors
 /// As [`cylinder_on`].
-pub fn body_on(
-    body: Body,
-    mesh: &Arc<Mesh<3>>,
-    free: &str,
-    way: f64,
-) -> Result<ContactProblem<3>, HertzError> {
+pub fn body_on(body: Body, mesh: &Mesh<3>, free: &str, way: f64) -> Result<ContactProblem<3>, HertzError> {
     pressed(mesh, free, &["left", "front"], way, body.obstacle(), 6)
 }
 
 /// The body on its obstacle: plane `i` of `symmetric` holds component i, the top moves down.
 fn pressed<const D: usize>(
-    mesh: &Arc<Mesh<D>>,
+    mesh: &Mesh<D>,
     free: &str,
     symmetric: &[&str],
     way: f64,
@@ -204,14 +199,13 @@ where
         constraints.fix_component(plane, component, |_| 0.0)?;
     }
     constraints.fix_component("top", D - 1, |_| -way)?;
-    let data = forms::Data::from(forms::Required {
-        lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
-        mu: YOUNG / (2.0 * (1.0 + POISSON)),
-        theta: -1.0,
-        gamma0: 10.0 * YOUNG,
-        obstacle_normal,
-        gap,
-    });
+    let data = forms::data()
+        .lambda(YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
+        .mu(YOUNG / (2.0 * (1.0 + POISSON)))
+        .gamma0(10.0 * YOUNG)
+        .obstacle_normal(obstacle_normal)
+        .gap(gap)
+        .theta(-1.0);
     let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(degree));
     let regions = forms::Regions::default().gamma_n(free).gamma_c(CONTACT);
     Ok(ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints)?)

@@ -1,7 +1,7 @@
 //! The threshold of γ₀ of laws on isotropic bodies, by their material: for laws between bodies, at finite strain, and in motion, whose own
 //! forms are none of linear elasticity with a flat.
 
-use forms_fem::contract::Region;
+use forms_fem::contract::{Datum, Region};
 use forms_fem::forms;
 use forms_fem::mesh::EVERYWHERE;
 use forms_fem::prelude::*;
@@ -75,12 +75,12 @@ pub struct NitscheContact<'a, const D: usize> {
 
 impl<'a, const D: usize> NitscheContact<'a, D> {
     /// The data of a surface on rigid obstacles, with friction and θ = 0.
-    pub fn of_surface(surface: &'a str, [lambda, mu, gamma0]: [impl Into<Given<f64, D>>; 3]) -> Self {
+    pub fn of_surface(surface: &'a str, [lambda, mu, gamma0]: [impl Datum<f64, D>; 3]) -> Self {
         NitscheContact {
             surfaces: vec![surface],
-            lambda: lambda.into(),
-            mu: mu.into(),
-            gamma0: gamma0.into(),
+            lambda: lambda.given(),
+            mu: mu.given(),
+            gamma0: gamma0.given(),
             theta: 0.0,
             share: 1.0,
             traction: Traction::Whole,
@@ -126,11 +126,12 @@ where
     let mesh = space.mesh();
     let is_tool = |name: &str| mesh.rigid_surface_names().any(|tool| tool == name);
     let surfaces: Vec<&str> = contact.surfaces.iter().copied().filter(|name| !is_tool(name)).collect();
-    let data = |scale: Given<f64, D>| isotropic::Data {
-        lambda: contact.lambda.clone(),
-        mu: contact.mu.clone(),
-        scale,
-        tangential: if contact.traction == Traction::Whole { 1.0 } else { 0.0 },
+    let data = |scale: Given<f64, D>| {
+        isotropic::data()
+            .lambda(contact.lambda.clone())
+            .mu(contact.mu.clone())
+            .scale(scale)
+            .tangential(if contact.traction == Traction::Whole { 1.0 } else { 0.0 })
     };
     let (of_one, of_gamma0) = (data(Given::constant(1.0)), data(contact.gamma0.clone()));
     let elasticity = isotropic::elasticity(&of_one, &isotropic::Omega::on(EVERYWHERE));

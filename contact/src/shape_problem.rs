@@ -112,7 +112,8 @@ impl<F> ContactShape<F> {
         Dim: Dimension<D>,
     {
         let Regions { omega, gamma_n, gamma_c, .. } = &problem.law.regions;
-        let data = load_and_pressure::Rest { load, square, linear }.with(problem.law.data.clone());
+        let data =
+            load_and_pressure::data_from(problem.law.data.clone()).load(load).square(square).linear(linear);
         problem.assembler_at(u)?.functional(&load_and_pressure::criterion(&data, omega, gamma_n, gamma_c, u))
     }
 
@@ -129,7 +130,8 @@ impl<F> ContactShape<F> {
         let ContactState { problem, u, solver, .. } = state;
         let u: &Field<D> = u;
         let Regions { omega, gamma_n, gamma_c, .. } = &problem.law.regions;
-        let data = load_and_pressure::Rest { load, square, linear }.with(problem.law.data.clone());
+        let data =
+            load_and_pressure::data_from(problem.law.data.clone()).load(load).square(square).linear(linear);
         let assembler = problem.assembler_at(u)?;
         let form = load_and_pressure::adjoint(&data, omega, gamma_n, gamma_c, u);
         let p = problem.state(form, u)?.solver(solver).solve()?.into_field();
@@ -158,7 +160,7 @@ impl<F> ContactShape<F> {
             return Ok(problem.shape_gradient(u, &p, Diameters::Moving, None)?.values);
         }
         // A free boundary asks for no imposed displacement.
-        let data = boundary_form::Rest { imposed: Given::constant([0.0; D]) }.with(problem.law.data.clone());
+        let data = boundary_form::data_from(problem.law.data.clone()).imposed([0.0; D]);
         let free = boundary_form::Free::on(self.moving.clone());
         let form = boundary_form::gradient_on_free(&data, &free, u, &p);
         Ok(problem.assembler.linear_form(&form, movements)?)
@@ -167,12 +169,12 @@ impl<F> ContactShape<F> {
 
 impl<F, const D: usize> ShapeProblem<D> for ContactShape<F>
 where
-    F: Fn(&Arc<Mesh<D>>) -> Result<ContactProblem<D>, Failure>,
+    F: Fn(&Mesh<D>) -> Result<ContactProblem<D>, Failure>,
     Dim: Dimension<D>,
 {
     type State = ContactState<D>;
 
-    fn solve(&self, mesh: &Arc<Mesh<D>>) -> Result<Values<ContactState<D>>, Failure> {
+    fn solve(&self, mesh: &Mesh<D>) -> Result<Values<ContactState<D>>, Failure> {
         self.check()?;
         let problem = (self.problem)(mesh)?;
         let mut solver = CondensedSolver::default();

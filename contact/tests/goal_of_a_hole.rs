@@ -76,30 +76,29 @@ struct Variant {
 }
 
 impl Variant {
-    fn problem(self, mesh: &Arc<Mesh<2>>, degree: usize, rule: usize) -> Outcome<ContactProblem<2>> {
+    fn problem(self, mesh: &Mesh<2>, degree: usize, rule: usize) -> Outcome<ContactProblem<2>> {
         let space = Space::vector(mesh, degree)?;
         let mut held = Constraints::new(&space);
         held.fix_component("axis", 0, |_| 0.0)?;
         held.fix_component("above", 1, |_| -0.05)?;
-        let data = law::Required {
-            lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
-            mu: YOUNG / (2.0 * (1.0 + POISSON)),
-            theta: self.theta,
+        let data = law::data()
+            .lambda(YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
+            .mu(YOUNG / (2.0 * (1.0 + POISSON)))
             // Enough for the adjoint state in degree 3 at θ = 1.
-            gamma0: 40.0 * YOUNG,
-            obstacle_normal: Given::constant([0.0, -1.0]),
-            gap: Given::function(|x: &[f64; 2]| x[1] + OUTER),
-        };
+            .gamma0(40.0 * YOUNG)
+            .obstacle_normal([0.0, -1.0])
+            .gap(|x: &[f64; 2]| x[1] + OUTER)
+            .theta(self.theta);
         let regions = law::Regions::default().gamma_n("above").gamma_c("touch");
         let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(rule));
-        let model = law::Model { data: data.into(), regions };
+        let model = law::Model { data, regions };
         Ok(ContactProblem::new(assembler, &space, model, held)?.with_split_facets())
     }
 
     /// Unknowns, J − J_h, η and what η leaves out, mesh by mesh.
     fn series(self, unknowns: usize) -> Outcome<Vec<(usize, f64, ErrorEstimate)>> {
         let mut estimates = vec![];
-        let solve = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| -> Outcome<AdaptiveSolution<2>> {
+        let solve = |mesh: &Mesh<2>, before: Option<&Field<2>>| -> Outcome<AdaptiveSolution<2>> {
             let problem = self.problem(mesh, self.degree, self.rule)?;
             let start = match before {
                 Some(before) => before.onto(&problem.space).interpolated()?,
@@ -108,7 +107,7 @@ impl Variant {
             let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
             let u = problem.direct()?.options(options).start(&start).solve()?.into_field();
             let regions = hole::Regions::default().gamma_n("above").gamma_c("touch").hole("bottom");
-            let model = hole::Model { data: hole::Rest {}.with(problem.law.data.clone()), regions };
+            let model = hole::Model { data: hole::data_from(problem.law.data.clone()), regions };
             let richer = self.problem(mesh, self.degree + 1, 8)?;
             let p = richer.state(model.adjoint(&u), &u)?.solve()?.into_field();
             let assembler = richer.assembler_at(&u)?;

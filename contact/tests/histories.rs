@@ -53,7 +53,6 @@ struct Block {
 impl Block {
     fn new(cells: usize, steps: usize) -> Self {
         let mesh = rectangle([0.0; 2], [2.0, 1.0], [2 * cells, cells], CellShape::Quadrilateral, 1).unwrap();
-        let mesh = Arc::new(mesh);
         let space = Space::vector(&mesh, 1).unwrap();
         let mut top = Constraints::new(&space);
         top.fix_component("top", 1, |_| -0.01).unwrap();
@@ -63,26 +62,18 @@ impl Block {
     }
 
     fn model(&self, coefficient: f64, load: f64, before: &Field<2>) -> rubbed::Model<2> {
-        let base = forms::Data {
-            criterion_force: Given::function(|x: &[f64; 2]| [0.3 + x[0], 0.5 * x[1]]),
-            traction: Given::constant(PULL.map(|pull| load * pull)),
-            ..forms::Required {
-                lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
-                mu: YOUNG / (2.0 * (1.0 + POISSON)),
-                theta: 0.0,
-                gamma0: 20.0 * YOUNG,
-                obstacle_normal: Given::constant([0.0, -1.0]),
-                gap: Given::constant(0.0),
-            }
-            .into()
-        };
-        let base = friction::Data {
-            friction: coefficient,
-            displacement_before: Given::field(before),
-            ..friction::Rest {}.with(base)
-        };
+        let base = forms::data()
+            .lambda(YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
+            .mu(YOUNG / (2.0 * (1.0 + POISSON)))
+            .gamma0(20.0 * YOUNG)
+            .obstacle_normal([0.0, -1.0])
+            .gap(0.0)
+            .theta(0.0)
+            .criterion_force(|x: &[f64; 2]| [0.3 + x[0], 0.5 * x[1]])
+            .traction(PULL.map(|pull| load * pull));
+        let base = friction::data_from(base).friction(coefficient).displacement_before(before);
         let regions = rubbed::Regions::default().gamma_n("right").gamma_c("bottom");
-        rubbed::Model { data: rubbed::Rest { pull: PULL }.with(base), regions }
+        rubbed::Model { data: rubbed::data_from(base).pull(PULL), regions }
     }
 
     fn history(&self) -> LoadHistory<'_, 2> {

@@ -61,16 +61,14 @@ const SIZE: f64 = 0.05;
 const GAP: f64 = 0.02;
 
 fn model(during: &StepContext<2>) -> Result<thrown::Model<2>, ControlError> {
-    let data = impact::Rest {
-        rho: Given::constant(during.number("density")?),
-        lambda: 0.0,
-        mu: during.number("shear_modulus")?,
-        theta: 1.0,
-        gamma0: 4.0,
-        obstacle_normal: Given::constant([-1.0, 0.0]),
-        gap: Given::constant(GAP),
-    }
-    .with(during);
+    let data = impact::data_from(during)
+        .lambda(0.0)
+        .mu(during.number("shear_modulus")?)
+        .gamma0(4.0)
+        .obstacle_normal([-1.0, 0.0])
+        .gap(GAP)
+        .theta(1.0)
+        .rho(during.number("density")?);
     Ok(thrown::Model { data, regions: thrown::Regions::default().gamma_c("left") })
 }
 
@@ -84,7 +82,7 @@ impl Bar {
     fn new() -> Self {
         let size = 1.0 / CELLS as f64;
         let mesh = rectangle([0.0; 2], [1.0, size], [CELLS, 1], CellShape::Quadrilateral, 1).unwrap();
-        let space = Space::vector(&Arc::new(mesh), 1).unwrap();
+        let space = Space::vector(&mesh, 1).unwrap();
         let mut along = Constraints::new(&space);
         along.fix_component("all", 1, |_| 0.0).unwrap();
         let rate = Field::interpolate(&space, |x| [-0.2 - 0.03 * x[0], 0.0]).unwrap();

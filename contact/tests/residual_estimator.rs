@@ -17,31 +17,27 @@ const H: f64 = std::f64::consts::SQRT_2 / DIVISIONS as f64;
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
 /// (0, 2) × (0, 1) on a table; the top is loaded, the sides belong to no term.
-fn block() -> Arc<Mesh<2>> {
-    Arc::new(
-        rectangle([0.0; 2], [2.0, 1.0], [2 * DIVISIONS, DIVISIONS], CellShape::Triangle, 1)
-            .expect("a rectangle"),
-    )
+fn block() -> Mesh<2> {
+    rectangle([0.0; 2], [2.0, 1.0], [2 * DIVISIONS, DIVISIONS], CellShape::Triangle, 1).expect("a rectangle")
 }
 
 fn data() -> forms::Data<2> {
-    forms::Data {
-        lambda: LAMBDA,
-        mu: MU,
-        theta: -1.0,
-        gamma0: 50.0,
-        extension: 0.0,
-        obstacle_normal: Given::constant([0.0, -1.0]),
-        gap: Given::constant(0.0),
-        body_force: Given::constant([0.0; 2]),
-        traction: Given::constant([0.0; 2]),
-        criterion_force: Given::constant([0.0; 2]),
-        criterion_weight: Given::constant(0.0),
-    }
+    forms::data()
+        .lambda(LAMBDA)
+        .mu(MU)
+        .gamma0(50.0)
+        .obstacle_normal([0.0, -1.0])
+        .gap(0.0)
+        .theta(-1.0)
+        .extension(0.0)
+        .body_force([0.0; 2])
+        .traction([0.0; 2])
+        .criterion_force([0.0; 2])
+        .criterion_weight(0.0)
 }
 
 fn with_friction(base: forms::Data<2>, slip_stress: f64, friction: f64) -> frictional_nitsche::Data<2> {
-    frictional_nitsche::Data { slip_stress, friction, ..frictional_nitsche::Rest {}.with(base) }
+    frictional_nitsche::data_from(base).slip_stress(slip_stress).friction(friction)
 }
 
 /// η_T² of all cells without friction.
@@ -68,7 +64,7 @@ const SHEAR: f64 = 0.03;
 const PRESS: f64 = 0.05;
 
 /// u = (α y, −β y): the stress is uniform, the bottom touches the table with the pressure (2μ+λ)β and the shear stress μα.
-fn sheared(mesh: &Arc<Mesh<2>>) -> Field<2> {
+fn sheared(mesh: &Mesh<2>) -> Field<2> {
     let space = Space::vector(mesh, 1).expect("a space");
     Field::interpolate(&space, |x| [SHEAR * x[1], -PRESS * x[1]]).expect("finite values")
 }
@@ -76,7 +72,7 @@ fn sheared(mesh: &Arc<Mesh<2>>) -> Field<2> {
 /// The data with the traction that the top has in `sheared`.
 fn balanced() -> forms::Data<2> {
     let traction = Given::constant([MU * SHEAR, -(2.0 * MU + LAMBDA) * PRESS]);
-    forms::Data { traction, ..data() }
+    data().traction(traction)
 }
 
 /// Without friction the shear stress alone is left, in the cells at the bottom.
@@ -117,10 +113,10 @@ fn friction_carries_the_shear_that_it_can() -> Outcome {
 fn loads_that_are_not_balanced() -> Outcome {
     let u = sheared(&block());
     let shear = H * (MU * SHEAR).powi(2) * 2.0;
-    let without = forms::Data { traction: Given::constant([0.0; 2]), ..balanced() };
+    let without = balanced().traction([0.0; 2]);
     let top = (MU * SHEAR).powi(2) + ((2.0 * MU + LAMBDA) * PRESS).powi(2);
     close(squares(without, &u)?.iter().sum(), shear + H * top * 2.0);
-    let pulled = forms::Data { body_force: Given::constant([0.3, -0.4]), ..balanced() };
+    let pulled = balanced().body_force([0.3, -0.4]);
     close(squares(pulled, &u)?.iter().sum(), shear + H * H * 0.25 * 2.0);
     Ok(())
 }
@@ -146,9 +142,9 @@ fn the_divergence_of_the_stress() -> Outcome {
     let rate = 2.0 * curvature * (2.0 * MU + LAMBDA);
     // The traction at the top, y = 1; at the bottom there is none.
     let traction = Given::constant([0.0, rate]);
-    let loaded = forms::Data { traction: traction.clone(), ..data() };
+    let loaded = data().traction(traction.clone());
     close(squares(loaded, &u)?.iter().sum(), H * H * rate * rate * 2.0);
-    let balanced = forms::Data { traction, body_force: Given::constant([0.0, -rate]), ..data() };
+    let balanced = data().traction(traction).body_force([0.0, -rate]);
     close(squares(balanced, &u)?.iter().sum(), 0.0);
     Ok(())
 }
@@ -171,7 +167,7 @@ fn an_adjoint_state() -> Outcome {
     let p = sheared(&mesh);
     let touching = sheared(&mesh);
     let apart = Field::interpolate(touching.space(), |_| [0.0, 0.1])?;
-    let data = forms::Data { criterion_force: Given::constant([0.3, -0.4]), ..data() };
+    let data = data().criterion_force([0.3, -0.4]);
     let regions = consistent_adjoint::Regions::default().gamma_n("top").gamma_c("bottom");
     let model = consistent_adjoint::Model { data, regions };
     let (shear, traction) = ((MU * SHEAR).powi(2), ((2.0 * MU + LAMBDA) * PRESS).powi(2));
@@ -186,22 +182,21 @@ fn an_adjoint_state() -> Outcome {
 /// In space: u = (α z, 0, −β z).
 #[test]
 fn shear_in_space() -> Outcome {
-    let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [2, 2, 2], CellShape::Hexahedron, 1)?);
+    let mesh = cuboid([0.0; 3], [1.0; 3], [2, 2, 2], CellShape::Hexahedron, 1)?;
     let space = Space::vector(&mesh, 1)?;
     let u = Field::interpolate(&space, |x| [SHEAR * x[2], 0.0, -PRESS * x[2]])?;
-    let data = forms::Data {
-        lambda: LAMBDA,
-        mu: MU,
-        theta: -1.0,
-        gamma0: 50.0,
-        extension: 0.0,
-        obstacle_normal: Given::constant([0.0, 0.0, -1.0]),
-        gap: Given::constant(0.0),
-        body_force: Given::constant([0.0; 3]),
-        traction: Given::constant([MU * SHEAR, 0.0, -(2.0 * MU + LAMBDA) * PRESS]),
-        criterion_force: Given::constant([0.0; 3]),
-        criterion_weight: Given::constant(0.0),
-    };
+    let data = forms::data()
+        .lambda(LAMBDA)
+        .mu(MU)
+        .gamma0(50.0)
+        .obstacle_normal([0.0, 0.0, -1.0])
+        .gap(0.0)
+        .theta(-1.0)
+        .extension(0.0)
+        .body_force([0.0; 3])
+        .traction([MU * SHEAR, 0.0, -(2.0 * MU + LAMBDA) * PRESS])
+        .criterion_force([0.0; 3])
+        .criterion_weight(0.0);
     let regions = frictionless::Regions::default().gamma_n("top").gamma_c("bottom");
     let model = frictionless::Model { data, regions };
     let found = ErrorEstimate::residual(&Assembler::new(&mesh), &model.squared(&u))?;
@@ -268,7 +263,7 @@ mod sliding {
 
     /// η/(2μ |u − u_h|₁) of a law on a mesh whose `sides` are held, each with its way.
     fn effectivity<L: ContactLaw<2>>(
-        mesh: &Arc<Mesh<2>>,
+        mesh: &Mesh<2>,
         degree: usize,
         sides: &[(&str, f64)],
         law: L,
@@ -299,13 +294,8 @@ mod sliding {
     fn a_block_on_a_table() -> Outcome {
         for degree in [1, 2] {
             let on = |divisions| {
-                let mesh = Arc::new(block([0.0, 1.0], divisions));
-                let base = forms::Data {
-                    gamma0: 100.0,
-                    body_force: Given::function(body_force),
-                    traction: Given::function(upwards),
-                    ..data()
-                };
+                let mesh = block([0.0, 1.0], divisions);
+                let base = data().gamma0(100.0).body_force(body_force).traction(upwards);
                 let data = with_friction(base, 0.0, FRICTION);
                 let regions = frictional_nitsche::Regions::default().gamma_n("top").gamma_c("bottom");
                 let law = frictional_nitsche::Model { data: data.clone(), regions };
@@ -331,25 +321,19 @@ mod sliding {
                 let mut loaded = mesh.facet_region("lower bottom")?.to_vec();
                 loaded.extend_from_slice(mesh.facet_region("upper top")?);
                 mesh.name_listed_facets("loaded", &loaded)?;
-                let required = bodies::Required {
-                    lambda: Given::constant(LAMBDA),
-                    mu: Given::constant(MU),
-                    gamma0: Given::constant(100.0),
-                };
-                let data = bodies::Data {
-                    share,
-                    friction: FRICTION,
-                    body_force: Given::function(body_force),
-                    traction: Given::function(|x: &[f64; 2]| upwards(x).map(|t| t * x[1].signum())),
-                    ..required.into()
-                };
+                let required = bodies::data().lambda(LAMBDA).mu(MU).gamma0(100.0);
+                let data = required
+                    .share(share)
+                    .friction(FRICTION)
+                    .body_force(body_force)
+                    .traction(|x: &[f64; 2]| upwards(x).map(|t| t * x[1].signum()));
                 let regions = bodies::Regions::default().touch(pairing.clone()).gamma_n("loaded");
                 let law = bodies::Model { data: data.clone(), regions };
                 let regions = two_bodies::Regions::default().touch(pairing.clone()).gamma_n("loaded");
                 let model = two_bodies::Model { data, regions };
                 let sides =
                     [("lower left", 0.0), ("lower right", 0.0), ("upper left", WAY), ("upper right", WAY)];
-                effectivity(&Arc::new(mesh), 2, &sides, law, |assembler, u| {
+                effectivity(&mesh, 2, &sides, law, |assembler, u| {
                     ErrorEstimate::residual(assembler, &model.squared(u))
                 })
             };

@@ -8,10 +8,10 @@ use forms_fem::mesh::PerforatedAnnulus;
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::{Failure, ShapeProblem, Values, Volume, measured_volume};
 
-type ProblemOn = fn(&Arc<Mesh<2>>) -> Result<ContactProblem<2>, Failure>;
+type ProblemOn = fn(&Mesh<2>) -> Result<ContactProblem<2>, Failure>;
 
 /// The paper's cylinder with holes, whose upper outside is loaded, too.
-fn problem_on(mesh: &Arc<Mesh<2>>) -> Result<ContactProblem<2>, Failure> {
+fn problem_on(mesh: &Mesh<2>) -> Result<ContactProblem<2>, Failure> {
     let mut problem = hollow_cylinder_on(mesh, &Settings::default())?;
     problem.law.data.traction =
         Given::function_with_gradient(|x| [0.01 * x[0], -0.2], |_| [[0.01, 0.0], [0.0; 2]]);
@@ -21,7 +21,7 @@ fn problem_on(mesh: &Arc<Mesh<2>>) -> Result<ContactProblem<2>, Failure> {
 }
 
 /// Turned by a part of a sector and sheared a little: no diagonal is as long as another, where h_T has a kink.
-fn ring(cells: usize) -> Arc<Mesh<2>> {
+fn ring(cells: usize) -> Mesh<2> {
     let ring = PerforatedAnnulus {
         inner_radius: 20.0,
         outer_radius: 30.0,
@@ -40,7 +40,7 @@ fn ring(cells: usize) -> Arc<Mesh<2>> {
         let (sine, cosine) = (0.1 + 0.01 * (x.hypot(*y) - 20.0)).sin_cos();
         [cosine * x - sine * y, sine * x + cosine * y]
     });
-    Arc::new(mesh.with_nodes(twisted.collect()).unwrap())
+    mesh.with_nodes(twisted.collect()).unwrap()
 }
 
 fn shape(

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use forms_contact::laws::two_bodies::{Data, Required};
+use forms_contact::laws::two_bodies::data;
 use forms_fem::inverse::{
     ControlError, ControlValues, Controls, LoadHistory, MotionHistory, Observations, ReducedProblem,
     taylor_test,
@@ -92,7 +92,7 @@ impl Bodies {
     fn new(steps: usize) -> Self {
         let slab = rectangle([0.0; 2], [3.0, 0.6], [13, 3], CellShape::Quadrilateral, 1).unwrap();
         let block = rectangle([0.3, 0.62], [1.3, 1.22], [4, 3], CellShape::Quadrilateral, 1).unwrap();
-        let mesh = Arc::new(Mesh::of_bodies(&[("slab", &slab), ("block", &block)]).unwrap());
+        let mesh = Mesh::of_bodies(&[("slab", &slab), ("block", &block)]).unwrap();
         let space = Space::vector(&mesh, 1).unwrap();
         let materials = Space::discontinuous_scalar(&mesh, 0).unwrap();
         let pull = Field::interpolate(&space, |_| PULL).unwrap();
@@ -132,13 +132,14 @@ impl Bodies {
         shear_modulus: Field<2>,
         before: Given<[f64; 2], 2>,
     ) -> drawn::Model<2> {
-        let data = Data {
-            friction,
-            displacement_before: before,
-            traction: Given::constant(PULL.map(|pull| load * pull)),
-            criterion_force: Given::function(|x: &[f64; 2]| [0.3 + x[0], 0.5 * x[1]]),
-            ..Required { lambda: 15.0.into(), mu: Given::field(shear_modulus), gamma0: 300.0.into() }.into()
-        };
+        let data = data()
+            .lambda(15.0)
+            .mu(shear_modulus)
+            .gamma0(300.0)
+            .friction(friction)
+            .displacement_before(before)
+            .traction(PULL.map(|pull| load * pull))
+            .criterion_force(|x: &[f64; 2]| [0.3 + x[0], 0.5 * x[1]]);
         let touch = Pairing::between("slab top", "block bottom");
         drawn::Model { data, regions: drawn::Regions::default().touch(touch).gamma_n("block right") }
     }

@@ -13,7 +13,7 @@
 //! use forms_fem::prelude::*;
 //!
 //! let world = World::start()?;
-//! let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [8; 3], CellShape::Hexahedron, 1)?);
+//! let mesh = cuboid([0.0; 3], [1.0; 3], [8; 3], CellShape::Hexahedron, 1)?;
 //! let space = Space::scalar(&mesh, 2)?;
 //! let poisson = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), dot(grad(u), grad(v)) - v));
 //! let mut constraints = Constraints::new(&space);

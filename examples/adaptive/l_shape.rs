@@ -13,7 +13,7 @@ const GOAL: f64 = 0.214_075_80;
 const DIVISIONS: usize = 2;
 
 /// (−1, 1)² without x > 0, y < 0, in right triangles.
-fn mesh() -> Outcome<Arc<Mesh<2>>> {
+fn mesh() -> Outcome<Mesh<2>> {
     let across = 2 * DIVISIONS + 1;
     let place = |k: usize| k as f64 / DIVISIONS as f64 - 1.0;
     let mut numbers = vec![None; across * across];
@@ -30,7 +30,7 @@ fn mesh() -> Outcome<Arc<Mesh<2>>> {
         });
         cells.extend([0, 1, 2, 0, 2, 3].map(|corner: usize| corners[corner]));
     }
-    Ok(Arc::new(Mesh::from_parts(CellShape::Triangle, 1, nodes, cells)?))
+    Ok(Mesh::from_parts(CellShape::Triangle, 1, nodes, cells)?)
 }
 
 fn held(space: &Arc<Space<2>>) -> Outcome<Constraints<2>> {
@@ -41,7 +41,7 @@ fn held(space: &Arc<Space<2>>) -> Outcome<Constraints<2>> {
 
 /// J by degree 1, its error by an adjoint state of degree 2.
 pub fn goal(unknowns: usize) -> Outcome<Study> {
-    let model = poisson::Model::new(poisson::Data { source: Given::constant(1.0) });
+    let model = poisson::Model::new(poisson::data().source(1.0));
     Study::new("L-shape, goal", &mesh()?, unknowns, |mesh, _| {
         let (space, higher) = (Space::scalar(mesh, 1)?, Space::scalar(mesh, 2)?);
         let direct = model.direct();

@@ -1,7 +1,5 @@
 //! The same problem on meshes that follow an estimate and on meshes refined everywhere.
 
-use std::sync::Arc;
-
 use forms_fem::adaptivity::{Adaptation, AdaptiveSolution};
 use forms_fem::output::picture::Curve;
 use forms_fem::output::tell;
@@ -42,9 +40,9 @@ impl Study {
     /// Solves on meshes of both kinds from a coarse one on, up to a number of unknowns.
     pub fn new(
         name: &str,
-        coarse: &Arc<Mesh<2>>,
+        coarse: &Mesh<2>,
         unknowns: usize,
-        solve: impl Fn(&Arc<Mesh<2>>, Option<&Field<2>>) -> Outcome<WithError>,
+        solve: impl Fn(&Mesh<2>, Option<&Field<2>>) -> Outcome<WithError>,
     ) -> Outcome<Study> {
         let row = |solution: &AdaptiveSolution<2>, error| Row {
             unknowns: solution.field.space().unknowns(),
@@ -62,11 +60,11 @@ impl Study {
                 break;
             }
             before = Some(solution.field);
-            mesh = Arc::new(mesh.refined()?);
+            mesh = mesh.refined()?;
         }
         let (mut adaptive, mut shown): (Vec<Row>, _) = (vec![], coarse.clone());
         let cycle = Adaptation::to_unknowns(unknowns);
-        let on_mesh = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| -> Outcome<_> {
+        let on_mesh = |mesh: &Mesh<2>, before: Option<&Field<2>>| -> Outcome<_> {
             let (solution, error) = solve(mesh, before)?;
             adaptive.push(row(&solution, error));
             if mesh.cell_count() <= MOST_SHOWN {

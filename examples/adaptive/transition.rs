@@ -41,24 +41,23 @@ fn exact_goal() -> f64 {
     2.0 / 7.0 * (top + right + left)
 }
 
-fn mesh() -> Outcome<Arc<Mesh<2>>> {
+fn mesh() -> Outcome<Mesh<2>> {
     let mut mesh = rectangle([-1.0, 0.0], [1.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
     mesh.name_facets("loaded", "boundary", |x| x[1] > 0.0)?;
-    Ok(Arc::new(mesh))
+    Ok(mesh)
 }
 
 /// The forms with the flux of Re z^s.
 fn model(theta: f64, s: f64) -> signorini::Model<2> {
-    let data = signorini::Data {
-        theta,
-        gamma0: GAMMA0,
-        flux: Given::function(move |x: &[f64; 2]| gradient(x, s)),
-        contact: Given::function(|x: &[f64; 2]| if x[0] < 0.0 { 1.0 } else { 0.0 }),
-    };
+    let data = signorini::data()
+        .theta(theta)
+        .gamma0(GAMMA0)
+        .flux(move |x: &[f64; 2]| gradient(x, s))
+        .contact(|x: &[f64; 2]| if x[0] < 0.0 { 1.0 } else { 0.0 });
     signorini::Model { data, regions: signorini::Regions::default().obstacle("bottom") }
 }
 
-fn assembler(mesh: &Arc<Mesh<2>>) -> Assembler<2> {
+fn assembler(mesh: &Mesh<2>) -> Assembler<2> {
     Assembler::new(mesh).with_quadrature(Quadrature::Degree(DEGREE))
 }
 

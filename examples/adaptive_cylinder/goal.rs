@@ -1,6 +1,5 @@
 //! J on meshes that follow its error: to a tolerance, compared with uniform meshes, and how well its error is known.
 
-use std::sync::Arc;
 use std::time::Instant;
 
 use forms_contact::hollow_cylinder::{INNER_RADIUS, OUTER_RADIUS};
@@ -29,17 +28,17 @@ pub fn to_tolerance(options: &Options, out: &mut StandardOutput) -> Outcome<()> 
         |out: &mut StandardOutput, name: &str, unknowns: usize, goal: f64, estimate: f64, seconds: f64| {
             out.line(format!("| {name} | {unknowns} | {goal:.8} | {:.2e} | {seconds:.2} |", estimate / goal));
         };
-    let solve = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| -> Outcome<AdaptiveSolution<2>> {
+    let solve = |mesh: &Mesh<2>, before: Option<&Field<2>>| -> Outcome<AdaptiveSolution<2>> {
         Direct::solve(mesh, &options.variant(), before)?.goal(Marking::Goal)
     };
-    let coarse = solve(&Arc::new(mesh(FIRST)?), None)?;
+    let coarse = solve(&mesh(FIRST)?, None)?;
     let scale = coarse.goal.ok_or("no goal")?.abs();
     let (inner, outer) = (onto_sphere([0.0; 2], INNER_RADIUS), onto_sphere([0.0; 2], OUTER_RADIUS));
     let start = Instant::now();
     let surfaces: [Surface<'_, 2>; 2] = [("inner", &inner), ("outer", &outer)];
     let cycle = Adaptation::to_tolerance(options.tolerance * scale).onto(&surfaces);
     let mut seconds = vec![];
-    let mut timed = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| {
+    let mut timed = |mesh: &Mesh<2>, before: Option<&Field<2>>| {
         let solution = solve(mesh, before);
         seconds.push(start.elapsed().as_secs_f64());
         solution
@@ -50,7 +49,7 @@ pub fn to_tolerance(options: &Options, out: &mut StandardOutput) -> Outcome<()> 
     }
     for radial in [1, 2, 4, 8].map(|factor| factor * FIRST) {
         let start = Instant::now();
-        let found = solve(&Arc::new(mesh(radial)?), None)?;
+        let found = solve(&mesh(radial)?, None)?;
         let (unknowns, goal) = (found.field.space().unknowns(), found.goal.unwrap_or(f64::NAN));
         row(out, "uniform", unknowns, goal, found.estimate.value(), start.elapsed().as_secs_f64());
         // The next one has four times as many.
@@ -72,7 +71,7 @@ pub fn effectivity(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
     for theta in [-1.0, 0.0, 1.0] {
         let variant = Variant { theta, gamma0_over_young: options.gamma0, facets: options.contact_facets };
         let mut of_degree_3 = vec![];
-        let on_mesh = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| -> Outcome<_> {
+        let on_mesh = |mesh: &Mesh<2>, before: Option<&Field<2>>| -> Outcome<_> {
             let direct = Direct::solve(mesh, &variant, before)?;
             if direct.u.space().unknowns() <= SHOWN * options.unknowns {
                 of_degree_3.push(direct.goal_of_degree_3()?);

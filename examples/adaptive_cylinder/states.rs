@@ -1,7 +1,5 @@
 //! The states of the paper's cylinder on one mesh of triangles, and by what it is refined.
 
-use std::sync::Arc;
-
 use clap::ValueEnum;
 use forms_contact::hollow_cylinder::{
     CONTACT, CONTACT_CELLS, IMPOSED_DISPLACEMENT, INNER_RADIUS, OUTER_RADIUS, Settings, hollow_cylinder_on,
@@ -83,7 +81,7 @@ pub struct States {
 
 impl Direct {
     /// Solves (14), from the displacement on the mesh before where there is one.
-    pub fn solve(mesh: &Arc<Mesh<2>>, variant: &Variant, before: Option<&Field<2>>) -> Outcome<Direct> {
+    pub fn solve(mesh: &Mesh<2>, variant: &Variant, before: Option<&Field<2>>) -> Outcome<Direct> {
         let Variant { theta, gamma0_over_young, facets } = *variant;
         let settings = Settings { theta, gamma0_over_young, ..Settings::default() };
         let problem = integrated(hollow_cylinder_on(mesh, &settings)?, facets);

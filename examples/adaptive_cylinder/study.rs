@@ -1,7 +1,5 @@
 //! Errors of the states on adaptive and on uniform meshes, compared with a reference on a finer mesh of the same first one.
 
-use std::sync::Arc;
-
 use forms_fem::mesh::{AdaptiveMesh, doerfler};
 use forms_fem::norms::{Comparison, Norms, norms};
 use forms_fem::output::tell;
@@ -41,12 +39,12 @@ pub fn series(
     options: &Options,
     unknowns: usize,
     mut each: impl FnMut(States) -> Outcome<()>,
-) -> Outcome<Arc<Mesh<2>>> {
+) -> Outcome<Mesh<2>> {
     let mut adaptive = AdaptiveMesh::new(mesh(FIRST)?)?;
     let (mut radial, mut before) = (FIRST, None);
     loop {
         let current = match meshes {
-            Meshes::Uniform => Arc::new(mesh(radial)?),
+            Meshes::Uniform => mesh(radial)?,
             _ => adaptive.mesh().clone(),
         };
         let mut direct = Direct::solve(&current, &options.variant(), before.as_ref())?;

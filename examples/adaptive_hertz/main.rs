@@ -8,7 +8,6 @@ mod measurements;
 use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Arc;
 
 use clap::{Parser, ValueEnum};
 use forms_contact::hertz::{
@@ -97,14 +96,14 @@ fn marked<const D: usize>(
     Ok(estimate.marking_also_by(&ErrorEstimate::of_squares(&squares)?)?)
 }
 
-fn cylinder(options: &Options) -> Outcome<(Series, Arc<Mesh<2>>)> {
+fn cylinder(options: &Options) -> Outcome<(Series, Mesh<2>)> {
     let way = options.way * CYLINDER_PRESSED;
     let (mut uniform, mut adaptive) = (vec![], vec![]);
     for divisions in options.divisions() {
-        let problem = cylinder_on(&Arc::new(cylinder_mesh(divisions)?), FREE, way)?;
+        let problem = cylinder_on(&cylinder_mesh(divisions)?, FREE, way)?;
         uniform.push(solve(&problem, None, Hertz::of_line, options.linear)?.1);
     }
-    let on_mesh = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| -> Outcome<_> {
+    let on_mesh = |mesh: &Mesh<2>, before: Option<&Field<2>>| -> Outcome<_> {
         let problem = cylinder_on(mesh, FREE, way)?;
         let (u, row) = solve(&problem, before, Hertz::of_line, options.linear)?;
         adaptive.push(row);
@@ -117,15 +116,15 @@ fn cylinder(options: &Options) -> Outcome<(Series, Arc<Mesh<2>>)> {
     Ok(([uniform, adaptive], found.mesh.mesh().clone()))
 }
 
-fn ball(options: &Options) -> Outcome<(Series, Arc<Mesh<3>>)> {
+fn ball(options: &Options) -> Outcome<(Series, Mesh<3>)> {
     let way = options.way * QUARTER_PRESSED;
     let (mut uniform, mut adaptive) = (vec![], vec![]);
     for divisions in options.divisions() {
-        let mesh = Arc::new(quarter_mesh(Body::Ball, divisions)?);
+        let mesh = quarter_mesh(Body::Ball, divisions)?;
         let problem = body_on(Body::Ball, &mesh, FREE, way)?;
         uniform.push(solve(&problem, None, Hertz::of_point, options.linear)?.1);
     }
-    let on_mesh = |mesh: &Arc<Mesh<3>>, before: Option<&Field<3>>| -> Outcome<_> {
+    let on_mesh = |mesh: &Mesh<3>, before: Option<&Field<3>>| -> Outcome<_> {
         let problem = body_on(Body::Ball, mesh, FREE, way)?;
         let (u, row) = solve(&problem, before, Hertz::of_point, options.linear)?;
         adaptive.push(row);

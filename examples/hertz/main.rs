@@ -95,8 +95,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>
 
     // Seen from below: the pressure on the deformed surface's plan.
     let flat = |[s, t]: [f64; 2]| [quarter_place(s), quarter_place(t)];
-    let plan =
-        Arc::new(forms_fem::mesh::structured([options.divisions; 2], CellShape::Quadrilateral, 2, flat)?);
+    let plan = forms_fem::mesh::structured([options.divisions; 2], CellShape::Quadrilateral, 2, flat)?;
     let plan_space = Space::scalar(&plan, 2)?;
     let below =
         plan_space.positions().iter().map(|x| on_body.evaluate(&[x[0], x[1], body.surface(x[0], x[1])]));
@@ -113,8 +112,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>
         let [x, _, z] = body.place([s, 0.0, w]);
         [x, z]
     };
-    let section =
-        Arc::new(forms_fem::mesh::structured([options.divisions; 2], CellShape::Quadrilateral, 2, section)?);
+    let section = forms_fem::mesh::structured([options.divisions; 2], CellShape::Quadrilateral, 2, section)?;
     let section_space = Space::vector(&section, 2)?;
     let cut = section_space.positions().iter().map(|x| u.evaluate(&[x[0], 0.0, x[1]]).map(|u| [u[0], u[2]]));
     let cut = Field::from_values(&section_space, cut.collect::<Result<Vec<_>, _>>()?.concat())?;

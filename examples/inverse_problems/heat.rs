@@ -60,7 +60,7 @@ impl Slab {
     fn new(cells: usize) -> Result<Self, Box<dyn Error>> {
         let thickness = 2.0 / cells as f64;
         let divisions = [cells, (cells / 2).max(1), 1];
-        let mesh = Arc::new(cuboid([0.0; 3], [2.0, 1.0, thickness], divisions, CellShape::Hexahedron, 1)?);
+        let mesh = cuboid([0.0; 3], [2.0, 1.0, thickness], divisions, CellShape::Hexahedron, 1)?;
         let temperatures = Space::scalar(&mesh, 1)?;
         let mut held = Constraints::new(&temperatures);
         held.fix("left", |_| 0.0)?;
@@ -69,7 +69,7 @@ impl Slab {
     }
 
     fn model(&self, density: Field<3>) -> conduction::Model<3> {
-        let data = conduction::Data { density: Given::field(&density), least: LEAST, flux: self.flux };
+        let data = conduction::data().density(&density).least(LEAST).flux(self.flux);
         conduction::Model { data, regions: conduction::Regions::default() }
     }
 

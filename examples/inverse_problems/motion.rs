@@ -63,19 +63,17 @@ const REPETITIONS: usize = 7;
 
 fn model(during: &StepContext<2>) -> Result<swinging::Model<2>, ControlError> {
     Ok(swinging::Model::new(
-        swinging::Rest {
-            density: during.number("density")?,
-            stiffness: Given::field(&during.field("stiffness")?),
-            pull: during.number("pull")?,
-        }
-        .with(during),
+        swinging::data_from(during)
+            .density(during.number("density")?)
+            .stiffness(&during.field("stiffness")?)
+            .pull(during.number("pull")?),
     ))
 }
 
 /// Value and gradient by a scheme, on 120 × 36 squares for 120.
 pub fn costs(cells: usize, steps: usize, out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let divisions = [cells, (3 * cells / 10).max(1)];
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0, 0.3], divisions, CellShape::Quadrilateral, 1)?);
+    let mesh = rectangle([0.0; 2], [1.0, 0.3], divisions, CellShape::Quadrilateral, 1)?;
     let space = Space::vector(&mesh, 1)?;
     let mut held = Constraints::new(&space);
     held.fix("left", |_| [0.0; 2])?;
@@ -88,8 +86,10 @@ pub fn costs(cells: usize, steps: usize, out: &mut StandardOutput) -> Result<(),
         .per_step("pull", &pulls)
         .start_rate("rate", &rate);
     let criterion = swinging::Model::new(
-        swinging::Rest { density: 0.0, stiffness: Given::constant(0.0), pull: 0.0 }
-            .with(forms_fem::time::operators::vector::Data::default()),
+        swinging::data_from(forms_fem::time::operators::vector::Data::default())
+            .density(0.0)
+            .stiffness(0.0)
+            .pull(0.0),
     );
     // Central differences: below 2/ω of the smallest cells.
     let (whole, explicit) = (0.15, 0.2 / cells as f64);

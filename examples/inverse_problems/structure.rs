@@ -78,7 +78,7 @@ struct Cantilever {
 
 impl Cantilever {
     fn new(divisions: [usize; 3], load: Load) -> Result<Self, Box<dyn Error>> {
-        let mesh = Arc::new(cuboid([0.0; 3], [2.0, 1.0, 1.0], divisions, CellShape::Hexahedron, 1)?);
+        let mesh = cuboid([0.0; 3], [2.0, 1.0, 1.0], divisions, CellShape::Hexahedron, 1)?;
         let displacements = Space::vector(&mesh, 1)?;
         let mut held = Constraints::new(&displacements);
         held.fix("left", |_| [0.0; 3])?;
@@ -95,7 +95,12 @@ impl Cantilever {
             Load::Corner => [0.0; 3],
         });
         let density = Given::field(&density);
-        let data = solid::Data { density, softest: SOFTEST, stiffest: STIFFEST, poisson: POISSON, traction };
+        let data = solid::data()
+            .density(density)
+            .softest(SOFTEST)
+            .stiffest(STIFFEST)
+            .poisson(POISSON)
+            .traction(traction);
         solid::Model { data, regions: solid::Regions::default() }
     }
 

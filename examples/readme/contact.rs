@@ -13,7 +13,7 @@ mod nitsche {
     #[cells]
     pub struct Omega;
     #[facets]
-    pub struct GammaC;
+    pub struct Bottom;
 
     fn normal_stress(w: Vector) -> Scalar {
         normal_component(stress(w))
@@ -21,8 +21,8 @@ mod nitsche {
     pub fn direct(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         let pressure = neg_part(augmented_stress(normal_stress(u), u));
         integral(Omega, inner(stress(u), eps(v)))
-            - integral(GammaC, theta / gamma() * normal_stress(u) * normal_stress(v))
-            - integral(GammaC, pressure / gamma() * nitsche_test(normal_stress(v), v))
+            - integral(Bottom, theta / gamma() * normal_stress(u) * normal_stress(v))
+            - integral(Bottom, pressure / gamma() * nitsche_test(normal_stress(v), v))
     }
     pub fn energy(u: State<Vector>) -> Functional {
         integral(Omega, inner(stress(u), eps(u)) / 2)
@@ -34,15 +34,14 @@ mod nitsche {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [32, 16], CellShape::Quadrilateral, 1)?);
+    let mesh = rectangle([0.0; 2], [2.0, 1.0], [32, 16], CellShape::Quadrilateral, 1)?;
     let space = Space::vector(&mesh, 2)?;
     let mut constraints = Constraints::new(&space);
     constraints.fix("top", |_| [0.0, -0.1])?;
 
-    let gap = Given::function(|x: &[f64; 2]| x[1] + 0.1 * (x[0] - 1.0).powi(2));
-    let obstacle_normal = Given::constant([0.0, -1.0]);
-    let data = nitsche::Data { lambda: 1.0, mu: 1.0, obstacle_normal, gap, gamma0: 20.0, theta: 1.0 };
-    let model = nitsche::Model { data, regions: nitsche::Regions::default().gamma_c("bottom") };
+    let data = nitsche::data().lambda(1.0).mu(1.0).gamma0(20.0).obstacle_normal([0.0, -1.0]);
+    let data = data.gap(|x: &[f64; 2]| x[1] + 0.1 * (x[0] - 1.0).powi(2)).theta(1.0);
+    let model = nitsche::Model::new(data);
 
     // A kink is no polynomial: a higher degree than the polynomials next to it need.
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));

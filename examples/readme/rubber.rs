@@ -23,12 +23,12 @@ mod rubber {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mesh = Arc::new(cuboid([0.0; 3], [2.0, 1.0, 1.0], [8, 4, 4], CellShape::Hexahedron, 1)?);
+    let mesh = cuboid([0.0; 3], [2.0, 1.0, 1.0], [8, 4, 4], CellShape::Hexahedron, 1)?;
     let space = Space::vector(&mesh, 1)?;
     let mut constraints = Constraints::new(&space);
     constraints.fix("left", |_| [0.0; 3])?;
     constraints.fix("right", |_| [0.5, 0.0, 0.0])?;
-    let model = rubber::Model::new(rubber::Data { lambda: 3.0, mu: 1.0 });
+    let model = rubber::Model::new(rubber::data().lambda(3.0).mu(1.0));
     let solved = Problem::new(&model.energy(), &space).constrained(&constraints).solve()?;
     println!("{:?}", solved.at_points(&model.stress(solved.field()), &[[1.0, 0.5, 0.5]])?.values[0]);
     Ok(())

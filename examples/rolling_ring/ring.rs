@@ -60,7 +60,6 @@ pub struct Thrown {
 impl Thrown {
     pub fn new(around: usize) -> Result<Self, Box<dyn Error>> {
         let mesh = annulus(INSIDE, OUTSIDE, (around / 12).max(1), around, CellShape::Quadrilateral, 2)?;
-        let mesh = Arc::new(mesh);
         let space = Space::vector(&mesh, 2)?;
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(DEGREE));
         let one = Field::interpolate(&space, |_| [1.0, 0.0])?;
@@ -132,21 +131,14 @@ fn kinetic(assembler: &Assembler<2>, velocity: &Field<2>) -> Result<f64, Box<dyn
 /// The forms in a step, or of a state alone.
 pub fn model(step: Option<&Step<2>>, direction: [f64; 2], centre: [f64; 2]) -> finite_impact::Model<2> {
     let evaluated: operators::vector::Data<2> = step.map(Into::into).unwrap_or_default();
-    let body = finite_impact::Rest {
-        lambda: LAMBDA,
-        mu: MU,
-        rho: DENSITY,
-        gamma0: GAMMA,
-        obstacle_normal: Given::constant([0.0, -1.0]),
-        gap: Given::function(|x: &[f64; 2]| x[1] + OUTSIDE + FALL),
-    }
-    .with(evaluated);
-    let data = finite_impact::Data {
-        friction: FRICTION,
-        body_force: Given::constant([0.0, -DENSITY * GRAVITY]),
-        direction: Given::constant(direction),
-        centre: Given::constant(centre),
-        ..body
-    };
+    let body = finite_impact::data_from(evaluated)
+        .lambda(LAMBDA)
+        .mu(MU)
+        .gamma0(GAMMA)
+        .rho(DENSITY)
+        .obstacle_normal([0.0, -1.0])
+        .gap(|x: &[f64; 2]| x[1] + OUTSIDE + FALL);
+    let data =
+        body.friction(FRICTION).body_force([0.0, -DENSITY * GRAVITY]).direction(direction).centre(centre);
     finite_impact::Model { data, regions: finite_impact::Regions::default().gamma_c("outer") }
 }

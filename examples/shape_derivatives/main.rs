@@ -96,8 +96,8 @@ fn measure(settings: &Settings, with_differences: bool) -> Result<Vec<Derivative
     let discrete = problem.solve_adjoint(Adjoint::Discrete, &u, &mut solver)?.into_field();
     let consistent = problem.solve_adjoint(Adjoint::Consistent, &u, &mut solver)?.into_field();
     let gradient = problem.shape_gradient(&u, &discrete, Diameters::Moving, None)?;
-    let imposed = Given::constant(forms_contact::hollow_cylinder::IMPOSED_DISPLACEMENT);
-    let data = boundary_form::Rest { imposed }.with(problem.law.data.clone());
+    let imposed = forms_contact::hollow_cylinder::IMPOSED_DISPLACEMENT;
+    let data = boundary_form::data_from(problem.law.data.clone()).imposed(imposed);
     let assembler = &problem.assembler;
     let mut all = Vec::new();
     for (piece, _) in PIECES {

@@ -1,8 +1,6 @@
 //! A cantilever that rests on a support: clamped at the left, loaded at the right end, above a flat obstacle that it touches
 //! in the middle. Its top moves until the work of the load is least at the same volume.
 
-use std::sync::Arc;
-
 use forms_contact::forms;
 use forms_contact::shape_problem::{ContactShape, Criterion, GradientForm, VolumeRule};
 use forms_contact::{Adjoint, ContactProblem};
@@ -26,31 +24,27 @@ const YOUNG: f64 = 100.0;
 const POISSON: f64 = 0.3;
 
 /// The rectangle.
-pub fn mesh(options: &Options) -> Outcome<Arc<Mesh<2>>> {
+pub fn mesh(options: &Options) -> Outcome<Mesh<2>> {
     let cells = [10, 3].map(|count| count * options.cells_per_side());
     let mut mesh = rectangle([0.0; 2], SIZE, cells, CellShape::Quadrilateral, 2)?;
     let above_support = |x: &[f64; 2]| x[0] > SUPPORT[0] * SIZE[0] && x[0] < SUPPORT[1] * SIZE[0];
     mesh.name_facets("contact", "bottom", above_support)?;
-    Ok(Arc::new(mesh))
+    Ok(mesh)
 }
 
-fn problem_on(mesh: &Arc<Mesh<2>>) -> Result<ContactProblem<2>, Failure> {
+fn problem_on(mesh: &Mesh<2>) -> Result<ContactProblem<2>, Failure> {
     let space = Space::vector(mesh, 2)?;
     let mut constraints = Constraints::new(&space);
     constraints.fix("left", |_| [0.0; 2])?;
-    let data = forms::Data {
-        extension: 1.0,
-        traction: Given::constant(TRACTION),
-        ..forms::Required {
-            lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
-            mu: YOUNG / (2.0 * (1.0 + POISSON)),
-            theta: -1.0,
-            gamma0: 10.0 * YOUNG,
-            obstacle_normal: Given::constant([0.0, -1.0]),
-            gap: Given::function_with_gradient(|x: &[f64; 2]| x[1] + GAP, |_| [0.0, 1.0]),
-        }
-        .into()
-    };
+    let data = forms::data()
+        .lambda(YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
+        .mu(YOUNG / (2.0 * (1.0 + POISSON)))
+        .gamma0(10.0 * YOUNG)
+        .obstacle_normal([0.0, -1.0])
+        .gap(Given::function_with_gradient(|x: &[f64; 2]| x[1] + GAP, |_| [0.0, 1.0]))
+        .theta(-1.0)
+        .extension(1.0)
+        .traction(TRACTION);
     let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(8));
     Ok(ContactProblem::new(
         assembler,
@@ -61,7 +55,7 @@ fn problem_on(mesh: &Arc<Mesh<2>>) -> Result<ContactProblem<2>, Failure> {
 }
 
 /// The cantilever whose top moves at constant volume.
-pub fn shape_problem(initial: &Arc<Mesh<2>>) -> Outcome<ContactShape<ProblemOn>> {
+pub fn shape_problem(initial: &Mesh<2>) -> Outcome<ContactShape<ProblemOn>> {
     Ok(ContactShape {
         problem: problem_on as ProblemOn,
         criterion: Criterion::Compliance,

@@ -2,7 +2,6 @@
 
 use std::f64::consts::TAU;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use forms_contact::forms;
 use forms_contact::hollow_cylinder::{CONTACT, INNER_RADIUS, OUTER_RADIUS};
@@ -21,7 +20,7 @@ use crate::runs::Run;
 const SAMPLES: usize = 21;
 
 /// Writes all pictures and returns their paths.
-pub fn write_all(options: &Options, initial: &Arc<Mesh<2>>, runs: &[Run]) -> Outcome<Vec<PathBuf>> {
+pub fn write_all(options: &Options, initial: &Mesh<2>, runs: &[Run]) -> Outcome<Vec<PathBuf>> {
     let mut files = Vec::new();
     let mut write = |path: PathBuf, picture: Drawing| -> Outcome<()> {
         picture.write_png(&path)?;
@@ -104,7 +103,7 @@ fn von_mises(state: &ContactState<2>) -> Outcome<Field<2>> {
 }
 
 /// The holes of all shapes over the body of the last.
-fn holes(initial: &Arc<Mesh<2>>, runs: &[Run], [x, y]: [[f64; 2]; 2]) -> Outcome<Drawing> {
+fn holes(initial: &Mesh<2>, runs: &[Run], [x, y]: [[f64; 2]; 2]) -> Outcome<Drawing> {
     let Some(last) = runs.last() else { return Err("no run".into()) };
     let stress = von_mises(&last.end)?;
     let mut map = FieldMap::of(&stress, Shown::Magnitude, "von Mises stress [MPa]")

@@ -1,7 +1,5 @@
 //! The ring: the paper's cylinder, a mesh with holes in it, and the criteria that its holes minimise.
 
-use std::sync::Arc;
-
 use forms_contact::hollow_cylinder::{
     CONTACT, CONTACT_CELLS, INNER_RADIUS, OUTER_RADIUS, Settings, hollow_cylinder_on,
 };
@@ -18,10 +16,10 @@ use crate::options::Options;
 pub const EVEN_OVER: f64 = 10.0;
 
 /// A contact problem on a mesh of the ring.
-pub type ProblemOn = fn(&Arc<Mesh<2>>) -> Result<ContactProblem<2>, Failure>;
+pub type ProblemOn = fn(&Mesh<2>) -> Result<ContactProblem<2>, Failure>;
 
 /// The mesh with round holes.
-pub fn mesh(options: &Options) -> Outcome<Arc<Mesh<2>>> {
+pub fn mesh(options: &Options) -> Outcome<Mesh<2>> {
     let ring = PerforatedAnnulus {
         inner_radius: INNER_RADIUS,
         outer_radius: OUTER_RADIUS,
@@ -36,16 +34,16 @@ pub fn mesh(options: &Options) -> Outcome<Arc<Mesh<2>>> {
     let mut mesh = ring.mesh()?;
     mesh.name_facets(CONTACT, "outer", |centre| centre[1] < 0.0)?;
     mesh.name_cells_of_facets(CONTACT_CELLS, CONTACT)?;
-    Ok(Arc::new(mesh))
+    Ok(mesh)
 }
 
-fn problem_on(mesh: &Arc<Mesh<2>>) -> Result<ContactProblem<2>, Failure> {
+fn problem_on(mesh: &Mesh<2>) -> Result<ContactProblem<2>, Failure> {
     Ok(hollow_cylinder_on(mesh, &Settings::default())?)
 }
 
 /// The ring whose holes move at constant volume. The boundary form goes with (22), the volume form with (21).
 pub fn shape_problem(
-    initial: &Arc<Mesh<2>>,
+    initial: &Mesh<2>,
     criterion: Criterion,
     adjoint: Adjoint,
 ) -> Outcome<ContactShape<ProblemOn>> {

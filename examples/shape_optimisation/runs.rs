@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 use std::io::IsTerminal;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use forms_contact::shape_problem::{ContactShape, ContactState, Criterion};
@@ -25,7 +24,7 @@ pub struct Run {
     /// The history.
     pub state: DescentState,
     /// The best shape.
-    pub mesh: Arc<Mesh<2>>,
+    pub mesh: Mesh<2>,
     /// The state on the round holes.
     pub start: ContactState<2>,
     /// The state on the best shape.
@@ -43,7 +42,7 @@ impl Run {
     /// Runs to the end, telling of each step.
     pub fn new(
         options: &Options,
-        initial: &Arc<Mesh<2>>,
+        initial: &Mesh<2>,
         name: &'static str,
         number: &'static str,
         problem: &ContactShape<ProblemOn>,

@@ -28,7 +28,7 @@
 //! }
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Triangle, 1)?);
+//! let mesh = rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Triangle, 1)?;
 //! let (space, higher) = (Space::scalar(&mesh, 1)?, Space::scalar(&mesh, 2)?);
 //! let held = |space| -> Result<Constraints<2>, Box<dyn std::error::Error>> {
 //!     let mut constraints = Constraints::new(space);

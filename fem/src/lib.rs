@@ -28,9 +28,9 @@
 //! }
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [16, 16], CellShape::Triangle, 1)?);
+//! let mesh = rectangle([0.0, 0.0], [1.0, 1.0], [16, 16], CellShape::Triangle, 1)?;
 //! let space = Space::scalar(&mesh, 2)?;
-//! let data = poisson::Data { k: 2.0, f: Given::function(|x: &[f64; 2]| 4.0 * x[0]) };
+//! let data = poisson::data().k(2.0).f(|x: &[f64; 2]| 4.0 * x[0]);
 //! let form = poisson::diffusion(&data, &poisson::Omega::on("all"));
 //! let mut boundary = Constraints::new(&space);
 //! // u = (x − x³)/3 solves −∇·(2∇u) = 4x.
@@ -71,7 +71,7 @@ pub use forms_problem::{
 /// ```
 /// use forms_fem::prelude::*;
 ///
-/// let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Triangle, 1)?);
+/// let mesh = rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Triangle, 1)?;
 /// let space = Space::scalar(&mesh, 2)?;
 /// let k = 2.0;
 /// let poisson = form!(

@@ -21,7 +21,7 @@
 //! }
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [4, 4], CellShape::Triangle, 1)?);
+//! let mesh = rectangle([0.0; 2], [1.0; 2], [4, 4], CellShape::Triangle, 1)?;
 //! let space = Space::scalar(&mesh, 2)?;
 //! let u = Field::interpolate(&space, |x| 1.5 * x[0] + x[1] * x[1])?;
 //! let direction = Field::interpolate(&space, |x| (3.0 * x[0] - x[1]).sin())?;
@@ -40,7 +40,6 @@ mod kinked_diameters;
 mod tests;
 
 use std::fmt;
-use std::sync::Arc;
 
 use crate::contract::Form;
 use thiserror::Error;
@@ -332,7 +331,7 @@ pub fn shape<E: From<MovementError>, const D: usize>(
     movement: &Field<D>,
     first: f64,
     derivative: f64,
-    mut value: impl FnMut(&Arc<Mesh<D>>) -> Result<Sample, E>,
+    mut value: impl FnMut(&Mesh<D>) -> Result<Sample, E>,
 ) -> Result<TaylorReport, E> {
     let mut report = taylor(first, &[derivative], |step| match step == 0.0 {
         true => value(movement.space().mesh()),

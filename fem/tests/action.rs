@@ -43,17 +43,17 @@ mod forms_of_all_kinds {
 use forms_of_all_kinds::*;
 
 fn data() -> Data<2> {
-    Data { mu: 0.8, lambda: 1.2, gamma: 5.0, load: [0.3, -0.2].into() }
+    forms_of_all_kinds::data().mu(0.8).lambda(1.2).gamma(5.0).load([0.3, -0.2])
 }
 
-fn meshes() -> Vec<Arc<Mesh<2>>> {
+fn meshes() -> Vec<Mesh<2>> {
     [(CellShape::Triangle, 1), (CellShape::Quadrilateral, 2)]
         .map(|(shape, degree)| {
             let flat = rectangle([0.0, 0.0], [1.0, 1.2], [4, 3], shape, degree).unwrap();
             let nodes = flat.nodes().iter();
             let nodes = nodes.map(|x| [x[0] + 0.05 * x[1] * x[1], x[1] + 0.04 * x[0] * x[1]]).collect();
             let cells = flat.cells().to_vec();
-            Arc::new(Mesh::from_parts(shape, degree, nodes, cells).unwrap())
+            Mesh::from_parts(shape, degree, nodes, cells).unwrap()
         })
         .into()
 }
@@ -65,7 +65,7 @@ fn wave(space: &Arc<Space<2>>, frequency: f64, size: f64) -> Field<2> {
 }
 
 /// The action against the matrix times the vector, all integrals and some; and the same as an operator.
-fn check(form: &Form<2>, mesh: &Arc<Mesh<2>>, spaces: &[&Arc<Space<2>>]) {
+fn check(form: &Form<2>, mesh: &Mesh<2>, spaces: &[&Arc<Space<2>>]) {
     let assembler = Assembler::new(mesh);
     let unknowns: Vec<Field<2>> = spaces.iter().map(|space| wave(space, 0.37, 0.02)).collect();
     let directions: Vec<Field<2>> = spaces.iter().map(|space| wave(space, 0.91, 1.0)).collect();

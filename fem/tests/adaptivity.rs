@@ -42,7 +42,7 @@ fn held<const D: usize>(space: &Arc<Space<D>>, regions: &[&str]) -> Outcome<Cons
 
 /// u_h of a degree with its goal and the estimate by an adjoint state of one degree more.
 fn solve<const D: usize>(
-    mesh: &Arc<Mesh<D>>,
+    mesh: &Mesh<D>,
     data: membrane::Data<D>,
     degree: usize,
     regions: &[&str],
@@ -69,11 +69,8 @@ fn estimate_is_exact<const D: usize>(mesh: Mesh<D>) -> Outcome<()>
 where
     Dim: Dimension<D>,
 {
-    let data = membrane::Data {
-        source: Given::constant(2.0),
-        weight: Given::function(|x: &[f64; D]| x[0] + 2.0 * x[1]),
-    };
-    let found = solve(&Arc::new(mesh), data, 1, &["left", "right"])?;
+    let data = membrane::data().source(2.0).weight(|x: &[f64; D]| x[0] + 2.0 * x[1]);
+    let found = solve(&mesh, data, 1, &["left", "right"])?;
     let error = 0.25 - found.goal.expect("it was given");
     assert!(error > 1e-3);
     assert!((found.estimate.value() - error).abs() < 1e-11, "{} {error}", found.estimate.value());
@@ -108,7 +105,7 @@ fn the_dual_weighted_estimate_is_exact_where_the_solution_lies_in_the_higher_spa
 }
 
 /// (−1, 1)² without x > 0, y < 0.
-fn l_shape(shape: CellShape) -> Outcome<Arc<Mesh<2>>> {
+fn l_shape(shape: CellShape) -> Outcome<Mesh<2>> {
     let nodes =
         [[-1.0, -1.0], [0.0, -1.0], [-1.0, 0.0], [0.0, 0.0], [1.0, 0.0], [-1.0, 1.0], [0.0, 1.0], [1.0, 1.0]];
     let squares: [[u32; 4]; 3] = [[0, 1, 3, 2], [2, 3, 6, 5], [3, 4, 7, 6]];
@@ -116,7 +113,7 @@ fn l_shape(shape: CellShape) -> Outcome<Arc<Mesh<2>>> {
         CellShape::Triangle => squares.iter().flat_map(|&[a, b, c, d]| [a, b, c, a, c, d]).collect(),
         _ => squares.concat(),
     };
-    Ok(Arc::new(Mesh::from_parts(shape, 1, nodes.to_vec(), cells)?.refined()?))
+    Ok(Mesh::from_parts(shape, 1, nodes.to_vec(), cells)?.refined()?)
 }
 
 /// ∫u of −Δu = 1; `the_goal_by_a_higher_degree` computes it.
@@ -125,8 +122,8 @@ const L_SHAPE_GOAL: f64 = 0.214_075_80;
 /// Degree 3 with the estimate added: the digits of the constant above.
 #[test]
 fn the_goal_by_a_higher_degree() -> Outcome<()> {
-    let data = || membrane::Data { source: Given::constant(1.0), weight: Given::constant(1.0) };
-    let on_mesh = |mesh: &Arc<Mesh<2>>, _: Option<&Field<2>>| solve(mesh, data(), 3, &["boundary"]);
+    let data = || membrane::data().source(1.0).weight(1.0);
+    let on_mesh = |mesh: &Mesh<2>, _: Option<&Field<2>>| solve(mesh, data(), 3, &["boundary"]);
     let adapted = Adaptation::to_unknowns(6_000).run(l_shape(CellShape::Triangle)?, on_mesh, |_| ())?;
     let step = adapted.steps.last().expect("there are meshes");
     let goal = step.goal.expect("it was given") + step.estimate;
@@ -140,8 +137,8 @@ fn the_goal_on(shape: CellShape) -> Outcome<()> {
         Some(_) => (20_000, 0.99),
         None => (2_500, 0.98),
     };
-    let data = || membrane::Data { source: Given::constant(1.0), weight: Given::constant(1.0) };
-    let on_mesh = |mesh: &Arc<Mesh<2>>, _: Option<&Field<2>>| solve(mesh, data(), 1, &["boundary"]);
+    let data = || membrane::data().source(1.0).weight(1.0);
+    let on_mesh = |mesh: &Mesh<2>, _: Option<&Field<2>>| solve(mesh, data(), 1, &["boundary"]);
     let adapted = Adaptation::to_unknowns(count).run(l_shape(shape)?, on_mesh, |_| ())?;
     let errors: Vec<(f64, f64, f64)> = adapted
         .steps
@@ -179,8 +176,8 @@ fn the_goal_on_the_l_shape_in_quadrilaterals() -> Outcome<()> {
 /// The tolerance is kept by the true error, and a limit that is too low is an error that says so.
 #[test]
 fn a_tolerance_is_reached_or_the_limit_named() -> Outcome<()> {
-    let data = || membrane::Data { source: Given::constant(1.0), weight: Given::constant(1.0) };
-    let on_mesh = |mesh: &Arc<Mesh<2>>, _: Option<&Field<2>>| solve(mesh, data(), 1, &["boundary"]);
+    let data = || membrane::data().source(1.0).weight(1.0);
+    let on_mesh = |mesh: &Mesh<2>, _: Option<&Field<2>>| solve(mesh, data(), 1, &["boundary"]);
     let cycle = Adaptation::to_tolerance(2e-3);
     let mut rows = 0;
     let adapted = cycle.clone().run(l_shape(CellShape::Triangle)?, on_mesh, |_| rows += 1)?;
@@ -212,8 +209,7 @@ fn what_does_not_fit_is_named() -> Outcome<()> {
     let apart = both.marking_also_by(&ErrorEstimate::of_squares(&[1.0; 3])?);
     assert_eq!(apart, Err(EstimateError::Cells { cells: 2, others: 3 }));
     let (linear, quadratic) = (Space::scalar(&mesh, 1)?, Space::scalar(&mesh, 2)?);
-    let model =
-        membrane::Model::new(membrane::Data { source: Given::constant(1.0), weight: Given::constant(1.0) });
+    let model = membrane::Model::new(membrane::data().source(1.0).weight(1.0));
     let (assembler, u) = (Assembler::new(&mesh), Field::zero(&linear));
     let of = |p: &Field<2>, space: &Arc<Space<2>>| {
         ErrorEstimate::dual_weighted(&assembler, p, space, |z| model.localised(&u, z))
@@ -222,7 +218,7 @@ fn what_does_not_fit_is_named() -> Outcome<()> {
     let elsewhere = Space::scalar(&l_shape(CellShape::Triangle)?, 1)?;
     assert!(matches!(of(&Field::zero(&quadratic), &elsewhere), Err(EstimateError::Space(_))));
 
-    let zeros = |mesh: &Arc<Mesh<2>>| -> Outcome<AdaptiveSolution<2>> {
+    let zeros = |mesh: &Mesh<2>| -> Outcome<AdaptiveSolution<2>> {
         let estimate = ErrorEstimate::of_squares(&vec![0.0; mesh.cell_count()])?;
         Ok(AdaptiveSolution::new(Field::zero(&Space::scalar(mesh, 1)?), estimate))
     };

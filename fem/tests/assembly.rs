@@ -69,22 +69,22 @@ mod measured {
 use measured::{Gamma, Omega};
 
 fn data<const D: usize>() -> measured::Data<D> {
-    measured::Data { factor: 2.0, weight: Given::constant(1.0) }
+    measured::data().factor(2.0).weight(1.0)
 }
 
 fn close(value: f64, expected: f64, tolerance: f64) {
     assert!((value - expected).abs() <= tolerance * expected.abs().max(1.0), "{value} against {expected}");
 }
 
-fn ring(radial: usize) -> Arc<Mesh<2>> {
-    Arc::new(annulus(1.0, 2.0, radial, 16 * radial, CellShape::Quadrilateral, 2).unwrap())
+fn ring(radial: usize) -> Mesh<2> {
+    annulus(1.0, 2.0, radial, 16 * radial, CellShape::Quadrilateral, 2).unwrap()
 }
 
 #[test]
 fn measures_of_straight_bodies_are_exact_on_every_shape() {
     for (shape, degree) in [(CellShape::Triangle, 1), (CellShape::Triangle, 2), (CellShape::Quadrilateral, 2)]
     {
-        let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 3.0], [3, 2], shape, degree).unwrap());
+        let mesh = rectangle([0.0, 0.0], [2.0, 3.0], [3, 2], shape, degree).unwrap();
         let assembler = Assembler::new(&mesh);
         let (omega, gamma) = (Omega::on("all"), Gamma::on("boundary"));
         close(assembler.functional(&measured::volume(&data(), &omega)).unwrap(), 6.0, 1e-14);
@@ -100,7 +100,7 @@ fn measures_of_straight_bodies_are_exact_on_every_shape() {
         close(sum, 6.0 * 4.0 / 9.0 + 4.0 * 9.0 / 4.0, 1e-13);
     }
     for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
-        let mesh = Arc::new(cuboid([0.0; 3], [1.0, 2.0, 3.0], [2, 2, 3], shape, 2).unwrap());
+        let mesh = cuboid([0.0; 3], [1.0, 2.0, 3.0], [2, 2, 3], shape, 2).unwrap();
         let assembler = Assembler::new(&mesh);
         let gamma = Gamma::on("boundary");
         close(assembler.functional(&measured::volume(&data(), &Omega::on("all"))).unwrap(), 6.0, 1e-13);
@@ -141,7 +141,6 @@ fn a_sphere_octant_has_twice_the_curvature_of_its_circles() {
     let mut mesh = forms_fem::mesh::structured([1, 8, 8], CellShape::Hexahedron, 2, map).unwrap();
     mesh.name_facets("sphere", "boundary", |c| (c.iter().map(|x| x * x).sum::<f64>() - 4.0).abs() < 1e-2)
         .unwrap();
-    let mesh = Arc::new(mesh);
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
     let sphere = Gamma::on("sphere");
     let area = assembler.functional(&measured::area(&data(), &sphere)).unwrap();
@@ -160,7 +159,7 @@ fn fields_of_other_degrees_and_functions_serve_as_data() {
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
     let linear = |x: &[f64; 2]| 3.0 + x[0] - 2.0 * x[1];
     let of = |weight: Given<f64, 2>| {
-        let data = measured::Data { factor: 1.0, weight };
+        let data = measured::data().factor(1.0).weight(weight);
         assembler.functional(&measured::weighted(&data, &Omega::on("all"))).unwrap()
     };
     let by_function = of(Given::function(linear));
@@ -173,7 +172,7 @@ fn fields_of_other_degrees_and_functions_serve_as_data() {
 
 #[test]
 fn projections_reproduce_what_the_space_holds_and_converge_elsewhere() {
-    let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [4, 3], CellShape::Triangle, 1).unwrap());
+    let mesh = rectangle([0.0, 0.0], [1.0, 1.0], [4, 3], CellShape::Triangle, 1).unwrap();
     let assembler = Assembler::new(&mesh);
     let (first, second) = (Space::scalar(&mesh, 1).unwrap(), Space::scalar(&mesh, 2).unwrap());
     let linear = Field::interpolate(&first, |x| 1.0 + x[0] - 3.0 * x[1]).unwrap();
@@ -205,7 +204,7 @@ fn projections_reproduce_what_the_space_holds_and_converge_elsewhere() {
 #[test]
 fn derived_fields_on_facets_keep_the_order_of_the_region() {
     for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
-        let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [3, 2], shape, 1).unwrap());
+        let mesh = rectangle([0.0, 0.0], [1.0, 1.0], [3, 2], shape, 1).unwrap();
         let assembler = Assembler::new(&mesh);
         let space = Space::vector(&mesh, 1).unwrap();
         let field = Field::interpolate(&space, |x| [2.0 * x[0] - 1.0, 2.0 * x[1] - 1.0]).unwrap();
@@ -233,7 +232,7 @@ fn derived_fields_on_facets_keep_the_order_of_the_region() {
 
 #[test]
 fn norms_and_errors_of_polynomials() {
-    let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 1.0], [3, 2], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0, 0.0], [2.0, 1.0], [3, 2], CellShape::Quadrilateral, 1).unwrap();
     let assembler = Assembler::new(&mesh);
     let space = Space::vector(&mesh, 2).unwrap();
     let field = Field::interpolate(&space, |x| [x[0] * x[0], x[0] * x[1]]).unwrap();
@@ -272,7 +271,7 @@ fn errors_between_nested_curved_meshes_show_the_interpolation_order() {
 
 #[test]
 fn an_affine_form_is_solved_in_one_step_and_the_active_set_counts_its_kinks() {
-    let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [2, 2], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0, 0.0], [1.0, 1.0], [2, 2], CellShape::Quadrilateral, 1).unwrap();
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(2));
     let space = Space::scalar(&mesh, 1).unwrap();
     let form = measured::mass(&data(), &Omega::on("all"));
@@ -299,14 +298,14 @@ fn mistakes_name_the_form_and_the_thing() {
         let message = result.unwrap_err().to_string();
         assert!(words.iter().all(|word| message.contains(word)), "{message}");
     };
-    let bad = measured::Data { factor: f64::NAN, weight: Given::constant(1.0) };
+    let bad = measured::data().factor(f64::NAN).weight(1.0);
     says(assembler.functional(&measured::weighted(&bad, &omega)), &["weighted", "factor", "NaN"]);
-    let bad = measured::Data { factor: 1.0, weight: Given::function(|x: &[f64; 2]| 1.0 / (x[0] - x[0])) };
+    let bad = measured::data().factor(1.0).weight(|x: &[f64; 2]| 1.0 / (x[0] - x[0]));
     says(assembler.functional(&measured::weighted(&bad, &omega)), &["weight", "not finite", "x = ["]);
     says(assembler.functional(&measured::volume(&data(), &Omega::on("body"))), &["Omega", "body", "all"]);
     says(assembler.functional(&measured::area(&data(), &Gamma::on("rim"))), &["Gamma", "rim", "outer"]);
     let other = Field::zero(&Space::scalar(&ring(1), 1).unwrap());
-    let foreign = measured::Data { factor: 1.0, weight: Given::field(&other) };
+    let foreign = measured::data().factor(1.0).weight(&other);
     says(assembler.functional(&measured::weighted(&foreign, &omega)), &["weight", "another mesh"]);
     let form = measured::mass(&data(), &omega);
     let message = assembler.linear_form(&form, &space).unwrap_err().to_string();

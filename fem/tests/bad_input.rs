@@ -113,7 +113,6 @@ const GOOD: Case = Case {
 fn solve(case: &Case, which: usize) -> Option<(&'static str, Outcome)> {
     let mut mesh = cuboid([0.0; 3], [1.0; 3], [3; 3], CellShape::Tetrahedron, 1).unwrap();
     mesh.name_facets("low part", "bottom", |centre| centre[0] < 0.5).unwrap();
-    let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 2).unwrap();
     let mut constraints = Constraints::new(&space);
     if case.held {
@@ -124,7 +123,7 @@ fn solve(case: &Case, which: usize) -> Option<(&'static str, Outcome)> {
         return Some((name, Ok(Field::zero(&space))));
     }
     let f = Given::function(case.load);
-    let data = body::Data { lambda: case.lambda, mu: 1.0, bed: 50.0, aside: case.aside, f };
+    let data = body::data().lambda(case.lambda).mu(1.0).bed(50.0).aside(case.aside).f(f);
     let form = body::balance(&data, &body::Omega::on("all"), &body::Below::on(case.region));
     let assembler = Assembler::new(&mesh);
     let problem = Problem::new(&form, &space).assembler(&assembler);
@@ -220,7 +219,7 @@ fn bad_input_is_an_error_that_names_it() {
 
 #[test]
 fn a_start_that_is_not_finite_cannot_be_made() {
-    let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [1; 3], CellShape::Tetrahedron, 1).unwrap());
+    let mesh = cuboid([0.0; 3], [1.0; 3], [1; 3], CellShape::Tetrahedron, 1).unwrap();
     let space = Space::vector(&mesh, 1).unwrap();
     let error = Field::interpolate(&space, |x: &[f64; 3]| [x[0], f64::NAN, 0.0]).unwrap_err().to_string();
     assert!(error.contains("NaN"), "{error}");
@@ -238,7 +237,7 @@ fn an_empty_region_cannot_be_made() {
 /// Matrices and loads, without a form: the same table.
 #[test]
 fn matrices_that_are_not_finite_or_singular() {
-    let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [2; 3], CellShape::Tetrahedron, 1).unwrap());
+    let mesh = cuboid([0.0; 3], [1.0; 3], [2; 3], CellShape::Tetrahedron, 1).unwrap();
     let space = Space::scalar(&mesh, 1).unwrap();
     let constraints = Constraints::new(&space);
     let size = space.unknowns();

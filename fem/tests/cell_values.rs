@@ -7,7 +7,7 @@ use forms_fem::prelude::*;
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
 /// Each cell, and each facet of a region, has the value of its number.
-fn values_stay_on_their_cells<const D: usize>(mesh: &Arc<Mesh<D>>, region: &str) -> Outcome {
+fn values_stay_on_their_cells<const D: usize>(mesh: &Mesh<D>, region: &str) -> Outcome {
     let scalar = Space::discontinuous_scalar(mesh, 0)?;
     let numbers: Vec<f64> = (0..mesh.cell_count()).map(|cell| cell as f64).collect();
     let field = Field::from_cell_values(&scalar, &numbers)?;
@@ -36,10 +36,10 @@ fn values_stay_on_their_cells<const D: usize>(mesh: &Arc<Mesh<D>>, region: &str)
 #[test]
 fn values_of_cells_and_facets() -> Outcome {
     for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
-        values_stay_on_their_cells(&Arc::new(annulus(1.0, 2.0, 3, 7, shape, 2)?), "outer")?;
+        values_stay_on_their_cells(&annulus(1.0, 2.0, 3, 7, shape, 2)?, "outer")?;
     }
     for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
-        values_stay_on_their_cells(&Arc::new(cuboid([0.0; 3], [1.0; 3], [3, 2, 2], shape, 1)?), "top")?;
+        values_stay_on_their_cells(&cuboid([0.0; 3], [1.0; 3], [3, 2, 2], shape, 1)?, "top")?;
     }
     Ok(())
 }
@@ -48,7 +48,7 @@ fn values_of_cells_and_facets() -> Outcome {
 fn cells_of_rigid_surfaces_are_not_counted() -> Outcome {
     let block = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1)?;
     let floor = RigidSurface::along(&[[-1.0, 0.0], [2.0, 0.0]])?;
-    let mesh = Arc::new(block.with_rigid_surfaces(&[("floor", &floor)])?);
+    let mesh = block.with_rigid_surfaces(&[("floor", &floor)])?;
     let field = Field::from_cell_values(&Space::discontinuous_scalar(&mesh, 0)?, &[1.0, 2.0, 3.0, 4.0])?;
     assert_eq!(field.evaluate(&[0.75, 0.25])?, [2.0]);
     Ok(())
@@ -56,7 +56,7 @@ fn cells_of_rigid_surfaces_are_not_counted() -> Outcome {
 
 #[test]
 fn other_spaces_and_lengths_are_refused() -> Outcome {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 1], CellShape::Quadrilateral, 1)?);
+    let mesh = rectangle([0.0; 2], [1.0; 2], [2, 1], CellShape::Quadrilateral, 1)?;
     let message = |result: Result<Field<2>, FieldError>| result.err().map(|error| error.to_string());
     let linear = Space::discontinuous_scalar(&mesh, 1)?;
     assert_eq!(

@@ -67,7 +67,7 @@ fn a_square_membrane() -> Outcome {
     let model = membrane::Model::default();
     let mut errors = vec![];
     for cells in [6, 12] {
-        let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [cells; 2], CellShape::Quadrilateral, 1)?);
+        let mesh = rectangle([0.0; 2], [1.0; 2], [cells; 2], CellShape::Quadrilateral, 1)?;
         let space = Space::scalar(&mesh, 2)?;
         let mut rim = Constraints::new(&space);
         rim.fix("boundary", |_| 0.0)?;
@@ -107,7 +107,7 @@ fn a_square_membrane() -> Outcome {
 /// A closed string: 0, and (2πk)² twice each; one end is eliminated by relations.
 #[test]
 fn a_closed_string() -> Outcome {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0, 0.1], [20, 1], CellShape::Quadrilateral, 1)?);
+    let mesh = rectangle([0.0; 2], [1.0, 0.1], [20, 1], CellShape::Quadrilateral, 1)?;
     let space = Space::scalar(&mesh, 2)?;
     let mut closed = Constraints::new(&space);
     closed.periodic("right", "left", &RigidMap::translation([-1.0, 0.0]))?;
@@ -134,12 +134,12 @@ fn a_closed_string() -> Outcome {
 /// Three motions in the plane, six in space, in which nothing is strained.
 #[test]
 fn bodies_that_nothing_holds() -> Outcome {
-    fn motions<const D: usize>(mesh: &Arc<Mesh<D>>, rigid: usize) -> Outcome
+    fn motions<const D: usize>(mesh: &Mesh<D>, rigid: usize) -> Outcome
     where
         Dim: Dimension<D>,
     {
         let space = Space::vector(mesh, 1)?;
-        let model = body::Model::new(body::Data { lambda: 1.5, mu: 1.0, pull: 0.0 });
+        let model = body::Model::new(body::data().lambda(1.5).mu(1.0).pull(0.0));
         let (stiffness, mass) = (model.stiffness(), model.mass());
         let mut problem = Eigenproblem::vibration(&stiffness, &mass, &space);
         let modes = problem.above(-1.0, rigid + 2)?;
@@ -150,8 +150,8 @@ fn bodies_that_nothing_holds() -> Outcome {
         assert!(refused.contains("the shift 0e0 is an eigenvalue"), "{refused}");
         Ok(())
     }
-    motions(&Arc::new(rectangle([0.0; 2], [2.0, 1.0], [6, 3], CellShape::Triangle, 1)?), 3)?;
-    motions(&Arc::new(cuboid([0.0; 3], [2.0, 1.0, 1.0], [4, 2, 2], CellShape::Hexahedron, 1)?), 6)
+    motions(&rectangle([0.0; 2], [2.0, 1.0], [6, 3], CellShape::Triangle, 1)?, 3)?;
+    motions(&cuboid([0.0; 3], [2.0, 1.0, 1.0], [4, 2, 2], CellShape::Hexahedron, 1)?, 6)
 }
 
 /// Columns held at one end, E = 2, ν = 0: with Euler's load P_E = (2k − 1)² π² E I/4L² the load is P_E/(1 + P_E/κGA + P_E/EA), by
@@ -161,15 +161,13 @@ fn bodies_that_nothing_holds() -> Outcome {
 fn columns_under_their_loads() -> Outcome {
     let mut errors = vec![];
     for (height, cells) in [(0.1, [24, 2]), (0.05, [40, 2])] {
-        let mesh = Arc::new(rectangle([0.0; 2], [1.0, height], cells, CellShape::Quadrilateral, 1)?);
+        let mesh = rectangle([0.0; 2], [1.0, height], cells, CellShape::Quadrilateral, 1)?;
         let space = Space::vector(&mesh, 2)?;
         let mut clamped = Constraints::new(&space);
         clamped.fix("left", |_| [0.0; 2])?;
         let regions = || body::Regions::default().end("right");
-        let model = body::Model {
-            data: body::Data { lambda: 0.0, mu: 1.0, pull: -1.0 / height },
-            regions: regions(),
-        };
+        let model =
+            body::Model { data: body::data().lambda(0.0).mu(1.0).pull(-1.0 / height), regions: regions() };
         let loaded = Problem::new(&model.pulled(), &space).constrained(&clamped).solve()?.into_field();
         let (stiffness, geometric) = (model.stiffness(), model.geometric(&loaded));
         let mut problem = Eigenproblem::buckling(&stiffness, &geometric, &space).constrained(&clamped);
@@ -185,7 +183,7 @@ fn columns_under_their_loads() -> Outcome {
         }
         // Pulled instead of pressed: there is no load from that side.
         let other =
-            body::Model { data: body::Data { lambda: 0.0, mu: 1.0, pull: 1.0 / height }, regions: regions() };
+            body::Model { data: body::data().lambda(0.0).mu(1.0).pull(1.0 / height), regions: regions() };
         let pulled = Problem::new(&other.pulled(), &space).constrained(&clamped).solve()?.into_field();
         let tension = other.geometric(&pulled);
         let none = Eigenproblem::buckling(&stiffness, &tension, &space)
@@ -210,7 +208,7 @@ fn columns_under_their_loads() -> Outcome {
 
 #[test]
 fn what_does_not_fit_is_told_by_name() -> Outcome {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?);
+    let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?;
     let space = Space::scalar(&mesh, 1)?;
     let mut rim = Constraints::new(&space);
     rim.fix("boundary", |_| 0.0)?;

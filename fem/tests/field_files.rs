@@ -7,8 +7,8 @@ use forms_fem::prelude::*;
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
-fn mesh(width: f64) -> Arc<Mesh<2>> {
-    Arc::new(rectangle([0.0; 2], [width, 1.0], [2, 1], CellShape::Triangle, 1).expect("a rectangle"))
+fn mesh(width: f64) -> Mesh<2> {
+    rectangle([0.0; 2], [width, 1.0], [2, 1], CellShape::Triangle, 1).expect("a rectangle")
 }
 
 /// Numbers whose last bits count: subnormal, nearly 1, negative zero, the largest.

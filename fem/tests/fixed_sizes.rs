@@ -132,7 +132,7 @@ macro_rules! compare {
         #[test]
         fn $name() {
             let (degrees, shape) = ([$geometry, $degree], CellShape::$shape);
-            let data = Data::<$dimension> { mu: 0.7, lambda: 1.3, gap: 0.0.into() };
+            let data = data::<$dimension>().mu(0.7).lambda(1.3).gap(0.0);
             for set in InstructionSet::available() {
                 $({
                     type Sizes = Fixed<$nodes, $points, $geometry_nodes>;
@@ -168,7 +168,7 @@ type Row = fn(node: usize, component: usize, nodes: usize) -> usize;
 /// grids from sums by moments: wherever the rows are, and for fewer cells than lanes at the end.
 #[test]
 fn rows_stand_in_any_order() {
-    let data = Data::<2> { mu: 0.7, lambda: 1.3, gap: 0.0.into() };
+    let data = data::<2>().mu(0.7).lambda(1.3).gap(0.0);
     let omega = Omega::on("all");
     let triangle = CellShape::Triangle;
     let orders: [(&str, Row); 4] = [
@@ -311,7 +311,7 @@ fn rows_stand_in_any_order() {
 fn lengths_that_do_not_fit_are_named() {
     let shape = CellShape::Triangle;
     let element = Lagrange::new(shape, 1).expect("it is known");
-    let data = Data::<2> { mu: 0.7, lambda: 1.3, gap: 0.0.into() };
+    let data = data::<2>().mu(0.7).lambda(1.3).gap(0.0);
     let layout = ElementLayout {
         geometry: element,
         element,

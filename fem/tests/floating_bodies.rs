@@ -37,7 +37,7 @@ fn loaded_punch() -> warm::Model {
 #[test]
 fn a_free_body_is_named_with_its_motions() {
     let punch = rectangle([1.0, 1.0], [2.0, 2.0], [2, 2], CellShape::Triangle, 1).unwrap();
-    let mesh = Arc::new(Mesh::of_bodies(&[("slab", &slab()), ("punch", &punch)]).unwrap());
+    let mesh = Mesh::of_bodies(&[("slab", &slab()), ("punch", &punch)]).unwrap();
     for degree in [1, 2] {
         let space = Space::vector(&mesh, degree).unwrap();
         let told = |hold: &dyn Fn(&mut Constraints<2>)| {
@@ -76,7 +76,7 @@ fn a_free_body_without_a_name() {
     let mut mesh = Mesh::from_parts(CellShape::Triangle, 1, nodes.collect(), cells).unwrap();
     mesh.name_facets("held", "boundary", |x| x[0] < 1e-9).unwrap();
     mesh.name_facets("loaded", "boundary", |x| x[0] > 3.0 - 1e-9).unwrap();
-    let space = Space::vector(&Arc::new(mesh), 1).unwrap();
+    let space = Space::vector(&mesh, 1).unwrap();
     let mut constraints = Constraints::new(&space);
     constraints.fix("held", |_| [0.0; 2]).unwrap();
     let form = warm::Model::default().elasticity();
@@ -89,7 +89,7 @@ fn a_free_body_without_a_name() {
 #[test]
 fn a_tool_is_named_with_what_to_do() {
     let tool = RigidSurface::along(&[[0.5, 1.2], [1.5, 1.1]]).unwrap();
-    let mesh = Arc::new(slab().with_rigid_surfaces(&[("tool", &tool)]).unwrap());
+    let mesh = slab().with_rigid_surfaces(&[("tool", &tool)]).unwrap();
     let (displacements, temperatures) = (Space::vector(&mesh, 2).unwrap(), Space::scalar(&mesh, 1).unwrap());
     let form = warm::Model::default().thermoelasticity();
     let solve = |moved: bool, given: bool| {

@@ -109,18 +109,17 @@ type Outcome = Result<Vec<NewtonStep>, NewtonError>;
 
 /// Solves from zero: the block's top is moved down and aside.
 fn solve(case: Case, line_search: LineSearch) -> Outcome {
-    let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [16, 8], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [2.0, 1.0], [16, 8], CellShape::Quadrilateral, 1).unwrap();
     let space = Space::vector(&mesh, 1).unwrap();
     let mut constraints = Constraints::new(&space);
     constraints.fix("top", |_| [case.shear, -0.01]).unwrap();
-    let data = rough::Data {
-        lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
-        mu: YOUNG / (2.0 * (1.0 + POISSON)),
-        theta: case.theta,
-        gamma0: case.gamma0_over_young * YOUNG,
-        friction: case.friction,
-        bound: case.friction * 0.01 * YOUNG,
-    };
+    let data = rough::data()
+        .lambda(YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
+        .mu(YOUNG / (2.0 * (1.0 + POISSON)))
+        .theta(case.theta)
+        .gamma0(case.gamma0_over_young * YOUNG)
+        .friction(case.friction)
+        .bound(case.friction * 0.01 * YOUNG);
     let (omega, contact) = (rough::Omega::on("all"), rough::Contact::on("bottom"));
     let assembler = Assembler::new(&mesh);
     let options = NewtonOptions { line_search, max_iterations: 100, ..NewtonOptions::default() };
@@ -218,10 +217,10 @@ fn shorter_steps_converge_in_every_case() {
 /// A piecewise affine law passes a Taylor test between its kinks, and not with another law's derivative.
 #[test]
 fn a_piecewise_affine_form_passes_its_taylor_test() {
-    let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Quadrilateral, 1).unwrap();
     let space = Space::vector(&mesh, 1).unwrap();
     let assembler = Assembler::new(&mesh);
-    let data = |theta| rough::Data { lambda: 115.0, mu: 77.0, theta, gamma0: 2e3, friction: 0.3, bound: 1e3 };
+    let data = |theta| rough::data().lambda(115.0).mu(77.0).theta(theta).gamma0(2e3).friction(0.3).bound(1e3);
     let (omega, contact) = (rough::Omega::on("all"), rough::Contact::on("bottom"));
     // Pressed and sticking everywhere, for Tresca's bound is high.
     let u = Field::interpolate(&space, |x| [0.01 * x[1], -0.01 - 0.002 * x[1]]).unwrap();

@@ -18,7 +18,7 @@ mod models {
 }
 
 /// The unit box: each cell of a mesh is divided as often as `level` says, at most twice, whatever its neighbours are.
-fn graded<const D: usize>(coarse: &Mesh<D>, level: impl Fn(&[f64; D]) -> usize) -> Arc<Mesh<D>> {
+fn graded<const D: usize>(coarse: &Mesh<D>, level: impl Fn(&[f64; D]) -> usize) -> Mesh<D> {
     let middle = coarse.refined().unwrap();
     let fine = middle.refined().unwrap();
     let (shape, children) = (coarse.cell_shape(0), 1 << D);
@@ -38,7 +38,7 @@ fn graded<const D: usize>(coarse: &Mesh<D>, level: impl Fn(&[f64; D]) -> usize) 
     }
     let mut mesh = Mesh::from_nonconforming_blocks(1, fine.nodes().to_vec(), vec![(shape, cells)]).unwrap();
     mesh.name_facets("outer", "boundary", |x| x.iter().any(|x| *x < 1e-9 || *x > 1.0 - 1e-9)).unwrap();
-    Arc::new(mesh)
+    mesh
 }
 
 fn polynomial<const D: usize>(x: &[f64; D], degree: usize) -> f64 {
@@ -46,7 +46,7 @@ fn polynomial<const D: usize>(x: &[f64; D], degree: usize) -> f64 {
     (0.5 + along).powi(degree as i32)
 }
 
-fn solves_exactly<const D: usize>(mesh: &Arc<Mesh<D>>)
+fn solves_exactly<const D: usize>(mesh: &Mesh<D>)
 where
     Dim: Dimension<D>,
 {
@@ -57,7 +57,7 @@ where
             1 => 0.0,
             _ => -(degree as f64) * (degree as f64 - 1.0) * gradient * polynomial(x, degree - 2),
         });
-        let form = models::poisson(&models::Data { f: source }, &models::Omega::on("all"));
+        let form = models::poisson(&models::data().f(source), &models::Omega::on("all"));
         let error = |joined: bool| {
             let mut constraints = Constraints::new(&space);
             if joined {
@@ -105,11 +105,11 @@ fn polynomials_are_solved_exactly_in_space() {
 }
 
 /// One large square on the left, two small ones on the right.
-fn one_and_two() -> Arc<Mesh<2>> {
+fn one_and_two() -> Mesh<2> {
     let nodes =
         vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [1.0, 0.5], [1.5, 0.0], [1.5, 0.5], [1.5, 1.0]];
     let cells = vec![0, 1, 2, 3, 1, 5, 6, 4, 4, 6, 7, 2];
-    Arc::new(Mesh::from_nonconforming_blocks(1, nodes, vec![(CellShape::Quadrilateral, cells)]).unwrap())
+    Mesh::from_nonconforming_blocks(1, nodes, vec![(CellShape::Quadrilateral, cells)]).unwrap()
 }
 
 /// The coefficients of the textbooks, of all relations in ascending order of their places.
@@ -168,7 +168,7 @@ fn what_cannot_be_joined_is_named() {
         cells.extend((0..count).flat_map(|k| [0, 1, 3, 2].map(|corner| first + 2 * k + corner)));
     }
     let blocks = vec![(CellShape::Quadrilateral, cells)];
-    let mesh = Arc::new(Mesh::from_nonconforming_blocks(1, nodes, blocks).unwrap());
+    let mesh = Mesh::from_nonconforming_blocks(1, nodes, blocks).unwrap();
     let error = Constraints::new(&Space::scalar(&mesh, 1).unwrap()).join_hanging_nodes().unwrap_err();
     let crossing = |facet: &Facet| facet.cell < 5;
     match error {
@@ -183,15 +183,15 @@ fn bodies_that_touch_stay_apart() {
     let square = |low, high, counts| rectangle(low, high, counts, CellShape::Quadrilateral, 1).unwrap();
     let slab = square([0.0, -1.0], [1.0, 0.0], [2, 2]);
     let block = square([0.0, 0.0], [1.0, 1.0], [4, 1]);
-    let mesh = Arc::new(Mesh::of_bodies(&[("slab", &slab), ("block", &block)]).unwrap());
+    let mesh = Mesh::of_bodies(&[("slab", &slab), ("block", &block)]).unwrap();
     assert_eq!(mesh.hanging_facets().unwrap().len(), 4);
     let error = Constraints::new(&Space::scalar(&mesh, 1).unwrap()).join_hanging_nodes().unwrap_err();
     assert!(error.to_string().contains("bodies that touch are not joined"), "{error}");
     // Two cells below one of the small ones.
     let slab = square([1.0, -0.5], [1.5, 0.0], [2, 1]);
     let alone = one_and_two();
-    let mesh = Arc::new(Mesh::of_bodies(&[("block", &*alone), ("slab", &slab)]).unwrap());
-    let relations = |mesh: &Arc<Mesh<2>>| {
+    let mesh = Mesh::of_bodies(&[("block", &alone), ("slab", &slab)]).unwrap();
+    let relations = |mesh: &Mesh<2>| {
         let mut constraints = Constraints::new(&Space::scalar(mesh, 2).unwrap());
         constraints.join_hanging_nodes().unwrap();
         constraints.relations().len()
@@ -206,10 +206,9 @@ fn bodies_that_touch_stay_apart() {
 fn prescribed_values_are_interpolated_on_small_edges() {
     let coarse = cuboid([0.0; 3], [1.0; 3], [2, 2, 2], CellShape::Hexahedron, 1).unwrap();
     let mesh = graded(&coarse, |x| usize::from(x[0] > 0.5));
-    let mut halves = (*mesh).clone();
+    let mut halves = mesh.clone();
     halves.name_facets("low", "outer", |x| x[2] < 1e-9).unwrap();
     halves.name_facets("sides", "outer", |x| x[2] > 1e-9).unwrap();
-    let halves = Arc::new(halves);
     let value = |x: &[f64; 3]| (x[0] + 2.0 * x[1] - x[2]).exp();
     let mut results = Vec::new();
     for (mesh, regions) in [(&mesh, vec!["outer"]), (&halves, vec!["low", "sides"])] {
@@ -241,7 +240,7 @@ fn prescribed_values_are_interpolated_on_small_edges() {
 /// A relation gives the unknown that it names; what others have given is left alone.
 #[test]
 fn relations_name_the_unknown_that_they_give() {
-    let mesh = Arc::new(rectangle([0.0; 2], [3.0, 1.0], [3, 1], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [3.0, 1.0], [3, 1], CellShape::Quadrilateral, 1).unwrap();
     let space = Space::scalar(&mesh, 1).unwrap();
     let mut constraints = Constraints::new(&space);
     // The sum would have given the unknown with the larger coefficient.

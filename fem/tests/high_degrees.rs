@@ -50,7 +50,7 @@ fn turns(shape: CellShape) -> Vec<Vec<usize>> {
 
 /// A straight mesh of the same cells with vertices numbered, and cells turned, at random; vertices inside are moved
 /// by up to `distortion`.
-fn shuffled<const D: usize>(mesh: &Mesh<D>, distortion: f64) -> Arc<Mesh<D>> {
+fn shuffled<const D: usize>(mesh: &Mesh<D>, distortion: f64) -> Mesh<D> {
     let mut chance = Chance(7);
     let mut numbers: Vec<u32> = (0..mesh.node_count() as u32).collect();
     for last in (1..numbers.len()).rev() {
@@ -72,14 +72,14 @@ fn shuffled<const D: usize>(mesh: &Mesh<D>, distortion: f64) -> Arc<Mesh<D>> {
         }
         cells.extend(vertices);
     }
-    Arc::new(Mesh::from_parts(mesh.cell_shape(0), 1, nodes, cells).unwrap())
+    Mesh::from_parts(mesh.cell_shape(0), 1, nodes, cells).unwrap()
 }
 
-fn square(shape: CellShape, n: usize, distortion: f64) -> Arc<Mesh<2>> {
+fn square(shape: CellShape, n: usize, distortion: f64) -> Mesh<2> {
     shuffled(&rectangle([0.0; 2], [1.0; 2], [n, n], shape, 1).unwrap(), distortion / n as f64)
 }
 
-fn cube(shape: CellShape, n: usize, distortion: f64) -> Arc<Mesh<3>> {
+fn cube(shape: CellShape, n: usize, distortion: f64) -> Mesh<3> {
     shuffled(&cuboid([0.0; 3], [1.0; 3], [n, n, n], shape, 1).unwrap(), distortion / n as f64)
 }
 
@@ -125,7 +125,7 @@ fn power<const D: usize>(x: &[f64; D], degree: usize) -> f64 {
     (1.0 + (0..D).map(|k| coefficients[k] * x[k]).sum::<f64>()).powi(degree as i32)
 }
 
-fn check_sharing<const D: usize>(mesh: &Arc<Mesh<D>>, n: usize, degree: usize) {
+fn check_sharing<const D: usize>(mesh: &Mesh<D>, n: usize, degree: usize) {
     let space = Space::scalar(mesh, degree).unwrap();
     assert_eq!(space.node_count(), (degree * n + 1).pow(D as u32));
     // Each cell finds its nodes where the space says that they are.
@@ -192,7 +192,7 @@ macro_rules! errors_of_poisson {
         let load = move |x: &[f64; $dimension]| f64::from($dimension) * pi * pi * exact(x);
         let space = Space::scalar(&mesh, $degree).unwrap();
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(2 * $degree + 2));
-        let data = models::Data { f: Given::function(load) };
+        let data = models::data().f(load);
         let form = models::poisson(&data, &models::Omega::on("all"));
         let mut walls = Constraints::new(&space);
         walls.fix("boundary", exact).unwrap();
@@ -239,7 +239,7 @@ macro_rules! patch_of_elasticity {
         };
         let space = Space::vector(&mesh, $degree).unwrap();
         let assembler = Assembler::new(&mesh);
-        let data = models::Data { f: 0.0.into() };
+        let data = models::data().f(0.0);
         let form = models::elasticity(&data, &models::Omega::on("all"));
         let mut walls = Constraints::new(&space);
         walls.fix("boundary", linear).unwrap();
@@ -281,7 +281,7 @@ fn discontinuous_spaces_hold_what_is_projected_on_them() {
         for degree in 0..=4 {
             let space = Space::discontinuous_scalar(&mesh, degree).unwrap();
             assert_eq!(space.node_count(), mesh.cell_count() * space.cell_element(0).nodes());
-            let data = models::Data { f: Given::function(move |x: &[f64; 2]| power(x, degree)) };
+            let data = models::data().f(move |x: &[f64; 2]| power(x, degree));
             let found = assembler.project(&models::value(&data), &space).unwrap();
             for (value, x) in found.values().iter().zip(space.positions()) {
                 assert!((value - power(x, degree)).abs() < 1e-12, "{shape:?} {degree}");
@@ -289,7 +289,7 @@ fn discontinuous_spaces_hold_what_is_projected_on_them() {
         }
         // Of a linear function, the mean over a cell is the value at the centroid.
         let space = Space::discontinuous_scalar(&mesh, 0).unwrap();
-        let data = models::Data { f: Given::function(|x: &[f64; 2]| power(x, 1)) };
+        let data = models::data().f(|x: &[f64; 2]| power(x, 1));
         let found = assembler.project(&models::value(&data), &space).unwrap();
         for (cell, value) in (0..mesh.cell_count()).map(|cell| (cell, found.evaluate_in(cell, &[0.3; 2])[0]))
         {

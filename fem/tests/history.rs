@@ -66,14 +66,13 @@ struct Setting {
 }
 
 fn setting(degree: usize) -> Result<Setting, Box<dyn std::error::Error>> {
-    let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 3], CellShape::Quadrilateral, 1)?);
+    let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 3], CellShape::Quadrilateral, 1)?;
     let assembler = Assembler::new(&mesh);
-    let data = memory::Data {
-        load: 3.0,
-        a: assembler.history(Entity::Cells, "all", degree, 0.5)?,
-        b: assembler.history(Entity::Cells, "all", degree, [1.0, 0.0])?,
-        c: assembler.history(Entity::Cells, "all", degree, [[1.0, 2.0], [3.0, 4.0]])?,
-    };
+    let data = memory::data()
+        .load(3.0)
+        .a(assembler.history(Entity::Cells, "all", degree, 0.5)?)
+        .b(assembler.history(Entity::Cells, "all", degree, [1.0, 0.0])?)
+        .c(assembler.history(Entity::Cells, "all", degree, [[1.0, 2.0], [3.0, 4.0]])?);
     Ok(Setting { assembler, space: Space::scalar(&mesh, 2)?, data })
 }
 
@@ -237,7 +236,7 @@ fn what_does_not_fit_is_named() -> Outcome {
     data.a = kept;
     let error = text(assembler.functional(&memory::on_facets(&data, &memory::Gamma::on("top"))).err());
     assert!(error.contains("it was made for the cells of \"all\", and facet "), "{error}");
-    let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 3], CellShape::Quadrilateral, 1)?);
+    let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 3], CellShape::Quadrilateral, 1)?;
     data.a = Assembler::new(&mesh).history(Entity::Cells, "all", 4, 0.0)?;
     assert!(total(&data).contains("form `total`, history `a`: it was made on another mesh"));
 

@@ -69,7 +69,7 @@ pub(crate) mod penalty {
 }
 
 /// A mesh with the same cells whose vertices are numbered from another corner, turned about an axis.
-pub(crate) fn turned<const D: usize>(mesh: &Mesh<D>) -> Arc<Mesh<D>> {
+pub(crate) fn turned<const D: usize>(mesh: &Mesh<D>) -> Mesh<D> {
     let shape = mesh.cell_shape(0);
     let turn: Vec<usize> = match shape {
         CellShape::Triangle => vec![1, 2, 0],
@@ -94,14 +94,14 @@ pub(crate) fn turned<const D: usize>(mesh: &Mesh<D>) -> Arc<Mesh<D>> {
         }
         cells.extend(nodes);
     }
-    Arc::new(Mesh::from_parts(shape, 1, mesh.nodes().to_vec(), cells).unwrap())
+    Mesh::from_parts(shape, 1, mesh.nodes().to_vec(), cells).unwrap()
 }
 
-fn square(shape: CellShape, cells: usize) -> Arc<Mesh<2>> {
+fn square(shape: CellShape, cells: usize) -> Mesh<2> {
     turned(&rectangle([0.0; 2], [1.0; 2], [cells, cells], shape, 1).unwrap())
 }
 
-fn cube(shape: CellShape, cells: usize) -> Arc<Mesh<3>> {
+fn cube(shape: CellShape, cells: usize) -> Mesh<3> {
     turned(&cuboid([0.0; 3], [1.0; 3], [cells, cells, cells], shape, 1).unwrap())
 }
 
@@ -145,8 +145,8 @@ fn both_sides_meet_on_every_shape_and_numbering() {
 // On curved cells the rule is not exact, but the two sides are the same points.
 #[test]
 fn both_sides_meet_on_curved_cells() {
-    sides_meet!(Arc::new(annulus(1.0, 2.0, 2, 10, CellShape::Quadrilateral, 2).unwrap()), 1e-9);
-    sides_meet!(Arc::new(annulus(1.0, 2.0, 2, 10, CellShape::Triangle, 2).unwrap()), 1e-9);
+    sides_meet!(annulus(1.0, 2.0, 2, 10, CellShape::Quadrilateral, 2).unwrap(), 1e-9);
+    sides_meet!(annulus(1.0, 2.0, 2, 10, CellShape::Triangle, 2).unwrap(), 1e-9);
 }
 
 #[test]
@@ -156,7 +156,6 @@ fn sizes_are_those_of_each_side() {
     let cells = vec![0, 1, 4, 3, 1, 2, 5, 4];
     let mut mesh = Mesh::from_parts(CellShape::Quadrilateral, 1, nodes, cells).unwrap();
     mesh.name_listed_interior_facets("from the right", &[Facet { cell: 1, local: 3 }]).unwrap();
-    let mesh = Arc::new(mesh);
     let assembler = Assembler::new(&mesh);
     let sizes =
         |region: &str| assembler.functional(&skeleton::sizes(&skeleton::Skeleton::on(region))).unwrap();
@@ -183,10 +182,10 @@ fn penalty_data(
     source: impl Fn(&[f64; 2]) -> f64 + Send + Sync + 'static,
     wanted: fn(&[f64; 2]) -> f64,
 ) -> penalty::Data<2> {
-    penalty::Data { source: Given::function(source), wanted: Given::function(wanted), gamma: 20.0 }
+    penalty::data().source(source).wanted(wanted).gamma(20.0)
 }
 
-fn solve(mesh: &Arc<Mesh<2>>, degree: usize, data: &penalty::Data<2>) -> Field<2> {
+fn solve(mesh: &Mesh<2>, degree: usize, data: &penalty::Data<2>) -> Field<2> {
     let space = Space::discontinuous_scalar(mesh, degree).unwrap();
     let form = penalty::poisson(
         data,

@@ -59,15 +59,12 @@ mod remembering {
 
 #[test]
 fn values_at_quadrature_points_are_refused() {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1).unwrap();
     let space = Space::scalar(&mesh, 1).unwrap();
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(2));
     let rest = assembler.history(Entity::Cells, "all", 2, 1.0).unwrap();
     let model = |at: &ControlValues<2>| -> Result<_, ControlError> {
-        Ok(remembering::Model::new(remembering::Data {
-            stiffness: at.number("stiffness")?,
-            rest: rest.clone(),
-        }))
+        Ok(remembering::Model::new(remembering::data().stiffness(at.number("stiffness")?).rest(rest.clone())))
     };
     let mut history = LoadHistory::new(&space, 2, Controls::new().number("stiffness", 2.0))
         .step(|at| Ok(model(at)?.balance()))
@@ -149,11 +146,11 @@ impl Scheme for Uneven {
 
 fn heat(during: &StepContext<2>, bent: f64) -> Result<heated::Model<2>, ControlError> {
     let conductivity = during.number("conductivity")?;
-    Ok(heated::Model::new(heated::Rest { conductivity, bent }.with(during)))
+    Ok(heated::Model::new(heated::data_from(during).conductivity(conductivity).bent(bent)))
 }
 
 fn square() -> (Arc<Space<2>>, Constraints<2>) {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [4, 4], CellShape::Triangle, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [4, 4], CellShape::Triangle, 1).unwrap();
     let space = Space::scalar(&mesh, 1).unwrap();
     let mut held = Constraints::new(&space);
     held.fix("left", |_| 0.1).unwrap();

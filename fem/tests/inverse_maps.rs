@@ -66,7 +66,7 @@ struct Plate {
 
 impl Plate {
     fn new() -> Self {
-        let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [3, 3], CellShape::Quadrilateral, 1).unwrap());
+        let mesh = rectangle([0.0; 2], [1.0; 2], [3, 3], CellShape::Quadrilateral, 1).unwrap();
         let space = Space::scalar(&mesh, 2).unwrap();
         let mut held = Constraints::new(&space);
         held.fix("left", |_| 0.1).unwrap();
@@ -85,7 +85,7 @@ impl Plate {
             .per_step("source", &[0.5, 0.7, 0.2, 0.4, 0.9, 0.1]);
         let model = |at: &forms_fem::inverse::ControlValues<2>| -> Result<_, ControlError> {
             let conductivity = Given::field(&at.field("conductivity")?);
-            Ok(creeping::Model::new(creeping::Data { conductivity, source: at.number("source")? }))
+            Ok(creeping::Model::new(creeping::data().conductivity(conductivity).source(at.number("source")?)))
         };
         LoadHistory::new(&self.space, STEPS, controls)
             .step(move |at| Ok(model(at)?.step(at.before()?)))
@@ -97,7 +97,7 @@ impl Plate {
     fn swing(&self) -> MotionHistory<'static, 2> {
         let model = |during: &StepContext<2>| -> Result<_, ControlError> {
             let stiffness = during.number("stiffness")?;
-            Ok(swinging::Model::new(swinging::Rest { stiffness }.with(during)))
+            Ok(swinging::Model::new(swinging::data_from(during).stiffness(stiffness)))
         };
         let start = Field::interpolate(&self.space, |x| 0.1 + 0.3 * x[0]).unwrap();
         let controls = Controls::new().number("stiffness", 0.8).start("start", &start);

@@ -59,7 +59,7 @@ fn misfit(step: usize, u: f64) -> (f64, f64) {
 }
 
 fn space() -> Arc<Space<2>> {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1).unwrap();
     Space::scalar(&mesh, 1).unwrap()
 }
 
@@ -75,7 +75,7 @@ fn of_loop(scheme: impl Scheme, mass: Mass) -> f64 {
         });
         let number = ends.position(|end| end > step.before.time + 1e-9).unwrap();
         let load = load(number);
-        oscillator::Model::new(oscillator::Rest { mass: m, damping: c, stiffness: k, load }.with(step))
+        oscillator::Model::new(oscillator::data_from(step).mass(m).damping(c).stiffness(k).load(load))
             .motion()
     };
     let [value, rate] = starts;
@@ -102,13 +102,11 @@ fn of_library(scheme: impl Scheme, mass: Mass) -> (f64, Vec<f64>) {
         .start_rate("start_rate", &constant(rate));
     let model = |during: &StepContext<2>| -> Result<_, ControlError> {
         Ok(oscillator::Model::new(
-            oscillator::Rest {
-                mass: during.number("mass")?,
-                damping: during.number("damping")?,
-                stiffness: during.number("stiffness")?,
-                load: during.number("load")?,
-            }
-            .with(during),
+            oscillator::data_from(during)
+                .mass(during.number("mass")?)
+                .damping(during.number("damping")?)
+                .stiffness(during.number("stiffness")?)
+                .load(during.number("load")?),
         ))
     };
     let mut history = MotionHistory::new(&space, &SIZES[..], scheme, controls)

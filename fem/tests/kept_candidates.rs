@@ -128,7 +128,6 @@ fn reports_at_an_iterate() {
 fn first_touch_along_a_direction() {
     let mut mesh = Mesh::clone(&boxes::<2>([4, 5], [0.0, 0.4]));
     mesh.name_cells("upper", |x| x[1] > 1.2).unwrap();
-    let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 2).unwrap();
     let assembler = Assembler::new(&mesh);
     let zero = Field::zero(&space);

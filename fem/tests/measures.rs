@@ -2,6 +2,7 @@
 //! degree. On affine cells it is the rule of the integrand.
 
 use forms_fem::assemble::{ElementCells, ElementKernel, ElementLayout};
+use forms_fem::contract::Datum;
 use forms_fem::element::Lagrange;
 use forms_fem::mesh::MeshError;
 use forms_fem::prelude::*;
@@ -54,13 +55,13 @@ type Outcome = Result<(), Box<dyn std::error::Error>>;
 
 const PI: f64 = std::f64::consts::PI;
 
-fn data<const D: usize>(f: impl Into<Given<f64, D>>) -> measured::Data<D> {
-    measured::Data { f: f.into() }
+fn data<const D: usize>(f: impl Datum<f64, D>) -> measured::Data<D> {
+    measured::data().f(f)
 }
 
 /// ∫_Ω 1, ∫ 1 over a facet region, and the sums of loads that are tested with degree 1.
 fn measures<const D: usize>(
-    mesh: &Arc<Mesh<D>>,
+    mesh: &Mesh<D>,
     side: &str,
     quadrature: Quadrature<D>,
 ) -> Result<[f64; 4], Box<dyn std::error::Error>>
@@ -94,7 +95,7 @@ where
     let exact = [exact[0], exact[1], exact[0], exact[1]];
     let mut last: Option<[f64; 4]> = None;
     for mesh in meshes {
-        let found = measures(&Arc::new(mesh.clone()), side, Quadrature::Estimated)?;
+        let found = measures(mesh, side, Quadrature::Estimated)?;
         let errors: [f64; 4] = std::array::from_fn(|k| (found[k] / exact[k] - 1.0).abs());
         let orders = last.map(|last| -> [f64; 4] { std::array::from_fn(|k| (last[k] / errors[k]).log2()) });
         println!(
@@ -128,7 +129,7 @@ fn rings_discs_and_balls_converge_with_the_order_of_the_geometry() -> Outcome {
 }
 
 /// Straight hexahedra of a box, each vertex moved in its own direction by up to a part of the cell's size.
-fn skewed(cells: usize, degree: usize, part: f64) -> Result<Arc<Mesh<3>>, MeshError> {
+fn skewed(cells: usize, degree: usize, part: f64) -> Result<Mesh<3>, MeshError> {
     let (size, box_) =
         (1.0 / cells as f64, cuboid([0.0; 3], [1.0; 3], [cells; 3], CellShape::Hexahedron, 1)?);
     let mut number = 0_u32;
@@ -140,7 +141,7 @@ fn skewed(cells: usize, degree: usize, part: f64) -> Result<Arc<Mesh<3>>, MeshEr
     });
     let straight = box_.with_nodes(moved.collect())?;
     if degree == 1 {
-        return Ok(Arc::new(straight));
+        return Ok(straight);
     }
     // The same cells with nodes of degree 2 on their trilinear maps.
     let fine = cuboid([0.0; 3], [1.0; 3], [cells; 3], CellShape::Hexahedron, 2)?;
@@ -150,7 +151,7 @@ fn skewed(cells: usize, degree: usize, part: f64) -> Result<Arc<Mesh<3>>, MeshEr
             nodes[*node as usize] = straight.map(cell, &reference).0;
         }
     }
-    Ok(Arc::new(fine.with_nodes(nodes)?))
+    fine.with_nodes(nodes)
 }
 
 #[test]
@@ -202,7 +203,7 @@ fn the_curvature_of_warped_faces() -> Outcome {
 }
 
 /// The number of quadrature points at which ∫ f reads f.
-fn points<const D: usize>(mesh: &Arc<Mesh<D>>) -> Result<usize, Box<dyn std::error::Error>>
+fn points<const D: usize>(mesh: &Mesh<D>) -> Result<usize, Box<dyn std::error::Error>>
 where
     Dim: Dimension<D>,
 {
@@ -225,7 +226,7 @@ fn cells_with_affine_maps_keep_the_rule_of_the_integrand() -> Outcome {
         for degree in 1..=2 {
             let plain = cuboid([0.0; 3], [2.0, 1.0, 1.0], [2, 1, 1], shape, degree)?;
             let mesh = plain.with_nodes(plain.nodes().iter().map(sheared).collect())?;
-            assert_eq!(points(&Arc::new(mesh))?, points(&Arc::new(plain.clone()))?);
+            assert_eq!(points(&mesh)?, points(&plain)?);
             // Of two blocks of cells one is skewed: only its cells have more points.
             let mut nodes = plain.nodes().to_vec();
             let corner = nodes.iter().position(|x| *x == [2.0, 1.0, 1.0]).ok_or("no corner")?;
@@ -234,8 +235,8 @@ fn cells_with_affine_maps_keep_the_rule_of_the_integrand() -> Outcome {
             let touched =
                 (0..skewed.cell_count()).filter(|cell| skewed.cell(*cell).contains(&(corner as u32))).count();
             let all = skewed.cell_count();
-            let per_cell = points(&Arc::new(plain.clone()))? / all;
-            let more = points(&Arc::new(skewed))? - per_cell * (all - touched);
+            let per_cell = points(&plain)? / all;
+            let more = points(&skewed)? - per_cell * (all - touched);
             // Tetrahedra of degree 1 stay affine.
             match (shape, degree) {
                 (CellShape::Tetrahedron, 1) => assert_eq!(more, per_cell * touched),
@@ -281,7 +282,7 @@ fn shares_of_cells_add_up() -> Outcome {
         .nodes()
         .iter()
         .map(|x| if x[0] > 3.5 && x[1] > 0.7 { [x[0] + 0.3, x[1], x[2] * 1.2] } else { *x });
-    let mesh = Arc::new(box_.with_nodes(moved.collect())?);
+    let mesh = box_.with_nodes(moved.collect())?;
     let of = |assembler: &Assembler<3>| -> Result<[f64; 4], AssemblyError> {
         let (data, omega) = (data(1.0), measured::Omega::on("all"));
         let sides = ["boundary", "right"].map(measured::Side::on);
@@ -311,7 +312,7 @@ const CHILD: &str = "FORMS_TEST_STRAIGHT_FACETS";
 fn the_word_on_straight_facets() -> Outcome {
     if let Some(degree) = std::env::var_os(CHILD) {
         let degree = if degree == "1" { 1 } else { 2 };
-        let ring = Arc::new(annulus(1.0, 2.0, 1, 64, CellShape::Quadrilateral, degree)?);
+        let ring = annulus(1.0, 2.0, 1, 64, CellShape::Quadrilateral, degree)?;
         let assembler = Assembler::new(&ring);
         let form = measured::bent(&data(1.0), &measured::Side::on("outer"));
         let [first, again] = [assembler.functional(&form)?, assembler.functional(&form)?];

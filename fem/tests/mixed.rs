@@ -29,13 +29,13 @@ const VISCOSITY: f64 = 0.7;
 type Exact = Box<dyn Fn(&[f64; 2], &mut [f64]) + Send + Sync>;
 
 fn data(force: Given<[f64; 2], 2>, inertia: f64) -> stokes::Data<2> {
-    stokes::Data { viscosity: VISCOSITY, force, inertia }
+    stokes::data().viscosity(VISCOSITY).force(force).inertia(inertia)
 }
 
 #[test]
 fn taylor_hood_elements_hold_poiseuille_flow_exactly() {
     for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
-        let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 1.0], [4, 3], shape, 1).unwrap());
+        let mesh = rectangle([0.0, 0.0], [2.0, 1.0], [4, 3], shape, 1).unwrap();
         let (velocities, pressures) = (Space::vector(&mesh, 2).unwrap(), Space::scalar(&mesh, 1).unwrap());
         // u = (y(1 − y), 0), p = 2ν (2 − x); the inertia of this flow vanishes.
         let profile = |x: &[f64; 2]| [x[1] * (1.0 - x[1]), 0.0];
@@ -47,7 +47,7 @@ fn taylor_hood_elements_hold_poiseuille_flow_exactly() {
         let mut level = Constraints::new(&pressures);
         level.fix_nearest(&[0.0, 0.0], pressure(&[0.0, 0.0])).unwrap();
 
-        let form = stokes::flow(&data([0.0; 2].into(), 0.0), &stokes::Omega::on("all"));
+        let form = stokes::flow(&data(Given::constant([0.0; 2]), 0.0), &stokes::Omega::on("all"));
         let matrix = assembler.tangent(&form, &[&u, &p], &[&velocities, &pressures]).unwrap();
         assert!(matrix.is_symmetric(1e-14).unwrap());
         let problem = Problem::new(&form, [&velocities, &pressures]).assembler(&assembler);
@@ -58,7 +58,7 @@ fn taylor_hood_elements_hold_poiseuille_flow_exactly() {
         assert_eq!((report.signed_factorisations, report.lu_factorisations), (1, 0));
         assert_eq!(report.negative_eigenvalues, Some(level.free().len()));
 
-        let form = stokes::navier(&data([0.0; 2].into(), 3.0), &stokes::Omega::on("all"));
+        let form = stokes::navier(&data(Given::constant([0.0; 2]), 3.0), &stokes::Omega::on("all"));
         let problem = Problem::new(&form, [&velocities, &pressures]).assembler(&assembler);
         let options = NewtonOptions::default();
         let solved = problem
@@ -88,7 +88,7 @@ fn taylor_hood_elements_hold_poiseuille_flow_exactly() {
 fn taylor_hood_elements_converge() {
     let mut errors = Vec::new();
     for cells in [8, 16] {
-        let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [cells, cells], CellShape::Triangle, 1).unwrap());
+        let mesh = rectangle([0.0; 2], [1.0; 2], [cells, cells], CellShape::Triangle, 1).unwrap();
         let (velocities, pressures) = (Space::vector(&mesh, 2).unwrap(), Space::scalar(&mesh, 1).unwrap());
         // u = curl of sin(πx) sin(πy), p = sin(πx) cos(πy) with f = −ν Δu + ∇p.
         const PI: f64 = std::f64::consts::PI;
@@ -132,9 +132,9 @@ fn taylor_hood_elements_converge() {
 
 #[test]
 fn what_no_integral_couples_is_not_stored() {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [3, 3], CellShape::Triangle, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [3, 3], CellShape::Triangle, 1).unwrap();
     let spaces = [&Space::vector(&mesh, 2).unwrap(), &Space::scalar(&mesh, 1).unwrap()];
-    let form = stokes::flow(&data([0.0; 2].into(), 0.0), &stokes::Omega::on("all"));
+    let form = stokes::flow(&data(Given::constant([0.0; 2]), 0.0), &stokes::Omega::on("all"));
     let (lean, full) = (
         BlockPattern::for_form(&form, &spaces, &spaces).unwrap(),
         BlockPattern::new(&spaces, &spaces).unwrap(),
@@ -157,10 +157,9 @@ fn what_no_integral_couples_is_not_stored() {
 fn a_pattern_of_another_form_is_an_error() {
     let mut mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1).unwrap();
     mesh.name_cells("part", |centre| centre[0] < 0.5).unwrap();
-    let mesh = Arc::new(mesh);
     let spaces = [&Space::vector(&mesh, 1).unwrap(), &Space::scalar(&mesh, 1).unwrap()];
     let assembler = Assembler::new(&mesh);
-    let data = data([0.0; 2].into(), 0.0);
+    let data = data(Given::constant([0.0; 2]), 0.0);
     let small = stokes::flow(&data, &stokes::Omega::on("part"));
     let pattern = BlockPattern::for_form(&small, &spaces, &spaces).unwrap();
     let form = stokes::flow(&data, &stokes::Omega::on("all"));
@@ -184,10 +183,10 @@ fn a_pattern_of_another_form_is_an_error() {
 
 #[test]
 fn an_undetermined_pressure_is_named() {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [6, 6], CellShape::Triangle, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [6, 6], CellShape::Triangle, 1).unwrap();
     let (velocities, pressures) = (Space::vector(&mesh, 2).unwrap(), Space::scalar(&mesh, 1).unwrap());
     let assembler = Assembler::new(&mesh);
-    let form = stokes::flow(&data([1.0, 0.0].into(), 0.0), &stokes::Omega::on("all"));
+    let form = stokes::flow(&data(Given::constant([1.0, 0.0]), 0.0), &stokes::Omega::on("all"));
     let mut walls = Constraints::new(&velocities);
     walls.fix("boundary", |_| [0.0, 0.0]).unwrap();
     let problem = || Problem::new(&form, [&velocities, &pressures]).assembler(&assembler);

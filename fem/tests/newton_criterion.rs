@@ -57,13 +57,13 @@ fn solve_beside(
     expansion: f64,
     solver: &mut dyn LinearSolver,
 ) -> (Vec<f64>, f64, Vec<NewtonStep>) {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [3, 3], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [3, 3], CellShape::Quadrilateral, 1).unwrap();
     let (bodies, substances) = (Space::vector(&mesh, 1).unwrap(), Space::scalar(&mesh, 1).unwrap());
     let mut held = Constraints::new(&bodies);
     held.fix("bottom", |_| [0.0; 2]).unwrap();
     let mut given = Constraints::new(&substances);
     given.fix("left", |_| 0.5).unwrap();
-    let data = fields::Data { stiffness, conductivity, expansion };
+    let data = fields::data().stiffness(stiffness).conductivity(conductivity).expansion(expansion);
     let form = fields::beside(&data, &fields::Omega::on("all"), &fields::Top::on("top"));
     let assembler = Assembler::new(&mesh);
     let problem = Problem::new(&form, [&bodies, &substances]).assembler(&assembler);
@@ -91,12 +91,12 @@ fn a_field_is_not_hidden_by_a_stiffer_one() {
 /// A first residual of 10³⁰ says nothing about what is small in the end.
 #[test]
 fn a_bad_start_does_not_inflate_the_tolerance() {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1).unwrap();
     let space = Space::scalar(&mesh, 1).unwrap();
     let (assembler, omega) = (Assembler::new(&mesh), fields::Omega::on("all"));
     let none = Constraints::new(&space);
     let options = NewtonOptions { max_iterations: 100, ..NewtonOptions::default() };
-    let data = fields::Data { stiffness: 1.0, conductivity: 1.0, expansion: 0.0 };
+    let data = fields::data().stiffness(1.0).conductivity(1.0).expansion(0.0);
     let (cubic, reaction) = (fields::cubic(&data, &omega), fields::reaction(&data, &omega));
     for start in [1.5, 1e3, 1e6, 1e10, 1e14] {
         let first = Field::interpolate(&space, |_| start).unwrap();
@@ -131,14 +131,13 @@ fn a_bad_start_does_not_inflate_the_tolerance() {
 #[test]
 fn a_body_under_stresses_of_its_own_stays_at_rest() {
     for prestress in [1.0, 1e6] {
-        let mesh = Arc::new(rectangle([0.0; 2], [1.0, 0.7], [5, 4], CellShape::Triangle, 1).unwrap());
+        let mesh = rectangle([0.0; 2], [1.0, 0.7], [5, 4], CellShape::Triangle, 1).unwrap();
         let space = Space::scalar(&mesh, 2).unwrap();
         let mut constraints = Constraints::new(&space);
         for side in ["left", "right", "top", "bottom"] {
             constraints.fix(side, |_| 0.0).unwrap();
         }
-        let model =
-            fields::Model::new(fields::Data { stiffness: prestress, conductivity: 1.0, expansion: 0.0 });
+        let model = fields::Model::new(fields::data().stiffness(prestress).conductivity(1.0).expansion(0.0));
         let form = model.prestressed();
         let solved = Problem::new(&form, &space).constrained(&constraints).solve().unwrap();
         let largest = solved.field().values().iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));

@@ -37,7 +37,7 @@ mod across {
 }
 
 /// Some markings of cells at random, beginning with the first mesh.
-fn at_random<const D: usize>(first: Mesh<D>, markings: usize) -> Arc<Mesh<D>> {
+fn at_random<const D: usize>(first: Mesh<D>, markings: usize) -> Mesh<D> {
     let mut mesh = OctreeMesh::new(first).unwrap();
     let mut state = 12_345_u64;
     for _ in 0..markings {
@@ -50,14 +50,14 @@ fn at_random<const D: usize>(first: Mesh<D>, markings: usize) -> Arc<Mesh<D>> {
 }
 
 /// Cells turned in all ways, so that parts of facets are met in all ways.
-fn squares(markings: usize) -> Arc<Mesh<2>> {
+fn squares(markings: usize) -> Mesh<2> {
     let mesh = rectangle([0.0; 2], [1.0; 2], [3, 3], CellShape::Quadrilateral, 1).unwrap();
-    at_random(turned(&mesh).as_ref().clone(), markings)
+    at_random(turned(&mesh), markings)
 }
 
-fn cubes(cells: [usize; 3], markings: usize) -> Arc<Mesh<3>> {
+fn cubes(cells: [usize; 3], markings: usize) -> Mesh<3> {
     let mesh = cuboid([0.0; 3], [1.0; 3], cells, CellShape::Hexahedron, 1).unwrap();
-    at_random(turned(&mesh).as_ref().clone(), markings)
+    at_random(turned(&mesh), markings)
 }
 
 fn all_cases() -> bool {
@@ -85,11 +85,8 @@ fn error_at_nodes<const D: usize>(u: &Field<D>, degree: usize) -> f64 {
 }
 
 /// Continuous elements solve polynomials of their degree exactly, and these come through to another such mesh.
-fn reproduces<const D: usize>(
-    mesh: &Arc<Mesh<D>>,
-    other: &Arc<Mesh<D>>,
-    degrees: std::ops::RangeInclusive<usize>,
-) where
+fn reproduces<const D: usize>(mesh: &Mesh<D>, other: &Mesh<D>, degrees: std::ops::RangeInclusive<usize>)
+where
     Dim: Dimension<D>,
 {
     for degree in degrees {
@@ -103,7 +100,7 @@ fn reproduces<const D: usize>(
         }
         // Facets between large and small cells are interior ones: the boundary is the outer one.
         constraints.fix("boundary", |x| polynomial(x, degree)).unwrap();
-        let form = model::poisson(&model::Data { f: source(degree) }, &model::Omega::on("all"));
+        let form = model::poisson(&model::data().f(source(degree)), &model::Omega::on("all"));
         let u = Problem::new(&form, &space).constrained(&constraints).solve().unwrap().into_field();
         assert!(error_at_nodes(&u, degree) < 1e-11, "degree {degree}: {:e}", error_at_nodes(&u, degree));
 
@@ -128,7 +125,7 @@ fn polynomials_on_octrees_of_the_plane_and_space() {
 }
 
 /// The projection of a field to a continuous space is continuous where nodes hang, and what is left is orthogonal to that space.
-fn projects<const D: usize>(mesh: &Arc<Mesh<D>>, other: &Arc<Mesh<D>>, degree: usize)
+fn projects<const D: usize>(mesh: &Mesh<D>, other: &Mesh<D>, degree: usize)
 where
     Dim: Dimension<D>,
 {
@@ -162,17 +159,16 @@ fn projections_are_continuous_where_nodes_hang() {
 }
 
 /// The interior penalty method solves polynomials of its degree exactly, where a cell has several neighbours on one side.
-fn penalised<const D: usize>(mesh: &Arc<Mesh<D>>, degrees: std::ops::RangeInclusive<usize>)
+fn penalised<const D: usize>(mesh: &Mesh<D>, degrees: std::ops::RangeInclusive<usize>)
 where
     Dim: Dimension<D>,
 {
     for degree in degrees {
         let space = Space::discontinuous_scalar(mesh, degree).unwrap();
-        let data = penalty::Data {
-            source: source(degree),
-            wanted: Given::function(move |x: &[f64; D]| polynomial(x, degree)),
-            gamma: 10.0 * (degree * degree) as f64,
-        };
+        let data = penalty::data()
+            .source(source(degree))
+            .wanted(move |x: &[f64; D]| polynomial(x, degree))
+            .gamma(10.0 * (degree * degree) as f64);
         let form = penalty::poisson(
             &data,
             &penalty::Omega::on("all"),
@@ -194,7 +190,7 @@ fn interior_penalty_solves_polynomials_across_hanging_nodes() {
 }
 
 /// ∫ div w of broken fields is that of w·n over all facets: jumps meet the right points, normals and weights, on straight and curved cells.
-fn balanced<const D: usize>(mesh: &Arc<Mesh<D>>)
+fn balanced<const D: usize>(mesh: &Mesh<D>)
 where
     Dim: Dimension<D>,
 {
@@ -270,11 +266,7 @@ fn one_large_facet_and_two_small_ones() {
 fn octrees_on_any_number_of_threads() {
     let mesh = squares(40);
     let space = Space::discontinuous_scalar(&mesh, 2).unwrap();
-    let data = penalty::Data {
-        source: source(2),
-        wanted: Given::function(|x: &[f64; 2]| polynomial(x, 2)),
-        gamma: 40.0,
-    };
+    let data = penalty::data().source(source(2)).wanted(|x: &[f64; 2]| polynomial(x, 2)).gamma(40.0);
     let form = penalty::poisson(
         &data,
         &penalty::Omega::on("all"),
@@ -295,7 +287,7 @@ fn octrees_on_any_number_of_threads() {
         let mut constraints = Constraints::new(&space);
         constraints.join_hanging_nodes().unwrap();
         constraints.fix("boundary", |x| polynomial(x, 4)).unwrap();
-        let form = model::poisson(&model::Data { f: source(4) }, &model::Omega::on("all"));
+        let form = model::poisson(&model::data().f(source(4)), &model::Omega::on("all"));
         let assembler = Assembler::new(&mesh).with_threads(Threads::new(threads));
         Problem::new(&form, &space)
             .assembler(assembler)

@@ -36,11 +36,11 @@ mod resting {
 }
 
 fn data() -> resting::Data<2> {
-    resting::Data { stiffness: 30.0, load: [0.3, -0.7].into() }
+    resting::data().stiffness(30.0).load([0.3, -0.7])
 }
 
-fn mesh(cells: usize) -> Arc<Mesh<2>> {
-    Arc::new(rectangle([0.0; 2], [1.0; 2], [cells; 2], CellShape::Quadrilateral, 1).unwrap())
+fn mesh(cells: usize) -> Mesh<2> {
+    rectangle([0.0; 2], [1.0; 2], [cells; 2], CellShape::Quadrilateral, 1).unwrap()
 }
 
 fn wave(space: &Arc<Space<2>>, shift: f64) -> Field<2> {

@@ -35,23 +35,23 @@ mod terms {
     }
 }
 
-fn mesh() -> Arc<Mesh<2>> {
-    Arc::new(rectangle([0.0; 2], [2.0, 1.0], [6, 3], CellShape::Quadrilateral, 1).unwrap())
+fn mesh() -> Mesh<2> {
+    rectangle([0.0; 2], [2.0, 1.0], [6, 3], CellShape::Quadrilateral, 1).unwrap()
 }
 
 /// One of quadrilaterals, and one of quadrilaterals and triangles; each share has some of both.
-fn meshes() -> [Arc<Mesh<2>>; 2] {
+fn meshes() -> [Mesh<2>; 2] {
     let mixed = patchwork(4, 1);
     for cells in [&mixed.cell_order().cells()[..5], &mixed.cell_order().cells()[5..]] {
         let shapes = [CellShape::Triangle, CellShape::Quadrilateral];
         let has = |shape| cells.iter().any(|cell| mixed.cell_shape(*cell as usize) == shape);
         assert!(shapes.into_iter().all(has));
     }
-    [mesh(), Arc::new(mixed)]
+    [mesh(), mixed]
 }
 
 /// Three assemblers on parts of unequal size; one owns no cell.
-fn shares(mesh: &Arc<Mesh<2>>) -> Vec<Assembler<2>> {
+fn shares(mesh: &Mesh<2>) -> Vec<Assembler<2>> {
     let (first, last) = mesh.cell_order().cells().split_at(5);
     let share = |cells: &&[u32]| Assembler::new(mesh).on_owned_cells(cells).unwrap();
     [first, last, &[]].iter().map(share).collect()

@@ -23,10 +23,10 @@ mod along {
 #[test]
 fn both_zeros_within_one_facet_are_found() {
     for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
-        let mesh = Arc::new(rectangle([0.0, 0.0], [3.0, 1.0], [3, 1], shape, 1).unwrap());
+        let mesh = rectangle([0.0, 0.0], [3.0, 1.0], [3, 1], shape, 1).unwrap();
         let space = Space::scalar(&mesh, 2).unwrap();
         let w = Field::interpolate(&space, |x| (x[0] - 0.3) * (x[0] - 0.55) + 2.0).unwrap();
-        let data = along::Data { level: 2.0 };
+        let data = along::data().level(2.0);
         let assembler = Assembler::new(&mesh);
         let parts = assembler.positive_parts(&along::above(&data, &w), "bottom", 2).unwrap();
         let mut ends: Vec<f64> = parts.iter().flat_map(|part| part.positions.map(|x| x[0])).collect();
@@ -43,10 +43,10 @@ fn both_zeros_within_one_facet_are_found() {
 
 #[test]
 fn zeros_on_curved_facets_are_those_of_the_function_itself() {
-    let mesh = Arc::new(annulus(20.0, 25.0, 2, 20, CellShape::Quadrilateral, 2).unwrap());
+    let mesh = annulus(20.0, 25.0, 2, 20, CellShape::Quadrilateral, 2).unwrap();
     let zero = Field::zero(&Space::scalar(&mesh, 1).unwrap());
     let level = 7.3;
-    let right = along::to_the_right(&along::Data { level }, &zero);
+    let right = along::to_the_right(&along::data().level(level), &zero);
     let parts = Assembler::new(&mesh).positive_parts(&right, "outer", 6).unwrap();
     let mut zeros = 0;
     for part in &parts {
@@ -65,7 +65,7 @@ fn zeros_on_curved_facets_are_those_of_the_function_itself() {
 
 #[test]
 fn quadratic_fields_on_nested_straight_meshes_differ_by_what_was_added() {
-    let mesh = |cells| Arc::new(rectangle([0.0; 2], [2.0, 1.0], cells, CellShape::Quadrilateral, 1).unwrap());
+    let mesh = |cells| rectangle([0.0; 2], [2.0, 1.0], cells, CellShape::Quadrilateral, 1).unwrap();
     let (fine, coarse) = (mesh([8, 4]), mesh([2, 2]));
     let smooth = |x: &[f64; 2]| [x[0] * x[0] - x[1], x[0] * x[1]];
     let u = Field::interpolate(&Space::vector(&fine, 2).unwrap(), smooth).unwrap();
@@ -82,7 +82,7 @@ fn quadratic_fields_on_nested_straight_meshes_differ_by_what_was_added() {
     assert!((errors.seminorm.powi(2) - 18.0).abs() < 1e-12, "{errors:?}");
     let error = comparison.errors(&u, &u).unwrap_err().to_string();
     assert!(error.contains("the coarse one") && error.contains("another mesh"), "{error}");
-    let elsewhere = Arc::new(rectangle([0.0; 2], [1.0, 1.0], [2, 2], CellShape::Quadrilateral, 1).unwrap());
+    let elsewhere = rectangle([0.0; 2], [1.0, 1.0], [2, 2], CellShape::Quadrilateral, 1).unwrap();
     let error = Comparison::new(&assembler, &Space::vector(&elsewhere, 2).unwrap(), 4).unwrap_err();
     assert!(error.to_string().contains("outside the mesh"), "{error}");
 }

@@ -28,13 +28,13 @@ mod held {
 const WIDTH: f64 = 2.0;
 const HEIGHT: f64 = 0.5;
 
-fn block(map: impl Fn([f64; 2]) -> [f64; 2]) -> Arc<Mesh<2>> {
+fn block(map: impl Fn([f64; 2]) -> [f64; 2]) -> Mesh<2> {
     let scaled = |[s, t]: [f64; 2]| map([WIDTH * s, HEIGHT * t]);
-    Arc::new(forms_fem::mesh::structured([5, 3], CellShape::Quadrilateral, 1, scaled).unwrap())
+    forms_fem::mesh::structured([5, 3], CellShape::Quadrilateral, 1, scaled).unwrap()
 }
 
 fn data(load: [f64; 2], weight: [f64; 2]) -> held::Data<2> {
-    held::Data { load: Given::constant(load), weight: Given::constant(weight) }
+    held::data().load(load).weight(weight)
 }
 
 fn solve(

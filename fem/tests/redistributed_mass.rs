@@ -34,17 +34,16 @@ mod inertia {
 
 fn no_step<const D: usize>() -> forms_fem::time::operators::scalar::Data<D> {
     let none = || Given::constant(0.0);
-    forms_fem::time::operators::scalar::Data {
-        value_weight: 0.0,
-        rate_weight: 0.0,
-        second_rate_weight: 0.0,
-        known_value: none(),
-        known_rate: none(),
-        known_second_rate: none(),
-    }
+    forms_fem::time::operators::scalar::data()
+        .value_weight(0.0)
+        .rate_weight(0.0)
+        .second_rate_weight(0.0)
+        .known_value(none())
+        .known_rate(none())
+        .known_second_rate(none())
 }
 
-fn density<const D: usize>(mesh: &Arc<Mesh<D>>, of: impl Fn(&[f64; D]) -> f64) -> Outcome<Field<D>> {
+fn density<const D: usize>(mesh: &Mesh<D>, of: impl Fn(&[f64; D]) -> f64) -> Outcome<Field<D>> {
     Ok(Field::interpolate(&Space::discontinuous_scalar(mesh, 0)?, of)?)
 }
 
@@ -54,7 +53,6 @@ fn check<const D: usize>(label: &str, mesh: Mesh<D>, boundary: &str, rule: Optio
 where
     Dim: Dimension<D>,
 {
-    let mesh = Arc::new(mesh);
     let assembler = match rule {
         Some(degree) => Assembler::new(&mesh).with_quadrature(Quadrature::Degree(degree)),
         None => Assembler::new(&mesh),
@@ -67,7 +65,7 @@ where
         }
         let space = Space::scalar(&mesh, degree)?;
         let matrix = |rho: &Field<D>| -> Outcome<_> {
-            let data = inertia::Rest { rho: Given::field(rho) }.with(no_step());
+            let data = inertia::data_from(no_step()).rho(rho);
             let form = inertia::Model::new(data).mass();
             Ok(assembler.tangent(&form, &[&Field::zero(&space)], &[&space])?)
         };
@@ -143,7 +141,6 @@ fn mass_centre_and_moments_are_kept() -> Outcome {
 #[test]
 fn what_cannot_be_redistributed_is_refused() -> Outcome {
     let refused = |mesh: Mesh<2>, boundary: &str| -> Outcome<RedistributionError> {
-        let mesh = Arc::new(mesh);
         let even = density(&mesh, |_| 1.0)?;
         Ok(redistributed_mass(&even, boundary, &Assembler::new(&mesh)).err().ok_or("it was done")?)
     };
@@ -164,9 +161,9 @@ fn what_cannot_be_redistributed_is_refused() -> Outcome {
     let error = refused(bar([4, 4])?, "nowhere")?;
     assert!(error.to_string().contains("nowhere"), "{error}");
     let tree = OctreeMesh::new(bar([4, 4])?)?;
-    let error = refused((**tree.refined(&[5])?.0.mesh()).clone(), "bottom")?;
+    let error = refused(tree.refined(&[5])?.0.mesh().clone(), "bottom")?;
     assert!(matches!(error, RedistributionError::Mesh(MeshError::HangingNode { .. })), "{error}");
-    let mesh = Arc::new(bar([4, 4])?);
+    let mesh = bar([4, 4])?;
     for (of, text) in [
         (Space::scalar(&mesh, 1)?, "one number per cell"),
         (Space::discontinuous_scalar(&mesh, 0)?, "no positive number"),
@@ -180,11 +177,10 @@ fn what_cannot_be_redistributed_is_refused() -> Outcome {
 /// Schemes that read no accelerations except for inertia go on; what reads them elsewhere, or solves for them, is refused by name.
 #[test]
 fn schemes_that_read_accelerations_are_refused() -> Outcome {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [4, 7], CellShape::Quadrilateral, 1)?);
+    let mesh = rectangle([0.0; 2], [1.0; 2], [4, 7], CellShape::Quadrilateral, 1)?;
     let space = Space::scalar(&mesh, 1)?;
     let rho = redistributed_mass(&density(&mesh, |_| 1.0)?, "bottom", &Assembler::new(&mesh))?;
-    let form =
-        |step: &Step<2>| inertia::Model::new(inertia::Rest { rho: Given::field(&rho) }.with(step)).motion();
+    let form = |step: &Step<2>| inertia::Model::new(inertia::data_from(step).rho(&rho)).motion();
     let start = || State::at_rest(0.0, Field::interpolate(&space, |_| 1.0).expect("it is one"));
     let schemes: [(Box<dyn Scheme>, bool); 7] = [
         (Box::new(GeneralisedAlpha::trapezoidal()), true),

@@ -42,7 +42,7 @@ fn turn(x: &[f64; 2]) -> [f64; 2] {
 }
 
 /// The rectangle [0, 2] × [0, 1], turned.
-fn turned(shape: CellShape) -> Arc<Mesh<2>> {
+fn turned(shape: CellShape) -> Mesh<2> {
     let flat = rectangle([0.0; 2], [2.0, 1.0], [4, 3], shape, 1).unwrap();
     let nodes = flat.nodes().iter().map(turn).collect();
     let mut mesh = Mesh::from_parts(shape, 1, nodes, flat.cells().to_vec()).unwrap();
@@ -50,12 +50,12 @@ fn turned(shape: CellShape) -> Arc<Mesh<2>> {
         let facets = flat.facet_region(name).unwrap();
         mesh.name_listed_facets(name, facets).unwrap();
     }
-    Arc::new(mesh)
+    mesh
 }
 
 fn data() -> bodies::Data<2> {
     // Traction 1 along the turned first axis.
-    bodies::Data { load: turn(&[1.0, 0.0]).into(), source: 0.0.into() }
+    bodies::data().load(turn(&[1.0, 0.0])).source(0.0)
 }
 
 fn rollers(space: &Arc<Space<2>>) -> Constraints<2> {
@@ -147,7 +147,7 @@ fn the_periodic_poisson_problem_has_its_closed_form() {
     let pi = std::f64::consts::PI;
     let exact = move |x: &[f64; 2]| (2.0 * pi * x[0]).sin() * (2.0 * pi * x[1]).cos();
     let error = |n: usize| {
-        let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [n, n], CellShape::Triangle, 1).unwrap());
+        let mesh = rectangle([0.0; 2], [1.0; 2], [n, n], CellShape::Triangle, 1).unwrap();
         let space = Space::scalar(&mesh, 2).unwrap();
         let mut torus = Constraints::new(&space);
         torus.periodic("left", "right", &RigidMap::translation([1.0, 0.0])).unwrap();
@@ -156,7 +156,7 @@ fn the_periodic_poisson_problem_has_its_closed_form() {
         torus.fix_nearest(&[0.0, 0.0], 0.0).unwrap();
         assert_eq!(torus.free().len(), 4 * n * n - 1);
         let source = Given::function(move |x: &[f64; 2]| 8.0 * pi * pi * exact(x));
-        let data = bodies::Data { load: [0.0; 2].into(), source };
+        let data = bodies::data().load([0.0; 2]).source(source);
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
         let form = bodies::poisson(&data, &bodies::Omega::on("all"));
         let problem = Problem::new(&form, &space).assembler(&assembler);
@@ -170,7 +170,7 @@ fn the_periodic_poisson_problem_has_its_closed_form() {
 
 #[test]
 fn mistakes_name_the_node_and_both_conditions() {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1).unwrap();
     let space = Space::vector(&mesh, 1).unwrap();
     let mut constraints = Constraints::new(&space);
     constraints.slide("left", |_| [1.0, 0.0], |_| 0.0).unwrap();
@@ -208,9 +208,9 @@ fn plate(space: &Arc<Space<2>>) -> Constraints<2> {
     plate
 }
 
-fn solve_with_plate(mesh: &Arc<Mesh<2>>, degree: usize, load: Given<[f64; 2], 2>) -> Field<2> {
+fn solve_with_plate(mesh: &Mesh<2>, degree: usize, load: Given<[f64; 2], 2>) -> Field<2> {
     let space = Space::vector(mesh, degree).unwrap();
-    let (data, assembler) = (bodies::Data { load, source: 0.0.into() }, Assembler::new(mesh));
+    let (data, assembler) = (bodies::data().load(load).source(0.0), Assembler::new(mesh));
     let form = bodies::slender(&data, &bodies::Omega::on("all"), &bodies::Loaded::on("right"));
     let problem = Problem::new(&form, &space).assembler(&assembler);
     problem.constrained(&plate(&space)).solve().unwrap().into_field()
@@ -222,7 +222,7 @@ fn solve_with_plate(mesh: &Arc<Mesh<2>>, degree: usize, load: Given<[f64; 2], 2>
 #[test]
 fn a_rigid_plate_feels_the_force_and_the_moment_alone() {
     for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
-        let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 3], shape, 1).unwrap());
+        let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 3], shape, 1).unwrap();
         let compare = |u: &Field<2>, exact: &dyn Fn(&[f64; 2]) -> [f64; 2]| {
             for (node, x) in u.space().positions().iter().enumerate() {
                 let (found, exact) = (u.at_node(node), exact(x));
@@ -230,7 +230,7 @@ fn a_rigid_plate_feels_the_force_and_the_moment_alone() {
             }
         };
         let pulled = |x: &[f64; 2]| [0.35 * x[0], 0.0];
-        compare(&solve_with_plate(&mesh, 2, [0.7, 0.0].into()), &pulled);
+        compare(&solve_with_plate(&mesh, 2, Given::constant([0.7, 0.0])), &pulled);
         // 0.7 in all, symmetric about the middle: without moment.
         let uneven = Given::function(|x: &[f64; 2]| [0.7 * 12.0 * (x[1] - 0.5).powi(2), 0.0]);
         compare(&solve_with_plate(&mesh, 2, uneven), &pulled);
@@ -262,8 +262,7 @@ fn what_rollers_leave_open_is_told_in_words() {
 
 #[test]
 fn a_rigid_face_in_space_keeps_distances_to_first_order() {
-    let mesh =
-        Arc::new(forms_fem::mesh::cuboid([0.0; 3], [1.0; 3], [2; 3], CellShape::Hexahedron, 1).unwrap());
+    let mesh = forms_fem::mesh::cuboid([0.0; 3], [1.0; 3], [2; 3], CellShape::Hexahedron, 1).unwrap();
     let space = Space::vector(&mesh, 2).unwrap();
     let mut constraints = Constraints::new(&space);
     constraints.rigid_body("top").unwrap();
@@ -286,10 +285,10 @@ fn a_rigid_face_in_space_keeps_distances_to_first_order() {
 #[test]
 fn a_mean_value_fixes_what_an_insulated_body_leaves_open() {
     let pi = std::f64::consts::PI;
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Quadrilateral, 1).unwrap();
     let space = Space::scalar(&mesh, 3).unwrap();
     let source = Given::function(move |x: &[f64; 2]| (pi * x[0]).cos());
-    let data = bodies::Data { load: [0.0; 2].into(), source };
+    let data = bodies::data().load([0.0; 2]).source(source);
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
     let form = bodies::poisson(&data, &bodies::Omega::on("all"));
     for (region, constant) in [("all", 2.0), ("left", 2.0 - 1.0 / (pi * pi))] {
@@ -325,7 +324,7 @@ fn a_mean_value_fixes_what_an_insulated_body_leaves_open() {
 /// The adjoint problem is the transposed one on the free unknowns: it gives the derivative by the load.
 #[test]
 fn adjoint_states_of_a_rigid_body_give_the_derivative_by_the_load() {
-    let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 3], CellShape::Triangle, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 3], CellShape::Triangle, 1).unwrap();
     let load = |t: f64| Given::function(move |x: &[f64; 2]| [t * x[1], 0.3]);
     let states = [0.5, 1.5].map(|t| solve_with_plate(&mesh, 2, load(t)));
     let space = states[0].space();
@@ -334,7 +333,7 @@ fn adjoint_states_of_a_rigid_body_give_the_derivative_by_the_load() {
     let value = |u: &Field<2>| u.values().iter().zip(&criterion).map(|(u, c)| u * c).sum::<f64>();
     let assembler = Assembler::new(&mesh);
     let residual = |t: f64| {
-        let data = bodies::Data { load: load(t), source: 0.0.into() };
+        let data = bodies::data().load(load(t)).source(0.0);
         let form = bodies::slender(&data, &bodies::Omega::on("all"), &bodies::Loaded::on("right"));
         let zero = Field::zero(space);
         (
@@ -359,7 +358,7 @@ fn adjoint_states_of_a_rigid_body_give_the_derivative_by_the_load() {
 fn a_prescribed_wave_is_periodic() {
     for amplitude in [1.0, 1e-200, 1e200] {
         for degree in 1..=2 {
-            let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [4, 3], CellShape::Quadrilateral, 1).unwrap());
+            let mesh = rectangle([0.0; 2], [1.0; 2], [4, 3], CellShape::Quadrilateral, 1).unwrap();
             let wave = |x: &[f64; 2]| amplitude * (std::f64::consts::TAU * x[0]).sin();
             let map = RigidMap::translation([1.0, 0.0]);
             for space in [Space::scalar(&mesh, degree).unwrap(), Space::vector(&mesh, degree).unwrap()] {

@@ -213,7 +213,6 @@ fn bodies_do_not_see_the_cell() {
     let nodes = shifted[..count].iter().chain(&mesh.nodes()[count..]).copied().collect();
     assert!(mesh.with_nodes(nodes).is_ok());
     // Points, areas, projections and files are those of the bodies.
-    let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 1).unwrap();
     let field = Field::interpolate(&space, |x: &[f64; 2]| [x[1], 2.0 * x[0]]).unwrap();
     assert!(field.evaluate(&[1.0, 1.2]).is_err() && field.evaluate(&[1.0, 0.7]).is_ok());
@@ -251,7 +250,7 @@ fn bodies_do_not_see_the_cell() {
 
 #[test]
 fn surfaces_that_do_not_meet_as_asked_are_named() {
-    let mesh = Arc::new(body().with_rigid_surfaces(&[("punch", &punch(0.1))]).unwrap());
+    let mesh = body().with_rigid_surfaces(&[("punch", &punch(0.1))]).unwrap();
     let assembler = Assembler::new(&mesh);
     let report = assembler.pairs(&Pairing::onto("top", "punch"), 2).unwrap();
     // The flat and what is above the slanted sides.
@@ -266,7 +265,7 @@ fn surfaces_that_do_not_meet_as_asked_are_named() {
     }
     assert!(matches!(assembler.pairs(&Pairing::within("punch"), 2), Err(PairError::RigidSide { .. })));
     // A tool that begins inside the body: the report says how deep, and where.
-    let inside = Arc::new(body().with_rigid_surfaces(&[("punch", &punch(-0.2))]).unwrap());
+    let inside = body().with_rigid_surfaces(&[("punch", &punch(-0.2))]).unwrap();
     let report = Assembler::new(&inside).pairs(&Pairing::onto("top", "punch"), 2).unwrap();
     assert!(
         (report.deepest_overlap - 0.2).abs() < 1e-14 && report.deepest_at.unwrap()[1] == 1.0,
@@ -274,7 +273,7 @@ fn surfaces_that_do_not_meet_as_asked_are_named() {
     );
     // One that looks away faces nothing.
     let away = RigidSurface::along(&[[1.4, 1.1], [0.6, 1.1]]).unwrap();
-    let away = Arc::new(body().with_rigid_surfaces(&[("punch", &away)]).unwrap());
+    let away = body().with_rigid_surfaces(&[("punch", &away)]).unwrap();
     let told = Assembler::new(&away).pairs(&Pairing::onto("top", "punch"), 2).unwrap_err();
     assert!(matches!(&told, PairError::NoPartners { .. }), "{told}");
     // First touch moves the tool, by its name.
@@ -301,7 +300,7 @@ fn surfaces_that_do_not_meet_as_asked_are_named() {
 
 #[test]
 fn motions_and_loads() {
-    let mesh = Arc::new(body().with_rigid_surfaces(&[("punch", &punch(0.1))]).unwrap());
+    let mesh = body().with_rigid_surfaces(&[("punch", &punch(0.1))]).unwrap();
     let space = Space::vector(&mesh, 2).unwrap();
     let motion = RigidMap::<2>::turn(0.7, [1.0, 2.0]).then(&RigidMap::translation([0.3, -0.1]));
     let mut constraints = Constraints::new(&space);

@@ -32,7 +32,7 @@ fn solve<const D: usize>(
 where
     Dim: Dimension<D>,
 {
-    let (data, assembler) = (bodies::Data { load }, Assembler::new(space.mesh()));
+    let (data, assembler) = (bodies::data().load(load), Assembler::new(space.mesh()));
     let form = bodies::elasticity(&data, &bodies::Omega::on("all"), &bodies::Loaded::on(loaded));
     let problem = Problem::new(&form, space).assembler(&assembler);
     problem.constrained(constraints).solve().unwrap().into_field()
@@ -53,12 +53,12 @@ fn a_sector_that_repeats_by_rotation_is_a_sixth_of_the_annulus() {
     let (sin, cos) = (PI / 3.0).sin_cos();
     let sixth = RigidMap::rotation([[cos, -sin], [sin, cos]], [0.0; 2]);
     for degree in [1, 2, 3] {
-        let whole = Arc::new(annulus(1.0, 2.0, 2, 24, CellShape::Quadrilateral, 2).unwrap());
+        let whole = annulus(1.0, 2.0, 2, 24, CellShape::Quadrilateral, 2).unwrap();
         let polar = |[s, t]: [f64; 2]| {
             let (sin, cos) = (PI / 3.0 * t).sin_cos();
             [(1.0 + s) * cos, (1.0 + s) * sin]
         };
-        let sector = Arc::new(structured([2, 4], CellShape::Quadrilateral, 2, polar).unwrap());
+        let sector = structured([2, 4], CellShape::Quadrilateral, 2, polar).unwrap();
         let spaces = [&whole, &sector].map(|mesh| Space::vector(mesh, degree).unwrap());
         let mut clamped = Constraints::new(&spaces[0]);
         clamped.fix("inner", |_| [0.0; 2]).unwrap();
@@ -130,7 +130,7 @@ where
         (place[0], place[1]) = (r * cos, r * sin);
         times(&turn, &place)
     };
-    let mesh = Arc::new(structured(divisions, shape, 2, wedge).unwrap());
+    let mesh = structured(divisions, shape, 2, wedge).unwrap();
     let space = Space::vector(&mesh, 2).unwrap();
     let back = transposed(&turn);
     let radial = move |x: &[f64; D]| {
@@ -147,7 +147,7 @@ where
         Normals::Mean => constraints.slide_along("left", |_| -1.0).unwrap(),
         Normals::Given => constraints.slide("left", |x| times(&turn, &radial(x)), |_| 1.0).unwrap(),
     }
-    let u = solve(&space, &constraints, [0.0; D].into(), "right");
+    let u = solve(&space, &constraints, Given::constant([0.0; D]), "right");
     let error = |(node, x): (usize, &[f64; D])| {
         let direction = radial(x);
         let r = direction.iter().map(|x| x * x).sum::<f64>().sqrt();

@@ -24,7 +24,7 @@ fn quadratics_have_constant_second_derivatives_on_straight_cells() {
     // Straight quadrilaterals and hexahedra that are no parallelograms hold no quadratics: those of a grid do.
     for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
         for geometry in [1, 2] {
-            let mesh = Arc::new(rectangle([0.0; 2], [1.0, 2.0], [2, 3], shape, geometry).unwrap());
+            let mesh = rectangle([0.0; 2], [1.0, 2.0], [2, 3], shape, geometry).unwrap();
             let u = |x: &[f64; 2]| 3.0 * x[0] * x[0] - 2.0 * x[0] * x[1] + 0.5 * x[1] * x[1] + x[0];
             let field = Field::interpolate(&Space::scalar(&mesh, 2).unwrap(), u).unwrap();
             let found = Assembler::new(&mesh)
@@ -38,7 +38,7 @@ fn quadratics_have_constant_second_derivatives_on_straight_cells() {
         }
     }
     for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
-        let mesh = Arc::new(cuboid([0.0; 3], [1.0, 2.0, 1.5], [2, 2, 1], shape, 1).unwrap());
+        let mesh = cuboid([0.0; 3], [1.0, 2.0, 1.5], [2, 2, 1], shape, 1).unwrap();
         let u = |x: &[f64; 3]| x[0] * x[0] - 2.0 * x[0] * x[1] + 4.0 * x[1] * x[2] - 1.5 * x[2] * x[2];
         let field = Field::interpolate(&Space::scalar(&mesh, 2).unwrap(), u).unwrap();
         let found = Assembler::new(&mesh).at_points(&curved::bending(&field), &[[0.31, 0.47, 0.2]]).unwrap();
@@ -50,12 +50,12 @@ fn quadratics_have_constant_second_derivatives_on_straight_cells() {
 }
 
 /// A degree-2 mesh of a unit box whose points are moved by a smooth map.
-fn bent<const D: usize>(mesh: &Mesh<D>) -> Arc<Mesh<D>> {
+fn bent<const D: usize>(mesh: &Mesh<D>) -> Mesh<D> {
     let moved = |x: &[f64; D]| -> [f64; D] {
         std::array::from_fn(|k| x[k] + 0.08 * (1.0 + x[(k + 1) % D]) * (1.3 * x[(k + 1) % D] + x[k]).sin())
     };
     let nodes = mesh.nodes().iter().map(moved).collect();
-    Arc::new(Mesh::from_parts(mesh.cell_shape(0), 2, nodes, mesh.cells().to_vec()).unwrap())
+    Mesh::from_parts(mesh.cell_shape(0), 2, nodes, mesh.cells().to_vec()).unwrap()
 }
 
 macro_rules! differences_agree {
@@ -108,7 +108,7 @@ fn second_derivatives_are_those_of_the_gradient_on_curved_cells() {
 // Basis functions: uᵀ K u is the integral of the field's own second derivatives.
 #[test]
 fn matrices_with_second_derivatives_are_those_of_the_fields() {
-    let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [3, 2], CellShape::Triangle, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [2.0, 1.0], [3, 2], CellShape::Triangle, 1).unwrap();
     let space = Space::scalar(&mesh, 2).unwrap();
     let u = Field::interpolate(&space, |x| x[0] * x[0] + 3.0 * x[0] * x[1]).unwrap();
     let one = Field::interpolate(&space, |_| 1.0).unwrap();

@@ -82,17 +82,16 @@ mod creep {
 }
 
 fn crept(at: &ControlValues<2>, along: Option<&ControlValues<2>>) -> Result<creep::Model<2>, ControlError> {
-    let data = creep::Data {
-        conductivity: at.number("conductivity")?,
-        load: at.number("load")?,
-        stiffness: Given::field(&at.field("stiffness")?),
-        d_conductivity: along.map_or(Ok(0.0), |along| along.number("conductivity"))?,
-        d_load: along.map_or(Ok(0.0), |along| along.number("load"))?,
-        d_stiffness: match along {
+    let data = creep::data()
+        .conductivity(at.number("conductivity")?)
+        .load(at.number("load")?)
+        .stiffness(&at.field("stiffness")?)
+        .d_conductivity(along.map_or(Ok(0.0), |along| along.number("conductivity"))?)
+        .d_load(along.map_or(Ok(0.0), |along| along.number("load"))?)
+        .d_stiffness(match along {
             Some(along) => Given::field(&along.field("stiffness")?),
             None => Given::constant(0.0),
-        },
-    };
+        });
     Ok(creep::Model::new(data))
 }
 
@@ -105,7 +104,7 @@ struct Parts {
 const STEPS: usize = 6;
 
 fn parts() -> Parts {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [4, 3], CellShape::Triangle, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [4, 3], CellShape::Triangle, 1).unwrap();
     let space = Space::scalar(&mesh, 2).unwrap();
     let mut held = Constraints::new(&space);
     held.fix("left", |x| 0.3 * x[1]).unwrap();

@@ -135,13 +135,15 @@ fn heat(
 ) -> Result<heated::Model<2>, ControlError> {
     let d_conductivity = states.map_or(Ok(0.0), |states| states.along.number("conductivity"))?;
     let conductivity = during.number("conductivity")?;
-    Ok(heated::Model::new(heated::Rest { conductivity, d_conductivity }.with(during)))
+    Ok(heated::Model::new(
+        heated::data_from(during).conductivity(conductivity).d_conductivity(d_conductivity),
+    ))
 }
 
 /// Problems of first order have no second rates; what is missing is named.
 #[test]
 fn hessians_of_diffusion_and_what_is_missing() {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [3, 3], CellShape::Triangle, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [3, 3], CellShape::Triangle, 1).unwrap();
     let space = Space::scalar(&mesh, 1).unwrap();
     let mut held = Constraints::new(&space);
     held.fix("left", |_| 0.1).unwrap();

@@ -115,12 +115,12 @@ fn wave<const D: usize>(x: &[f64; D], seed: f64) -> [f64; D] {
 }
 
 /// The mesh with its nodes moved by a smooth map: cells are irregular, those of degree 2 curved.
-fn bent<const D: usize>(mesh: Mesh<D>) -> Arc<Mesh<D>> {
+fn bent<const D: usize>(mesh: Mesh<D>) -> Mesh<D> {
     let nodes = mesh.nodes().iter().map(|x| {
         let by = wave(x, 0.4);
         std::array::from_fn(|k| x[k] + 0.3 * by[k])
     });
-    Arc::new(mesh.with_nodes(nodes.collect()).unwrap())
+    mesh.with_nodes(nodes.collect()).unwrap()
 }
 
 /// A mesh with fields that keep their nodal values wherever it moves.
@@ -132,7 +132,7 @@ struct Body<const D: usize> {
 }
 
 impl<const D: usize> Body<D> {
-    fn new(mesh: &Arc<Mesh<D>>) -> Self {
+    fn new(mesh: &Mesh<D>) -> Self {
         let space = Space::vector(mesh, mesh.degree()).unwrap();
         let broken = Space::discontinuous_scalar(mesh, 1).unwrap();
         let values = (0..broken.unknowns()).map(|index| 1.0 + ((index * 37) % 11) as f64 / 11.0).collect();
@@ -189,21 +189,20 @@ macro_rules! agree {
             for (shape, degree) in $shapes.into_iter().flat_map(|shape| [(shape, 1), (shape, 2)]) {
                 let mesh: Mesh<$dimension> = $make(shape, degree).unwrap();
                 let body = Body::new(&bent(mesh));
-                let data = moving::Data::<$dimension> {
-                    mu: 1.3,
-                    source: Given::function_with_gradient(
+                let data = moving::data::<$dimension>()
+                    .mu(1.3)
+                    .source(Given::function_with_gradient(
                         |x| x[0] * x[1] + 1.0,
                         |x| std::array::from_fn(|k| if k < 2 { x[1 - k] } else { 0.0 }),
-                    ),
-                    pull: Given::function_with_gradient(
+                    ))
+                    .pull(Given::function_with_gradient(
                         |x| x.map(|x| x * x),
                         |x| {
                             let entry = |i: usize, j: usize| if i == j { 2.0 * x[i] } else { 0.0 };
                             std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
                         },
-                    ),
-                    stiffness: Given::constant(0.7),
-                };
+                    ))
+                    .stiffness(0.7);
                 let (omega, wall) = (moving::Omega::on("all"), moving::Wall::on("boundary"));
                 let skeleton = moving::Skeleton::on("interior");
                 let (along, other) = (body.movement(5.0), body.movement(6.0));
@@ -236,11 +235,7 @@ macro_rules! agree {
                     });
                 }
                 // The first derivative along one movement, differentiated along another: given data need second derivatives.
-                let plain = moving::Data {
-                    source: Given::constant(1.1),
-                    pull: Given::constant([0.4; $dimension]),
-                    ..data.clone()
-                };
+                let plain = data.clone().source(1.1).pull([0.4; $dimension]);
                 let twice = moving::residual_twice(&plain, &omega, &wall, u, v, &other, &along);
                 check!("twice", twice, |at| {
                     let carried =
@@ -309,15 +304,14 @@ agree!(
 
 #[test]
 fn a_missing_gradient_is_named() {
-    let mesh = Arc::new(rectangle([0.5, 0.2], [1.5, 1.4], [2, 2], CellShape::Triangle, 1).unwrap());
+    let mesh = rectangle([0.5, 0.2], [1.5, 1.4], [2, 2], CellShape::Triangle, 1).unwrap();
     let body = Body::new(&mesh);
     let along = body.movement(5.0);
-    let data = moving::Data::<2> {
-        mu: 1.0,
-        source: Given::constant(1.0),
-        pull: Given::function(|x| *x),
-        stiffness: Given::function(|x| x[0]),
-    };
+    let data = moving::data::<2>()
+        .mu(1.0)
+        .source(1.0)
+        .pull(Given::function(|x| *x))
+        .stiffness(Given::function(|x| x[0]));
     let (omega, wall) = (moving::Omega::on("all"), moving::Wall::on("boundary"));
     let form = moving::residual_along(&data, &omega, &wall, &body.u, &body.v, &along);
     let message = body.assembler.functional(&form).unwrap_err().to_string();
@@ -330,7 +324,7 @@ fn a_missing_gradient_is_named() {
 
 #[test]
 fn movements_that_are_none_are_told() {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1).unwrap();
     let inwards = Field::interpolate(&Space::of_geometry(&mesh).unwrap(), |x| [-x[0], 0.0]).unwrap();
     assert!(inwards.move_mesh(0.9).is_ok());
     let message = inwards.move_mesh(1.5).unwrap_err().to_string();
@@ -354,7 +348,7 @@ fn movements_that_are_none_are_told() {
 /// Two diagonals are equally long: the rate is their mean.
 #[test]
 fn the_diameter_grows_with_the_distance_of_its_vertices() {
-    let mesh = Arc::new(rectangle([0.0; 2], [3.0, 4.0], [1, 1], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [3.0, 4.0], [1, 1], CellShape::Quadrilateral, 1).unwrap();
     let stretch = Field::interpolate(&Space::of_geometry(&mesh).unwrap(), |x| [x[0], 0.0]).unwrap();
     assert!((stretch.rate_of_diameter().unwrap().values()[0] - 9.0 / 5.0).abs() < 1e-14);
     let shear = Field::interpolate(&Space::of_geometry(&mesh).unwrap(), |x| [x[1], 0.0]).unwrap();

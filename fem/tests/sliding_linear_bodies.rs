@@ -41,7 +41,7 @@ mod elastic {
 }
 
 fn data<const D: usize>(old: Given<[f64; D], D>, kappa: f64) -> elastic::Data<D> {
-    elastic::Data { lambda: 1.3, mu: 0.7, gamma0: 20.0, kappa, old, weight: [0.0; D].into() }
+    elastic::data().lambda(1.3).mu(0.7).gamma0(20.0).kappa(kappa).old(old).weight([0.0; D])
 }
 
 /// The path of the upper body: pressed, then moved sideways over more facets than the pattern of one iterate holds.
@@ -127,13 +127,12 @@ fn frictionless_in_space() {
 fn a_body_that_only_contact_holds() {
     let mut mesh = Mesh::clone(&boxes::<2>([4, 5], [0.0, 0.3]));
     mesh.name_cells("upper", |x| x[1] > 1.2).unwrap();
-    let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 1).unwrap();
     let mut plates = Constraints::new(&space);
     plates.fix("bottom", |_| [0.0; 2]).unwrap();
     plates.fix_component("top", 0, |_| 0.0).unwrap();
     let weight = 0.02;
-    let data = elastic::Data { weight: [0.0, -weight].into(), ..data([0.0; 2].into(), 0.0) };
+    let data = data(Given::constant([0.0; 2]), 0.0).weight([0.0, -weight]);
     let pairing = Pairing::between("below", "above");
     let form = elastic::balance(&data, &elastic::Omega::on("all"), &elastic::Touch::on(pairing.clone()));
     let down = Approach { moving: "upper".to_owned(), direction: [0.0, -1.0], overlap: 1e-3 };
@@ -158,7 +157,7 @@ fn a_body_that_only_contact_holds() {
 fn a_start_at_the_kink() {
     let body = |low, high, counts| rectangle(low, high, counts, CellShape::Triangle, 1).unwrap();
     let (lower, upper) = (body([0.0, 0.0], [2.0, 1.0], [16, 8]), body([0.7, 1.0], [1.4, 1.5], [7, 5]));
-    let mesh = Arc::new(Mesh::of_bodies(&[("lower", &lower), ("upper", &upper)]).unwrap());
+    let mesh = Mesh::of_bodies(&[("lower", &lower), ("upper", &upper)]).unwrap();
     let space = Space::vector(&mesh, 1).unwrap();
     let mut plates = Constraints::new(&space);
     plates.fix("lower bottom", |_| [0.0; 2]).unwrap();
@@ -173,7 +172,7 @@ fn a_start_at_the_kink() {
     }
     let lowered = Field::from_values(&space, lowered).unwrap();
     for (kappa, most) in [(0.0, 5), (0.3, 9)] {
-        let data = data([0.0; 2].into(), kappa);
+        let data = data(Given::constant([0.0; 2]), kappa);
         let form = elastic::balance(&data, &elastic::Omega::on("all"), &touch);
         let from = |start: &Field<2>| {
             let line_search = LineSearch::OnResidual;
@@ -192,7 +191,7 @@ fn a_start_at_the_kink() {
     let mut held = Constraints::new(&space);
     held.fix("lower bottom", |_| [0.0; 2]).unwrap();
     held.fix("upper top", |_| [0.0; 2]).unwrap();
-    let data = data([0.0; 2].into(), 0.3);
+    let data = data(Given::constant([0.0; 2]), 0.3);
     let form = elastic::balance(&data, &elastic::Omega::on("all"), &touch);
     let still = Problem::new(&form, &space).constrained(&held).solve().unwrap();
     assert_eq!((still.iterations(), still.field().values().iter().any(|u| *u != 0.0)), (0, false));
@@ -206,7 +205,7 @@ fn lost_points_are_named() {
     let mut plates = Constraints::new(&space);
     plates.fix("bottom", |_| [0.0; 2]).unwrap();
     plates.fix("top", |_| [0.0, -0.05]).unwrap();
-    let data = data([0.0; 2].into(), 0.0);
+    let data = data(Given::constant([0.0; 2]), 0.0);
     let touch = elastic::Touch::on(Pairing::onto("below", "above"));
     let form = elastic::balance(&data, &elastic::Omega::on("all"), &touch);
     let options = NewtonOptions { max_iterations: 1, ..NewtonOptions::default() };

@@ -59,7 +59,7 @@ pub(crate) mod rubber {
 
 /// Two boxes [0, 1]^D, the second one on top of the first and shifted by `offset`, with the given number of cells along each axis; the sides
 /// that meet are "below" and "above", both together "touch", the lowest side "bottom", the highest "top".
-pub(crate) fn boxes<const D: usize>(cells: [usize; 2], offset: [f64; D]) -> Arc<Mesh<D>> {
+pub(crate) fn boxes<const D: usize>(cells: [usize; 2], offset: [f64; D]) -> Mesh<D> {
     let (mut nodes, mut corners) = (Vec::new(), Vec::new());
     for (body, count) in cells.into_iter().enumerate() {
         let start = nodes.len();
@@ -96,11 +96,11 @@ pub(crate) fn boxes<const D: usize>(cells: [usize; 2], offset: [f64; D]) -> Arc<
         let side = |x: &[f64; D]| near(x[axis], 0.0) || near(x[axis], 1.0);
         mesh.name_facets(&format!("sides {axis}"), "boundary", side).expect("there");
     }
-    Arc::new(mesh)
+    mesh
 }
 
 fn data<const D: usize>(kappa: f64) -> rubber::Data<D> {
-    rubber::Data { lambda: 1.3, mu: 0.7, gamma0: 10.0, kappa, old: [0.0; D].into() }
+    rubber::data().lambda(1.3).mu(0.7).gamma0(10.0).kappa(kappa).old([0.0; D])
 }
 
 fn all() -> rubber::Omega {
@@ -274,7 +274,7 @@ where
     let mu = young / (2.0 * (1.0 + poisson));
     let mesh = boxes([3, 3], offset);
     let space = Space::vector(&mesh, 1).unwrap();
-    let data = rubber::Data { lambda, mu, gamma0: 20.0 * young, kappa: 0.3, old: [0.0; D].into() };
+    let data = rubber::data().lambda(lambda).mu(mu).gamma0(20.0 * young).kappa(0.3).old([0.0; D]);
     let form = rubber::balance(&data, &all(), &rubber::Touch::on(pairing.clone()));
     let mut plates = Constraints::new(&space);
     plates.fix("bottom", |_| [0.0; D]).unwrap();
@@ -332,7 +332,7 @@ fn what_displaces_nothing_is_refused() {
     }
     let mesh = boxes([2, 2], [0.0, 0.1]);
     let touch = fixed::Touch::on(Pairing::between("below", "above"));
-    let constant = fixed::Data { w: [0.0, 0.1].into() };
+    let constant = fixed::data().w([0.0, 0.1]);
     let error = Assembler::new(&mesh).functional(&fixed::distance(&constant, &touch)).unwrap_err();
     assert_eq!(
         error.to_string(),
@@ -340,7 +340,7 @@ fn what_displaces_nothing_is_refused() {
          space of cells"
     );
     let space = Space::vector(&mesh, 1).unwrap();
-    let data = fixed::Data { w: Given::field(Field::zero(&space)) };
+    let data = fixed::data().w(Field::zero(&space));
     let gap = Assembler::new(&mesh).functional(&fixed::distance(&data, &touch)).unwrap();
     assert!((gap - 0.2).abs() < 1e-14, "{gap}");
 }

@@ -34,10 +34,10 @@ fn close(found: f64, expected: f64, tolerance: f64) {
 #[test]
 fn zeros_inside_a_facet_cost_no_accuracy() {
     for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
-        let mesh = Arc::new(rectangle([0.0, 0.0], [3.0, 1.0], [3, 1], shape, 1).unwrap());
+        let mesh = rectangle([0.0, 0.0], [3.0, 1.0], [3, 1], shape, 1).unwrap();
         let space = Space::scalar(&mesh, 2).unwrap();
         let w = Field::interpolate(&space, |x| (x[0] - 0.3) * (x[0] - 0.55)).unwrap();
-        let data = contact::Data { level: 0.0 };
+        let data = contact::data().level(0.0);
         let gamma = Gamma::on("bottom");
         let whole = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(5));
         let split = whole.split_at_zeros(&contact::above(&data, &w), "bottom", 2).unwrap();
@@ -53,7 +53,7 @@ fn zeros_inside_a_facet_cost_no_accuracy() {
         // Of another region nothing is split, and a state without zeros makes facets whole again.
         let top = contact::measure(&data, &Gamma::on("top"), &w);
         assert_eq!(split.functional(&top).unwrap(), whole.functional(&top).unwrap());
-        let far = contact::above(&contact::Data { level: -9.0 }, &w);
+        let far = contact::above(&contact::data().level(-9.0), &w);
         let again = split.split_at_zeros(&far, "bottom", 2).unwrap();
         assert_eq!(again.quadrature(), whole.quadrature());
     }
@@ -62,11 +62,11 @@ fn zeros_inside_a_facet_cost_no_accuracy() {
 #[test]
 fn in_space_affine_scalars_are_split_exactly() {
     for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
-        let mesh = Arc::new(cuboid([0.0; 3], [2.0, 1.0, 1.0], [3, 2, 1], shape, 1).unwrap());
+        let mesh = cuboid([0.0; 3], [2.0, 1.0, 1.0], [3, 2, 1], shape, 1).unwrap();
         let space = Space::scalar(&mesh, 1).unwrap();
         // Positive below the line from (1.7, 0) to (0, 17/18).
         let w = Field::interpolate(&space, |x| 1.7 - x[0] - 1.8 * x[1] + x[2]).unwrap();
-        let data = contact::Data { level: 0.0 };
+        let data = contact::data().level(0.0);
         let whole = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(3));
         let gamma = Gamma::on("bottom");
         let measure = contact::measure(&data, &gamma, &w);
@@ -87,13 +87,12 @@ fn in_space_affine_scalars_are_split_exactly() {
 /// that whole rules do not integrate.
 #[test]
 fn newtons_method_follows_the_split_of_each_iterate() {
-    let mesh = Arc::new(rectangle([-1.0, 0.0], [1.0, 1.0], [1, 1], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([-1.0, 0.0], [1.0, 1.0], [1, 1], CellShape::Quadrilateral, 1).unwrap();
     let space = Space::on_facets(&mesh, "bottom", 1).unwrap();
-    let form = contact::spring(&contact::Data { level: 0.0 }, &Gamma::on("bottom"));
+    let form = contact::spring(&contact::data().level(0.0), &Gamma::on("bottom"));
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));
-    let indicator = |r: &Field<2>| {
-        assembler.split_at_zeros(&contact::above(&contact::Data { level: 0.0 }, r), "bottom", 1)
-    };
+    let indicator =
+        |r: &Field<2>| assembler.split_at_zeros(&contact::above(&contact::data().level(0.0), r), "bottom", 1);
     let solve = |split: bool| {
         let mut problem = Problem::new(&form, &space).assembler(&assembler);
         if split {
@@ -125,12 +124,12 @@ fn newtons_method_follows_the_split_of_each_iterate() {
 
 #[test]
 fn an_explicit_rule_on_squares_cannot_be_split() {
-    let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [1, 1, 1], CellShape::Hexahedron, 1).unwrap());
+    let mesh = cuboid([0.0; 3], [1.0; 3], [1, 1, 1], CellShape::Hexahedron, 1).unwrap();
     let w = Field::interpolate(&Space::scalar(&mesh, 1).unwrap(), |x| x[0] - 0.3).unwrap();
     let cell = QuadratureRule { points: vec![[0.5; 3]], weights: vec![1.0] };
     let facet = QuadratureRule { points: vec![[0.5; 2]], weights: vec![1.0] };
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Explicit { cell, facet });
-    let data = contact::Data { level: 0.0 };
+    let data = contact::data().level(0.0);
     let split = assembler.split_at_zeros(&contact::above(&data, &w), "bottom", 1).unwrap();
     let error = split.functional(&contact::measure(&data, &Gamma::on("bottom"), &w)).unwrap_err();
     assert!(error.to_string().contains("triangles of a split facet"), "{error}");

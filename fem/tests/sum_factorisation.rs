@@ -40,7 +40,7 @@ mod products {
 use products::*;
 
 /// Cells that are no parallelograms, with curved edges in degree 2.
-fn bent<const D: usize>(flat: Mesh<D>, degree: usize) -> Arc<Mesh<D>> {
+fn bent<const D: usize>(flat: Mesh<D>, degree: usize) -> Mesh<D> {
     let nodes = flat.nodes().iter();
     let nodes = nodes.map(|x| {
         let mut y = *x;
@@ -49,7 +49,7 @@ fn bent<const D: usize>(flat: Mesh<D>, degree: usize) -> Arc<Mesh<D>> {
         y[D - 1] += 0.04 * x[0] * x[0];
         y
     });
-    Arc::new(Mesh::from_parts(flat.cell_shape(0), degree, nodes.collect(), flat.cells().to_vec()).unwrap())
+    Mesh::from_parts(flat.cell_shape(0), degree, nodes.collect(), flat.cells().to_vec()).unwrap()
 }
 
 /// Gauss points, and the same with one more that does nothing.
@@ -85,7 +85,7 @@ macro_rules! check {
         let scalars = Space::scalar(mesh, degree).unwrap();
         let vectors = Space::vector(mesh, degree).unwrap();
         let (u, w) = (wave(&scalars, 0.3), wave(&vectors, 0.002));
-        let data = Data { wind: [0.4; $D], load: Given::field(&u), body: Given::field(&w) };
+        let data = data().wind([0.4; $D]).load(&u).body(&w);
         let omega = &Omega::on("all");
         let transport = transport(&data, omega);
         let poisson = poisson(&data, omega);
@@ -136,7 +136,7 @@ fn element_kernels_sum_along_axes_too() {
     let size = element.nodes();
     let coordinates: Vec<f64> = mesh.cell(0).iter().flat_map(|node| mesh.nodes()[*node as usize]).collect();
     let [along, direct] = rules::<3>(CellShape::Hexahedron, 4).map(|rule| {
-        let data = Data { wind: [0.4; 3], load: 0.0.into(), body: [0.0; 3].into() };
+        let data = data().wind([0.4; 3]).load(0.0).body([0.0; 3]);
         let layout = ElementLayout {
             geometry: Lagrange::new(CellShape::Hexahedron, 1).unwrap(),
             element,

@@ -107,18 +107,16 @@ pub fn swung(
     states: Option<&SecondOrderMotion<2>>,
 ) -> Result<swinging::Model<2>, ControlError> {
     let along = states.map(|states| states.along);
-    let data = swinging::Rest {
-        density: during.number("density")?,
-        stiffness: Given::field(&during.field("stiffness")?),
-        pull: during.number("pull")?,
-        d_density: along.map_or(Ok(0.0), |along| along.number("density"))?,
-        d_stiffness: match along {
+    let data = swinging::data_from(during)
+        .density(during.number("density")?)
+        .stiffness(&during.field("stiffness")?)
+        .pull(during.number("pull")?)
+        .d_density(along.map_or(Ok(0.0), |along| along.number("density"))?)
+        .d_stiffness(match along {
             Some(along) => Given::field(&along.field("stiffness")?),
             None => Given::constant(0.0),
-        },
-        d_pull: along.map_or(Ok(0.0), |along| along.number("pull"))?,
-    }
-    .with(during);
+        })
+        .d_pull(along.map_or(Ok(0.0), |along| along.number("pull"))?);
     Ok(swinging::Model { data, regions: swinging::Regions::default() })
 }
 
@@ -134,7 +132,7 @@ pub struct Body {
 
 impl Body {
     pub fn new(cells: [usize; 2]) -> Self {
-        let mesh = Arc::new(rectangle([0.0; 2], [1.0, 0.3], cells, CellShape::Quadrilateral, 1).unwrap());
+        let mesh = rectangle([0.0; 2], [1.0, 0.3], cells, CellShape::Quadrilateral, 1).unwrap();
         let space = Space::vector(&mesh, 1).unwrap();
         let mut held = Constraints::new(&space);
         held.fix("left", |_| [0.0; 2]).unwrap();
@@ -150,15 +148,13 @@ impl Body {
             .start("start", &start)
             .start_rate("rate", &rate);
         let nothing = || Given::constant(0.0);
-        let data = swinging::Rest {
-            density: 0.0,
-            stiffness: nothing(),
-            pull: 0.0,
-            d_density: 0.0,
-            d_stiffness: nothing(),
-            d_pull: 0.0,
-        }
-        .with(forms_fem::time::operators::vector::Data::default());
+        let data = swinging::data_from(forms_fem::time::operators::vector::Data::default())
+            .density(0.0)
+            .stiffness(nothing())
+            .pull(0.0)
+            .d_density(0.0)
+            .d_stiffness(nothing())
+            .d_pull(0.0);
         let criterion = swinging::Model { data, regions: swinging::Regions::default() };
         Body { space, held, controls, criterion }
     }

@@ -42,11 +42,11 @@ mod terms {
 const THREADS: [usize; 3] = [2, 3, 5];
 
 fn data<const D: usize>() -> terms::Data<D> {
-    terms::Data { mu: 1.3, pressure: 0.7 }
+    terms::data().mu(1.3).pressure(0.7)
 }
 
 /// The mesh with its cells and nodes numbered at random, and a cell region "core".
-fn shuffled<const D: usize>(mesh: Mesh<D>) -> Arc<Mesh<D>> {
+fn shuffled<const D: usize>(mesh: Mesh<D>) -> Mesh<D> {
     let permutation = |count: usize| {
         let mut numbers: Vec<usize> = (0..count).collect();
         let mut state = 12_345_u64;
@@ -64,12 +64,12 @@ fn shuffled<const D: usize>(mesh: Mesh<D>) -> Arc<Mesh<D>> {
     let numbers = cells.iter().flat_map(|&cell| mesh.cell(cell)).map(|&node| nodes[node as usize] as u32);
     let mut mesh = Mesh::from_parts(mesh.cell_shape(0), mesh.degree(), places, numbers.collect()).unwrap();
     mesh.name_cells("core", |centre| centre.iter().all(|x| (x - 0.5).abs() < 0.3)).unwrap();
-    Arc::new(mesh)
+    mesh
 }
 
-fn structured<const D: usize>(mut mesh: Mesh<D>) -> Arc<Mesh<D>> {
+fn structured<const D: usize>(mut mesh: Mesh<D>) -> Mesh<D> {
     mesh.name_cells("core", |centre| centre.iter().all(|x| (x - 0.5).abs() < 0.3)).unwrap();
-    Arc::new(mesh)
+    mesh
 }
 
 fn wave<const D: usize>(space: &Arc<Space<D>>) -> Field<D> {
@@ -78,7 +78,7 @@ fn wave<const D: usize>(space: &Arc<Space<D>>) -> Field<D> {
 }
 
 /// Tangent and residual of a form for each number of threads.
-fn same<const D: usize>(form: &Form<D>, mesh: &Arc<Mesh<D>>, spaces: &[&Arc<Space<D>>]) {
+fn same<const D: usize>(form: &Form<D>, mesh: &Mesh<D>, spaces: &[&Arc<Space<D>>]) {
     let fields: Vec<Field<D>> = spaces.iter().map(|space| wave(space)).collect();
     let fields: Vec<&Field<D>> = fields.iter().collect();
     let pattern = BlockPattern::for_form(form, spaces, spaces).unwrap();

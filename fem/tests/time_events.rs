@@ -16,8 +16,10 @@ const HEIGHT: f64 = 2.0;
 fn falling(space: &Arc<Space<2>>, scheme: impl Scheme + 'static) -> TimeLoop<'static, 2> {
     let form = |step: &Step<2>| {
         let (mass, force) = (2.0, -2.0 * GRAVITY);
-        spring::Model::new(spring::Rest { mass, damping: 0.0, stiffness: 0.0, cubic: 0.0, force }.with(step))
-            .motion()
+        spring::Model::new(
+            spring::data_from(step).mass(mass).damping(0.0).stiffness(0.0).cubic(0.0).force(force),
+        )
+        .motion()
     };
     TimeLoop::new(form, scheme, State::at_rest(1.0, same(space, HEIGHT)))
 }

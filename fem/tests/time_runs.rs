@@ -94,7 +94,7 @@ fn coefficients_that_change_do_not_go_unnoticed() -> Outcome {
 /// One next to another that is 10¹³ times as heavy and as stiff.
 #[test]
 fn a_soft_spring_that_changes_is_not_hidden_by_a_stiff_one() -> Outcome {
-    let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [2, 1], CellShape::Quadrilateral, 1)?);
+    let mesh = rectangle([0.0; 2], [2.0, 1.0], [2, 1], CellShape::Quadrilateral, 1)?;
     let space = Space::discontinuous_scalar(&mesh, 0)?;
     let form = |step: &Step<2>| {
         let soft = if step.time > 0.95 { 9.0 } else { 7.0 };
@@ -102,7 +102,7 @@ fn a_soft_spring_that_changes_is_not_hidden_by_a_stiff_one() -> Outcome {
             Given::function(move |x: &[f64; 2]| if x[0] < 1.0 { left } else { right })
         };
         let (mass, stiffness) = (of_cells(1e13, 1.0), of_cells(7e13, soft));
-        springs::Model::new(springs::Rest { mass, stiffness }.with(step)).motion()
+        springs::Model::new(springs::data_from(step).mass(mass).stiffness(stiffness)).motion()
     };
     let start = || State::at_rest(0.0, same(&space, 1.0));
     let mut checked = TimeLoop::new(form, GeneralisedAlpha::trapezoidal(), start());
@@ -153,7 +153,7 @@ fn what_is_no_step_is_refused() -> Outcome {
         error.to_string().contains("from t = 0 to 0.1") && error.to_string().contains("goes from"),
         "{error}"
     );
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Triangle, 1)?);
+    let mesh = rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Triangle, 1)?;
     let space = Space::scalar(&mesh, 2)?;
     let mut motion = TimeLoop::new(form, CentralDifferences, State::at_rest(0.0, same(&space, 1.0)));
     assert!(motion.take(0.1).is_ok());
@@ -201,7 +201,7 @@ fn a_run_goes_on_from_a_file_with_the_same_bits() -> Outcome {
 
     // No file, another space, a damaged file.
     assert!(Checkpoint::read(directory.path().join("none"), &space)?.is_none());
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0, 2.0], [1, 1], CellShape::Quadrilateral, 1)?);
+    let mesh = rectangle([0.0; 2], [1.0, 2.0], [1, 1], CellShape::Quadrilateral, 1)?;
     let other = Checkpoint::read(&path, &Space::scalar(&mesh, 1)?);
     assert!(matches!(other, Err(CheckpointError::OtherSpace { .. })));
     let text = std::fs::read_to_string(&path)?;
@@ -218,7 +218,7 @@ fn adaptive_steps_keep_their_tolerance() -> Outcome {
     // At rest until a load comes at t = 1.
     let form = |step: &Step<2>| {
         let force = if step.time > 1.0 { 40.0 } else { 0.0 };
-        let data = spring::Rest { mass: 1.0, damping: 0.0, stiffness: 100.0, cubic: 0.0, force }.with(step);
+        let data = spring::data_from(step).mass(1.0).damping(0.0).stiffness(100.0).cubic(0.0).force(force);
         spring::Model::new(data).motion()
     };
     let exact = |t: f64| 0.4 * (1.0 - (10.0 * (t - 1.0)).cos());

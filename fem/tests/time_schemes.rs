@@ -49,7 +49,14 @@ impl Oscillator {
         move |step| {
             let Oscillator { mass, damping, stiffness, force } = self;
             let force = force * (DRIVEN * step.time).cos();
-            spring::Model::new(spring::Rest { mass, damping, stiffness, cubic, force }.with(step))
+            spring::Model::new(
+                spring::data_from(step)
+                    .mass(mass)
+                    .damping(damping)
+                    .stiffness(stiffness)
+                    .cubic(cubic)
+                    .force(force),
+            )
         }
     }
 
@@ -78,7 +85,7 @@ impl Oscillator {
 }
 
 pub(super) fn cell() -> Result<Arc<Space<2>>, Box<dyn std::error::Error>> {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Quadrilateral, 1)?);
+    let mesh = rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Quadrilateral, 1)?;
     Ok(Space::scalar(&mesh, 1)?)
 }
 

@@ -43,13 +43,13 @@ fn form(step: &Step<2>) -> Form<2> {
 }
 
 fn model(step: forms_fem::time::operators::vector::Data<2>) -> bar::Model<2> {
-    bar::Model::new(bar::Rest { rho: DENSITY, youngs_modulus: YOUNGS_MODULUS }.with(step))
+    bar::Model::new(bar::data_from(step).rho(DENSITY).youngs_modulus(YOUNGS_MODULUS))
 }
 
 /// A bar on 0..1 with elements of degree three, whose error is far below that of the steps.
 fn space() -> Outcome<Arc<Space<2>>> {
     let mesh = rectangle([0.0; 2], [1.0, 0.1], [10, 1], CellShape::Quadrilateral, 1)?;
-    Ok(Space::vector(&Arc::new(mesh), 3)?)
+    Ok(Space::vector(&mesh, 3)?)
 }
 
 fn exact(space: &Arc<Space<2>>, time: f64) -> Outcome<State<2>> {

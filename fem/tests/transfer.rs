@@ -29,7 +29,7 @@ fn polynomial<const D: usize>(degree: usize) -> impl Fn(&[f64; D]) -> f64 {
     }
 }
 
-fn polynomials_come_through<const D: usize>(from: &Arc<Mesh<D>>, to: &Arc<Mesh<D>>) -> Outcome
+fn polynomials_come_through<const D: usize>(from: &Mesh<D>, to: &Mesh<D>) -> Outcome
 where
     Dim: Dimension<D>,
 {
@@ -55,7 +55,7 @@ where
 
 #[test]
 fn polynomials_of_degrees_1_to_4_in_the_plane() -> Outcome {
-    let mesh = |divisions, shape| rectangle([0.0; 2], [1.5, 1.0], divisions, shape, 1).map(Arc::new);
+    let mesh = |divisions, shape| rectangle([0.0; 2], [1.5, 1.0], divisions, shape, 1);
     let (triangles, squares) = (mesh([5, 3], CellShape::Triangle)?, mesh([4, 4], CellShape::Quadrilateral)?);
     polynomials_come_through(&triangles, &squares)?;
     polynomials_come_through(&squares, &mesh([3, 7], CellShape::Triangle)?)
@@ -63,7 +63,7 @@ fn polynomials_of_degrees_1_to_4_in_the_plane() -> Outcome {
 
 #[test]
 fn polynomials_of_degrees_1_to_4_in_space() -> Outcome {
-    let mesh = |divisions, shape| cuboid([0.0; 3], [1.5, 1.0, 0.5], divisions, shape, 1).map(Arc::new);
+    let mesh = |divisions, shape| cuboid([0.0; 3], [1.5, 1.0, 0.5], divisions, shape, 1);
     let (tetrahedra, bricks) =
         (mesh([2, 3, 1], CellShape::Tetrahedron)?, mesh([3, 1, 2], CellShape::Hexahedron)?);
     polynomials_come_through(&tetrahedra, &bricks)?;
@@ -74,7 +74,7 @@ fn polynomials_of_degrees_1_to_4_in_space() -> Outcome {
 /// other: there the nearest cell's polynomial goes on.
 #[test]
 fn linear_vectors_between_curved_meshes() -> Outcome {
-    let mesh = |around| annulus(20.0, 25.0, 2, around, CellShape::Triangle, 2).map(Arc::new);
+    let mesh = |around| annulus(20.0, 25.0, 2, around, CellShape::Triangle, 2);
     let (from, to) = (mesh(16)?, mesh(23)?);
     let function = |x: &[f64; 2]| [2.0 * x[0] - x[1] + 1.0, 0.5 * x[1] - 3.0];
     let (source, space) = (Space::vector(&from, 2)?, Space::vector(&to, 2)?);
@@ -92,8 +92,8 @@ fn linear_vectors_between_curved_meshes() -> Outcome {
 /// |x − 0.4| is no polynomial on any cell that the kink crosses: quadrature alone misses some of its integral.
 #[test]
 fn integrals_are_kept() -> Outcome {
-    let from = Arc::new(rectangle([0.0; 2], [1.0; 2], [5, 4], CellShape::Triangle, 1)?);
-    let to = Arc::new(rectangle([0.0; 2], [1.0; 2], [7, 3], CellShape::Quadrilateral, 1)?);
+    let from = rectangle([0.0; 2], [1.0; 2], [5, 4], CellShape::Triangle, 1)?;
+    let to = rectangle([0.0; 2], [1.0; 2], [7, 3], CellShape::Quadrilateral, 1)?;
     let kink = |x: &[f64; 2]| (x[0] - 0.4).abs() + x[1];
     let field = Field::interpolate(&Space::scalar(&from, 1)?, kink)?;
     let space = Space::scalar(&to, 2)?;
@@ -115,7 +115,7 @@ fn distorted<const D: usize>(x: &[f64; D]) -> [f64; D] {
 }
 
 /// Integrals before and after, by a rule that is exact for the polynomials of all cells.
-fn keeps_integrals<const D: usize>(from: &Arc<Mesh<D>>, to: &Arc<Mesh<D>>) -> Outcome
+fn keeps_integrals<const D: usize>(from: &Mesh<D>, to: &Mesh<D>) -> Outcome
 where
     Dim: Dimension<D>,
 {
@@ -142,11 +142,11 @@ where
 #[test]
 fn integrals_are_kept_on_distorted_cells() -> Outcome {
     for degree in 1..=2 {
-        let plane = |divisions, shape| structured(divisions, shape, degree, |x| distorted(&x)).map(Arc::new);
+        let plane = |divisions, shape| structured(divisions, shape, degree, |x| distorted(&x));
         let quadrilaterals = plane([5, 4], CellShape::Quadrilateral)?;
         keeps_integrals(&quadrilaterals, &plane([4, 7], CellShape::Quadrilateral)?)?;
         keeps_integrals(&quadrilaterals, &plane([3, 3], CellShape::Triangle)?)?;
-        let space = |divisions, shape| structured(divisions, shape, degree, |x| distorted(&x)).map(Arc::new);
+        let space = |divisions, shape| structured(divisions, shape, degree, |x| distorted(&x));
         let hexahedra = space([3, 2, 2], CellShape::Hexahedron)?;
         keeps_integrals(&hexahedra, &space([2, 3, 2], CellShape::Hexahedron)?)?;
         keeps_integrals(&space([2; 3], CellShape::Tetrahedron)?, &hexahedra)?;
@@ -161,7 +161,7 @@ fn fields_on_parts_of_a_mesh() -> Outcome {
         let mut ring = annulus(1.0, 2.0, 4, 16, shape, 2)?;
         ring.name_cells("lining", |x| x[0].hypot(x[1]) < 1.25)?;
         let part = ring.part("lining")?;
-        let (ring, lining) = (Arc::new(ring), Arc::new(part.mesh));
+        let lining = part.mesh;
         for degree in 1..=4 {
             let wave = |x: &[f64; 2]| (3.0 * x[0]).sin() * x[1];
             let field = Field::interpolate(&Space::scalar(&ring, degree)?, wave)?;
@@ -184,7 +184,7 @@ fn fields_on_parts_of_a_mesh() -> Outcome {
 /// Of all fields of the target the projection is nearest in L²: nearer than the interpolant, and by more than rounding.
 #[test]
 fn the_projection_is_nearer_than_the_interpolant() -> Outcome {
-    let mesh = |n| rectangle([0.0; 2], [1.0; 2], [n, n], CellShape::Triangle, 1).map(Arc::new);
+    let mesh = |n| rectangle([0.0; 2], [1.0; 2], [n, n], CellShape::Triangle, 1);
     let (from, to) = (mesh(24)?, mesh(6)?);
     let wave = |x: &[f64; 2]| (5.0 * x[0]).sin() * (4.0 * x[1]).cos();
     let field = Field::interpolate(&Space::scalar(&from, 2)?, wave)?;
@@ -200,8 +200,8 @@ fn the_projection_is_nearer_than_the_interpolant() -> Outcome {
 #[test]
 fn jumps_stay_on_their_side() -> Outcome {
     for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
-        let coarse = Arc::new(rectangle([0.0; 2], [1.0; 2], [3, 2], shape, 1)?);
-        let fine = Arc::new(coarse.refined()?);
+        let coarse = rectangle([0.0; 2], [1.0; 2], [3, 2], shape, 1)?;
+        let fine = coarse.refined()?;
         let constants = Space::discontinuous_scalar(&coarse, 0)?;
         let values = (0..constants.unknowns()).map(|cell| (cell * cell) as f64).collect();
         let field = Field::from_values(&constants, values)?;
@@ -218,13 +218,13 @@ fn jumps_stay_on_their_side() -> Outcome {
 
 #[test]
 fn bits_do_not_depend_on_threads() -> Outcome {
-    let mesh = |n, shape| rectangle([0.0; 2], [1.0; 2], [n, n], shape, 1).map(Arc::new);
+    let mesh = |n, shape| rectangle([0.0; 2], [1.0; 2], [n, n], shape, 1);
     same_bits(&mesh(9, CellShape::Triangle)?, &mesh(11, CellShape::Quadrilateral)?)?;
     // Enough unknowns that each loop is cut among threads.
     same_bits(&mesh(40, CellShape::Quadrilateral)?, &mesh(100, CellShape::Triangle)?)
 }
 
-fn same_bits(from: &Arc<Mesh<2>>, to: &Arc<Mesh<2>>) -> Outcome {
+fn same_bits(from: &Mesh<2>, to: &Mesh<2>) -> Outcome {
     let field = Field::interpolate(&Space::scalar(from, 2)?, |x| (3.0 * x[0]).exp() * x[1])?;
     let space = Space::scalar(to, 2)?;
     let bits = |field: Field<2>| field.values().iter().map(|value| value.to_bits()).collect::<Vec<_>>();
@@ -241,7 +241,7 @@ fn same_bits(from: &Arc<Mesh<2>>, to: &Arc<Mesh<2>>) -> Outcome {
 
 #[test]
 fn what_does_not_fit_is_named() -> Outcome {
-    let mesh = |width| rectangle([0.0; 2], [width, 1.0], [4, 4], CellShape::Triangle, 1).map(Arc::new);
+    let mesh = |width| rectangle([0.0; 2], [width, 1.0], [4, 4], CellShape::Triangle, 1);
     let (small, large) = (mesh(1.0)?, mesh(2.0)?);
     let field = Field::interpolate(&Space::scalar(&small, 1)?, |x| x[0])?;
     let message =

@@ -1,7 +1,6 @@
 //! The notice that kernels are not optimised: once per process, and silent where it is asked to be.
 
 use std::process::Command;
-use std::sync::Arc;
 
 use forms_fem::contract::{FieldDescription, Formula, Inputs, Integrals};
 use forms_fem::prelude::*;
@@ -34,7 +33,7 @@ fn said(silent: bool) -> String {
 fn told_once_per_process() {
     if std::env::var_os(CHILD).is_some() {
         let mesh = rectangle([0.0, 0.0], [1.0, 1.0], [1, 1], CellShape::Triangle, 1).expect("a mesh");
-        let assembler = Assembler::new(&Arc::new(mesh));
+        let assembler = Assembler::new(&mesh);
         let inputs = Inputs { optimised: false, ..Inputs::empty() };
         let form = Functional::of::<Nothing>("length", &Formula::NONE, inputs);
         for _ in 0..2 {

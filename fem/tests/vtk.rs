@@ -183,7 +183,7 @@ fn meshes_of_all_generators_come_back() {
 // The points of each cell by themselves are joined again, and told of if they are not.
 #[test]
 fn points_of_fields_that_jump_are_joined() {
-    let mesh = Arc::new(rectangle([-1.0, 0.0], [1.0, 1.0], [2, 1], CellShape::Quadrilateral, 2).unwrap());
+    let mesh = rectangle([-1.0, 0.0], [1.0, 1.0], [2, 1], CellShape::Quadrilateral, 2).unwrap();
     let jump = Field::zero(&Space::discontinuous_scalar(&mesh, 1).unwrap());
     let file = VtuFile::new(&mesh).point_data("jump", &jump).unwrap();
     let apart = written_and_read(&file, "apart", |path| VtkReader::new().read::<2>(path));
@@ -214,7 +214,7 @@ mod problems {
 fn linear_displacements_are_exact_on_what_was_read() {
     let exact = |x: &[f64; 2]| [0.1 + 0.3 * x[0] - 0.2 * x[1], 0.05 * x[0] + 0.4 * x[1] - 0.3];
     for name in ["house_vtk_raw.vtu", "plate_meshio_zlib.vtu", "plate_meshio_51.vtk"] {
-        let mesh = Arc::new(Mesh::<2>::read_vtk(path(name)).unwrap());
+        let mesh = Mesh::<2>::read_vtk(path(name)).unwrap();
         let (assembler, space) = (Assembler::new(&mesh), Space::vector(&mesh, 2).unwrap());
         let form = problems::elasticity(&problems::Omega::on("all"));
         let mut constraints = Constraints::new(&space);

@@ -17,7 +17,7 @@ pub use crate::kernel_constants::{BilinearConstants, ExpressionConstants, Linear
 pub use crate::lane::{Lane, Parts};
 pub use crate::pairing::{Facing, PairQuadrature, Pairing, Projection};
 pub use crate::real::Real;
-pub use crate::source::{DiscreteField, FieldHandle, FieldValue, Given, Source};
+pub use crate::source::{Datum, DiscreteField, FieldHandle, FieldValue, Given, Source};
 pub use crate::spectral::{
     TensorExponential, TensorLogarithm, TensorSquareRoot, tensor_exp, tensor_ln, tensor_sqrt,
 };

@@ -169,8 +169,47 @@ impl<V: FieldValue, const D: usize> Given<V, D> {
     }
 }
 
-impl<V: FieldValue, const D: usize> From<V> for Given<V, D> {
-    fn from(value: V) -> Self {
-        Given::constant(value)
+/// A value of a coefficient, as a setter of data takes it: a number or an array, the same everywhere; a function of position,
+/// `|x: &[f64; 2]| x[1]`; a field of the backend; a [`Given`].
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no value of this coefficient",
+    label = "expected `{V}`, a function of position that returns it, or a field",
+    note = "write numbers with a decimal point, and the type of a function's argument: `|x: &[f64; 2]| ..`"
+)]
+pub trait Datum<V, const D: usize> {
+    /// The coefficient.
+    fn given(self) -> Given<V, D>;
+}
+
+impl<const D: usize> Datum<f64, D> for f64 {
+    fn given(self) -> Given<f64, D> {
+        Given::constant(self)
+    }
+}
+
+impl<V: FieldValue, const N: usize, const D: usize> Datum<[V; N], D> for [V; N] {
+    fn given(self) -> Given<[V; N], D> {
+        Given::constant(self)
+    }
+}
+
+impl<V: FieldValue, F, const D: usize> Datum<V, D> for F
+where
+    F: Fn(&[f64; D]) -> V + Send + Sync + 'static,
+{
+    fn given(self) -> Given<V, D> {
+        Given::function(self)
+    }
+}
+
+impl<V, const D: usize> Datum<V, D> for Given<V, D> {
+    fn given(self) -> Given<V, D> {
+        self
+    }
+}
+
+impl<V: FieldValue, const D: usize> Datum<V, D> for FieldHandle {
+    fn given(self) -> Given<V, D> {
+        Given::field(self)
     }
 }

@@ -1,6 +1,6 @@
 //! A form hands its formula to the program, and to a backend that knows only its value.
 
-use forms_core::contract::{Energy, Expression, Form, Formula, Given};
+use forms_core::contract::{Energy, Expression, Form, Formula};
 use forms_core::forms;
 
 #[forms(crate = forms_core)]
@@ -28,7 +28,7 @@ pub mod membrane {
 
 #[test]
 fn an_energy_is_shown_with_its_variations() {
-    let data = membrane::Data::<2> { k: 1.0, load: Given::constant(1.0) };
+    let data = membrane::data::<2>().k(1.0).load(1.0);
     let form = membrane::potential(&data, &membrane::Omega::on("all"));
     let text = "\
 potential(s) = ∫_Ω (Φ(s) − f s) dx
@@ -47,7 +47,7 @@ where
 
 #[test]
 fn a_derived_field_is_shown_in_each_dimension() {
-    let data = membrane::Data::<3> { k: 1.0, load: Given::constant(1.0) };
+    let data = membrane::data::<3>().k(1.0).load(1.0);
     let field: Expression<3> = membrane::ratio(&data);
     assert_eq!(field.formula().unicode, "ratio = f/k");
 }

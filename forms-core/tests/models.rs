@@ -50,7 +50,7 @@ pub mod two_materials {
 }
 
 fn model<const D: usize>() -> contact::Model<D> {
-    contact::Model::new(contact::Data { mu: 2.0, gap: Given::constant(0.5) })
+    contact::Model::new(contact::data().mu(2.0).gap(0.5))
 }
 
 fn names<const D: usize>(form: &Form<D>) -> Vec<(&'static str, String)> {
@@ -94,7 +94,7 @@ fn regions_are_bound_by_name() {
 #[test]
 fn methods_are_the_functions() {
     let model = model::<2>();
-    let u = contact::Data::<2> { mu: 0.0, gap: Given::constant(3.0) }.gap.source().clone();
+    let u = contact::data::<2>().mu(0.0).gap(3.0).gap.source().clone();
     let one = model.force(u.clone());
     let other = contact::force(&model.data, &contact::GammaC::on("gamma_c"), u);
     assert_eq!(one.formula(), other.formula());

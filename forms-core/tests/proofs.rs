@@ -220,16 +220,15 @@ fn symmetric<const D: usize>(form: &Form<D>) -> Vec<bool> {
 }
 
 fn data<const D: usize>() -> forms_to_judge::Data<D> {
-    forms_to_judge::Data {
-        lambda: 1.0,
-        mu: 1.0,
-        theta: -1.0,
-        gamma0: 1.0,
-        n_y: [0.0; D],
-        wind: [1.0; D].into(),
-        gap: 0.0.into(),
-        f: [0.0; D].into(),
-    }
+    forms_to_judge::data()
+        .lambda(1.0)
+        .mu(1.0)
+        .theta(-1.0)
+        .gamma0(1.0)
+        .n_y([0.0; D])
+        .wind([1.0; D])
+        .gap(0.0)
+        .f([0.0; D])
 }
 
 /// A form of the module by name, in a dimension, with the regions it takes.

@@ -36,13 +36,13 @@ pub mod heat {
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     // Hot at the left, cold at the right, insulated below and above.
-    let mesh = Arc::new(rectangle([0.0, 0.0], [2.0, 1.0], [32, 16], CellShape::Quadrilateral, 1)?);
+    let mesh = rectangle([0.0, 0.0], [2.0, 1.0], [32, 16], CellShape::Quadrilateral, 1)?;
     let space = Space::scalar(&mesh, 2)?;
     let mut constraints = Constraints::new(&space);
     constraints.fix("left", |_| 1.0)?;
     constraints.fix("right", |_| 0.0)?;
 
-    let model = heat::Model::new(heat::Data { growth: 2.0, source: Given::constant(0.0) });
+    let model = heat::Model::new(heat::data().growth(2.0).source(0.0));
     let form = model.balance();
     let solved = Problem::new(&form, &space)
         .constrained(&constraints)

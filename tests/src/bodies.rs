@@ -64,7 +64,6 @@ fn body<const D: usize>(
         })
     };
     let mesh = structured(divisions, shape, degree, bend).unwrap_or_else(|error| panic!("{name}: {error}"));
-    let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 2).unwrap_or_else(|error| panic!("{name}: {error}"));
     let u = wave(&space, 0.01, 0.0);
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(DEGREE));
@@ -118,19 +117,18 @@ pub fn criterion_weight<const D: usize>(x: &[f64; D]) -> f64 {
 
 /// The data of every body.
 pub fn data<const D: usize>(theta: f64) -> forms::Data<D> {
-    forms::Data {
-        lambda: LAMBDA,
-        mu: MU,
-        theta,
-        gamma0: GAMMA0,
-        extension: EXTENSION,
-        obstacle_normal: Given::function(obstacle_normal::<D>),
-        gap: Given::function(gap::<D>),
-        body_force: Given::function(body_force::<D>),
-        traction: Given::function(traction::<D>),
-        criterion_force: Given::function(criterion_force::<D>),
-        criterion_weight: Given::function(criterion_weight::<D>),
-    }
+    forms::data()
+        .lambda(LAMBDA)
+        .mu(MU)
+        .gamma0(GAMMA0)
+        .obstacle_normal(obstacle_normal::<D>)
+        .gap(gap::<D>)
+        .theta(theta)
+        .extension(EXTENSION)
+        .body_force(body_force::<D>)
+        .traction(traction::<D>)
+        .criterion_force(criterion_force::<D>)
+        .criterion_weight(criterion_weight::<D>)
 }
 
 /// The forms of a body, with its regions bound.

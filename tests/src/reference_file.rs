@@ -69,7 +69,6 @@ impl<const D: usize> Reference<D> {
                 named.unwrap_or_else(|error| panic!("{name}: {error}"));
             }
         }
-        let mesh = Arc::new(mesh);
         let discontinuous = file.space_cells.is_some();
         let space = space_on(&name, &mesh, file.space_degree, file.components, discontinuous);
         let mut number = match_nodes(&name, &space, &file.space_nodes, file.space_cells.as_deref());
@@ -219,7 +218,7 @@ fn point<const D: usize>(coordinates: &[f64]) -> [f64; D] {
 
 fn space_on<const D: usize>(
     name: &str,
-    mesh: &Arc<Mesh<D>>,
+    mesh: &Mesh<D>,
     degree: usize,
     components: usize,
     discontinuous: bool,

@@ -9,7 +9,7 @@ where
     Dim: Dimension<D>,
 {
     let mut reference = Reference::<D>::new(file);
-    let data = solid::Data { constants: reference.tensor4("constants") };
+    let data = solid::data().constants(reference.tensor4("constants"));
     let form = solid::equilibrium(&data, &solid::Omega::on("all"));
     let (assembler, space, u) = (reference.assembler.clone(), reference.space.clone(), reference.u());
     reference.compare_matrix("tangent", &assembler.tangent(&form, &[&u], &[&space]).unwrap());

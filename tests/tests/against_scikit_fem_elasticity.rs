@@ -11,14 +11,13 @@ where
 {
     let mut reference = Reference::<D>::new(file);
     // Only λ and μ are read.
-    let data = forms::Data::from(forms::Required {
-        lambda: reference.number("lambda"),
-        mu: reference.number("mu"),
-        theta: 0.0,
-        gamma0: 1.0,
-        obstacle_normal: Given::constant([0.0; D]),
-        gap: Given::constant(0.0),
-    });
+    let data = forms::data()
+        .lambda(reference.number("lambda"))
+        .mu(reference.number("mu"))
+        .gamma0(1.0)
+        .obstacle_normal([0.0; D])
+        .gap(0.0)
+        .theta(0.0);
     let form = forms::elasticity(&data, &forms::Omega::on("all"));
     let space = reference.space.clone();
     let matrix = reference.assembler.tangent(&form, &[&Field::zero(&space)], &[&space]).unwrap();

@@ -9,7 +9,7 @@ where
     Dim: Dimension<D>,
 {
     let mut reference = Reference::<D>::new(file);
-    let data = stabilisation::Data { g1: reference.number("g1"), g2: reference.number("g2") };
+    let data = stabilisation::data().g1(reference.number("g1")).g2(reference.number("g2"));
     let form = stabilisation::penalty(&data, &stabilisation::Inner::on("interior"));
     let (assembler, space, u) = (reference.assembler.clone(), reference.space.clone(), reference.u());
     reference.compare_matrix("tangent", &assembler.tangent(&form, &[&u], &[&space]).unwrap());

@@ -10,11 +10,10 @@ where
 {
     let mut reference = Reference::<D>::new(file);
     // The file's f = exp(x) y and g = x + 2 y².
-    let data = diffusion::Data {
-        penalty: reference.number("penalty"),
-        source: Given::function(|x: &[f64; D]| x[0].exp() * x[1]),
-        boundary_values: Given::function(|x: &[f64; D]| x[0] + 2.0 * x[1] * x[1]),
-    };
+    let data = diffusion::data()
+        .penalty(reference.number("penalty"))
+        .source(|x: &[f64; D]| x[0].exp() * x[1])
+        .boundary_values(|x: &[f64; D]| x[0] + 2.0 * x[1] * x[1]);
     let (omega, inner) = (diffusion::Omega::on("all"), diffusion::Inner::on("interior"));
     let form = diffusion::balance(&data, &omega, &inner, &diffusion::Boundary::on("boundary"));
     let (assembler, space, u) = (reference.assembler.clone(), reference.space.clone(), reference.u());

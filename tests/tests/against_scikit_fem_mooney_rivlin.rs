@@ -9,11 +9,8 @@ where
     Dim: Dimension<D>,
 {
     let mut reference = Reference::<D>::new(file);
-    let data = solid::Data {
-        c1: reference.number("c1"),
-        c2: reference.number("c2"),
-        kappa: reference.number("kappa"),
-    };
+    let data =
+        solid::data().c1(reference.number("c1")).c2(reference.number("c2")).kappa(reference.number("kappa"));
     let form = solid::energy(&data, &solid::Omega::on("all"));
     let (assembler, space, u) = (reference.assembler.clone(), reference.space.clone(), reference.u());
     reference.compare_number("energy", assembler.energy(&form, &[&u]).unwrap());

@@ -8,7 +8,7 @@ use forms_tests::dense::{assert_close, dense};
 use forms_tests::reference_file::{Family, Reference, ReferenceFile};
 
 fn form(reference: &Reference<2>) -> Energy<2> {
-    let data = solid::Data::<2> { lambda: reference.number("lambda"), mu: reference.number("mu") };
+    let data = solid::data::<2>().lambda(reference.number("lambda")).mu(reference.number("mu"));
     solid::energy(&data, &solid::Omega::on("all"))
 }
 

@@ -18,19 +18,18 @@ mod shifted {
 
 fn data(reference: &Reference<2>) -> forms::Data<2> {
     let (point, normal) = (reference.vector("obstacle_point"), reference.vector("obstacle_normal"));
-    forms::Data {
-        lambda: reference.number("lambda"),
-        mu: reference.number("mu"),
-        theta: reference.number("theta"),
-        gamma0: reference.number("gamma0"),
-        extension: reference.number("xi_constant"),
-        obstacle_normal: Given::constant(normal),
-        gap: Given::function(move |x: &[f64; 2]| (0..2).map(|k| normal[k] * (point[k] - x[k])).sum::<f64>()),
-        body_force: Given::constant(reference.vector("body_force")),
-        traction: Given::constant([0.0; 2]),
-        criterion_force: Given::constant(reference.vector("criterion_force")),
-        criterion_weight: Given::constant(reference.number("criterion_boundary")),
-    }
+    forms::data()
+        .lambda(reference.number("lambda"))
+        .mu(reference.number("mu"))
+        .gamma0(reference.number("gamma0"))
+        .obstacle_normal(normal)
+        .gap(move |x: &[f64; 2]| (0..2).map(|k| normal[k] * (point[k] - x[k])).sum::<f64>())
+        .theta(reference.number("theta"))
+        .extension(reference.number("xi_constant"))
+        .body_force(reference.vector("body_force"))
+        .traction([0.0; 2])
+        .criterion_force(reference.vector("criterion_force"))
+        .criterion_weight(reference.number("criterion_boundary"))
 }
 
 fn negative(values: Vec<f64>) -> Vec<f64> {
@@ -41,8 +40,8 @@ fn compare(file: ReferenceFile) -> f64 {
     let mut reference = Reference::<2>::new(file);
     let data = data(&reference);
     // Without N on the boundary, and without M inside.
-    let interior = forms::Data { criterion_weight: Given::constant(0.0), ..data.clone() };
-    let boundary_only = forms::Data { criterion_force: Given::constant([0.0; 2]), ..data.clone() };
+    let interior = data.clone().criterion_weight(0.0);
+    let boundary_only = data.clone().criterion_force([0.0; 2]);
     let (assembler, space, u) = (reference.assembler.clone(), reference.space.clone(), reference.u());
     let omega = forms::Omega::on("all");
     let (gamma_n, gamma_c) = (forms::GammaN::on(CRITERION), forms::GammaC::on(CONTACT));

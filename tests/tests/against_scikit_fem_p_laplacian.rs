@@ -9,11 +9,10 @@ where
     Dim: Dimension<D>,
 {
     let mut reference = Reference::<D>::new(file);
-    let data = diffusion::Data {
-        exponent: reference.number("exponent"),
-        regularisation: reference.number("regularisation"),
-        source: Given::function(|x: &[f64; D]| 1.0 + x[0] * x[1]),
-    };
+    let data = diffusion::data()
+        .exponent(reference.number("exponent"))
+        .regularisation(reference.number("regularisation"))
+        .source(|x: &[f64; D]| 1.0 + x[0] * x[1]);
     let form = diffusion::energy(&data, &diffusion::Omega::on("all"));
     let (assembler, space, u) = (reference.assembler.clone(), reference.space.clone(), reference.u());
     reference.compare_number("energy", assembler.energy(&form, &[&u]).unwrap());

@@ -11,7 +11,7 @@ where
     let mut reference = Reference::<D>::new(file);
     // The file's f = (sin y, x y, 1).
     let force = |x: &[f64; D]| std::array::from_fn(|k| [x[1].sin(), x[0] * x[1], 1.0][k]);
-    let data = flow::Data { viscosity: reference.number("viscosity"), force: Given::function(force) };
+    let data = flow::data().viscosity(reference.number("viscosity")).force(force);
     let form = flow::equilibrium(&data, &flow::Omega::on("all"));
     let (assembler, velocity, u) = (reference.assembler.clone(), reference.space.clone(), reference.u());
     let (pressure, p) = reference.second();

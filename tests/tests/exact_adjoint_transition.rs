@@ -15,11 +15,9 @@ fn h1_order(shape: CellShape, degree: usize, theta: f64, divisions: &[usize]) ->
     let mut h1 = vec![];
     for &divisions in divisions {
         let (problem, u) = solved_direct(shape, divisions, degree, theta);
-        let data = adjoint::Rest {
+        let data = adjoint::data_from(problem.law.data.clone())
             // N′ = −σ(p) n on the sides, and only there.
-            slope: Given::function(move |x| on_sides(x, exact).map(|component| -component)),
-        }
-        .with(problem.law.data.clone());
+            .slope(Given::function(move |x| on_sides(x, exact).map(|component| -component)));
         let form = adjoint::consistent(
             &data,
             &adjoint::Omega::on("all"),

@@ -34,7 +34,6 @@ where
     let (axis, area) = (D - 1, if D == 3 { WIDTH * THICKNESS } else { WIDTH });
     let mut mesh = mesh;
     mesh.name_cells_of_facets("contact cells", "bottom").unwrap();
-    let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, degree).unwrap();
     let mut constraints = Constraints::new(&space);
     constraints.fix_component("top", axis, |_| -PRESSED).unwrap();
@@ -45,14 +44,13 @@ where
     }
     let mut normal = [0.0; D];
     normal[axis] = -1.0;
-    let data = forms::Data::from(forms::Required {
-        lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
-        mu: YOUNG / (2.0 * (1.0 + POISSON)),
-        theta,
-        gamma0: 1.0,
-        obstacle_normal: Given::constant(normal),
-        gap: Given::function(move |x: &[f64; D]| x[D - 1]),
-    });
+    let data = forms::data()
+        .lambda(YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
+        .mu(YOUNG / (2.0 * (1.0 + POISSON)))
+        .gamma0(1.0)
+        .obstacle_normal(normal)
+        .gap(move |x: &[f64; D]| x[D - 1])
+        .theta(theta);
     let (assembler, regions) =
         (Assembler::new(&mesh), forms::Regions::default().gamma_n("right").gamma_c("bottom"));
     let mut problem =
@@ -204,19 +202,18 @@ fn the_shape_gradient_of_the_block_is_exact() {
     for (shape, degree) in [(CellShape::Triangle, 1), (CellShape::Triangle, 2), (CellShape::Quadrilateral, 1)]
     {
         for theta in THETAS {
-            let mesh = Arc::new(rectangle([0.0, 0.0], [WIDTH, HEIGHT], [5, 3], shape, 1).unwrap());
+            let mesh = rectangle([0.0, 0.0], [WIDTH, HEIGHT], [5, 3], shape, 1).unwrap();
             let space = Space::vector(&mesh, degree).unwrap();
             let mut constraints = Constraints::new(&space);
             constraints.fix_component("top", 1, |_| -PRESSED).unwrap();
             constraints.fix_component("left", 0, |_| 0.0).unwrap();
-            let data = stored::Data::from(forms::Required {
-                lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
-                mu: YOUNG / (2.0 * (1.0 + POISSON)),
-                theta,
-                gamma0: 20.0 * YOUNG,
-                obstacle_normal: Given::constant([0.0, -1.0]),
-                gap: Given::function_with_gradient(|x: &[f64; 2]| x[1], |_| [0.0, 1.0]),
-            });
+            let data = forms::data()
+                .lambda(YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
+                .mu(YOUNG / (2.0 * (1.0 + POISSON)))
+                .gamma0(20.0 * YOUNG)
+                .obstacle_normal([0.0, -1.0])
+                .gap(Given::function_with_gradient(|x: &[f64; 2]| x[1], |_| [0.0, 1.0]))
+                .theta(theta);
             let (omega, gamma_n) = (stored::Omega::on("all"), stored::GammaN::on("right"));
             let gamma_c = stored::GammaC::on("bottom");
             let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));

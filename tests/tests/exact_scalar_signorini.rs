@@ -53,12 +53,12 @@ fn gradient(x: &[f64; 2]) -> [f64; 2] {
 }
 
 /// A domain with a curved top, \[−1,1\] on the axis.
-fn domain(shape: CellShape, divisions: usize) -> Arc<Mesh<2>> {
+fn domain(shape: CellShape, divisions: usize) -> Mesh<2> {
     let map = |[s, t]: [f64; 2]| {
         let x = 2.0 * s - 1.0;
         [x * (1.0 - 0.25 * t), t * (1.0 - 0.3 * x * x)]
     };
-    Arc::new(forms_fem::mesh::structured([divisions, divisions / 2], shape, 1, map).unwrap())
+    forms_fem::mesh::structured([divisions, divisions / 2], shape, 1, map).unwrap()
 }
 
 fn h1_order(shape: CellShape, degree: usize, theta: f64) -> f64 {
@@ -74,7 +74,7 @@ fn h1_order(shape: CellShape, degree: usize, theta: f64) -> f64 {
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
         // k(k+1)/2 · |F| h/|T| of a right triangle with equal legs, with a margin for the skewed cells.
         let gamma0 = 3.0 * (degree * (degree + 1)) as f64 * 2.0_f64.sqrt();
-        let data = membrane::Data { theta, gamma0 };
+        let data = membrane::data().theta(theta).gamma0(gamma0);
         let form = membrane::signorini(&data, &membrane::Omega::on("all"), &membrane::Obstacle::on("bottom"));
         let problem = Problem::new(&form, &space).assembler(&assembler);
         let (mut solver, options) = (TangentSolver::default(), NewtonOptions::default());
@@ -143,7 +143,7 @@ fn split_facets_follow_the_transition_inside_a_facet() {
             constraints.fix(side, exact).unwrap();
         }
         let whole = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
-        let data = membrane::Data { theta: -1.0, gamma0: 30.0 };
+        let data = membrane::data().theta(-1.0).gamma0(30.0);
         let form = membrane::signorini(&data, &membrane::Omega::on("all"), &membrane::Obstacle::on("bottom"));
         let split = |u: &Field<2>| whole.split_at_zeros(&membrane::indicator(&data, u), "bottom", 2);
         for (errors_of, splits) in h1.iter_mut().zip([false, true]) {

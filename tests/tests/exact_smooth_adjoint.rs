@@ -31,11 +31,9 @@ fn h1_errors(shape: CellShape, degree: usize, theta: f64, divisions: &[usize]) -
     for &divisions in divisions {
         let mesh = mesh(shape, divisions);
         let problem = direct_problem(&mesh, degree, theta);
-        let data = adjoint::Rest {
+        let data = adjoint::data_from(problem.law.data.clone())
             // N′ = −σ(p) n on the sides, and only there.
-            slope: Given::function(move |x| on_sides(x, exact).map(|component| -component)),
-        }
-        .with(problem.law.data.clone());
+            .slope(Given::function(move |x| on_sides(x, exact).map(|component| -component)));
         let (omega, gamma_c) = (adjoint::Omega::on("all"), adjoint::GammaC::on("bottom"));
         let boundary = adjoint::Boundary::on("boundary");
         // Pushed into the obstacle without stress: contact everywhere, H = 1.

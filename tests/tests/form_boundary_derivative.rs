@@ -55,32 +55,26 @@ impl Ring {
     /// The same from discrete states on `radial` cells across: the boundary form on both circles, each moving outwards.
     fn boundary_form(&self, radial: usize) -> [f64; 2] {
         let mesh = annulus(INNER, OUTER, radial, 8 * radial, CellShape::Quadrilateral, 2).unwrap();
-        let mesh = Arc::new(mesh);
         let space = Space::vector(&mesh, 2).unwrap();
         let imposed = self.imposed;
         let mut constraints = Constraints::new(&space);
         constraints.fix("inner", move |x| radially(imposed, x)).unwrap();
-        let data = forms::Data {
-            traction: given(self.load),
-            criterion_force: given([1.0, 0.0]),
-            criterion_weight: {
+        let data = forms::data()
+            .lambda(LAMBDA)
+            .mu(MU)
+            .gamma0(10.0)
+            .obstacle_normal([0.0, -1.0])
+            .gap(1e6)
+            .theta(0.0)
+            .traction(given(self.load))
+            .criterion_force(given([1.0, 0.0]))
+            .criterion_weight({
                 let [constant, slope] = self.weight;
                 Given::function_with_gradient(
                     move |x| constant + slope * x[0].hypot(x[1]),
                     move |x| x.map(|v| slope * v / x[0].hypot(x[1])),
                 )
-            },
-            ..forms::Required {
-                lambda: LAMBDA,
-                mu: MU,
-                // Without contact θ = 0 leaves nothing on Γ_C; the obstacle is far away.
-                theta: 0.0,
-                gamma0: 10.0,
-                obstacle_normal: Given::constant([0.0, -1.0]),
-                gap: Given::constant(1e6),
-            }
-            .into()
-        };
+            });
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
         let regions = forms::Regions::default().gamma_n("outer").gamma_c("outer");
         let problem =
@@ -90,7 +84,7 @@ impl Ring {
         let u = u.into_field();
         let p = problem.solve_adjoint(Adjoint::Consistent, &u, &mut solver).unwrap().into_field();
         let outwards = Field::interpolate(&space, |x| radially([1.0, 0.0], x)).unwrap();
-        let data = boundary_form::Rest { imposed: given(self.imposed) }.with(problem.law.data.clone());
+        let data = boundary_form::data_from(problem.law.data.clone()).imposed(given(self.imposed));
         let clamped = boundary_form::Clamped::on("inner");
         let inner = boundary_form::on_clamped(&data, &clamped, &u, &p, &outwards);
         let loaded = boundary_form::Loaded::on("outer");

@@ -12,15 +12,11 @@ use forms_tests::dense::assert_close;
 #[test]
 fn interior_and_boundary_are_the_closed_form() {
     // u = (x, y) on the ring 1 < r < 2, F = (x, y), c = 3: M = ∫r² = π(2⁴ − 1)/2, N = ½·3·2π(1 + 2³).
-    let mesh = Arc::new(annulus(1.0, 2.0, 2, 64, CellShape::Quadrilateral, 2).unwrap());
+    let mesh = annulus(1.0, 2.0, 2, 64, CellShape::Quadrilateral, 2).unwrap();
     let space = Space::vector(&mesh, 2).unwrap();
     let u = Field::interpolate(&space, |x| *x).unwrap();
     let (omega, boundary) = (forms::Omega::on("all"), forms::Boundary::on("boundary"));
-    let data = forms::Data {
-        criterion_force: Given::function(|x: &[f64; 2]| *x),
-        criterion_weight: Given::constant(3.0),
-        ..data::<2>(0.0)
-    };
+    let data = data::<2>(0.0).criterion_force(|x: &[f64; 2]| *x).criterion_weight(3.0);
     let found = Assembler::new(&mesh).functional(&forms::criterion(&data, &omega, &boundary, &u));
     let exact = PI * 15.0 / 2.0 + 1.5 * 2.0 * PI * 9.0;
     let error = (found.unwrap() - exact).abs() / exact;
@@ -28,14 +24,10 @@ fn interior_and_boundary_are_the_closed_form() {
     assert!(error < 1e-6, "{error:.1e}");
     // On a square everything is exact: u = (x², y), F = (1, 2), c = 2: 1/3 + 1, and the sides give
     // ∫x⁴ + y² over y = 0, y = 1, x = 0, x = 1: 1/5 + 6/5 + 1/3 + 4/3.
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1).unwrap();
     let space = Space::vector(&mesh, 2).unwrap();
     let u = Field::interpolate(&space, |x| [x[0] * x[0], x[1]]).unwrap();
-    let data = forms::Data {
-        criterion_force: Given::constant([1.0, 2.0]),
-        criterion_weight: Given::constant(2.0),
-        ..data
-    };
+    let data = data.criterion_force([1.0, 2.0]).criterion_weight(2.0);
     let found = Assembler::new(&mesh).functional(&forms::criterion(&data, &omega, &boundary, &u));
     assert_close("square", &[found.unwrap()], &[1.0 / 3.0 + 1.0 + 7.0 / 5.0 + 5.0 / 3.0], 1e-14);
 }

@@ -66,14 +66,12 @@ fn along_the_bottom<const D: usize>(mesh: Mesh<D>)
 where
     Dim: Dimension<D>,
 {
-    let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 1).unwrap();
     let u = affine(&space);
     let mut down = [0.0; D];
     down[D - 1] = -1.0;
     let gap = |x: &[f64; D]| 0.02 * (x[0] - 0.5);
-    let data =
-        forms::Data { obstacle_normal: Given::constant(down), gap: Given::function(gap), ..data::<D>(0.0) };
+    let data = data::<D>(0.0).obstacle_normal(down).gap(gap);
     let assembler = Assembler::new(&mesh);
     let parameters = [[0.2, 0.0], [0.7, 0.0]];
     macro_rules! sample {
@@ -140,13 +138,9 @@ fn force_and_length_are_those_of_plain_loops() {
 fn force_and_length_are_the_closed_form() {
     // u = 0 and g = x − 1/4 on the bottom of the unit square of four columns: β = −γ g > 0 for x < 1/4,
     // exactly the first facet: γ ∫(1/4 − x) = γ/32 with h = √(1 + 1/16).
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [4, 1], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [4, 1], CellShape::Quadrilateral, 1).unwrap();
     let space = Space::vector(&mesh, 1).unwrap();
-    let data = forms::Data {
-        obstacle_normal: Given::constant([0.0, -1.0]),
-        gap: Given::function(|x: &[f64; 2]| x[0] - 0.25),
-        ..data::<2>(0.0)
-    };
+    let data = data::<2>(0.0).obstacle_normal([0.0, -1.0]).gap(|x: &[f64; 2]| x[0] - 0.25);
     let (gamma_c, u) = (forms::GammaC::on(CONTACT), Field::zero(&space));
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(3));
     let force = assembler.functional(&forms::contact_force(&data, &gamma_c, &u)).unwrap();

@@ -105,7 +105,6 @@ where
     }
     let mut mesh = Mesh::from_parts(shape, 1, nodes, (0..=D as u32).collect()).unwrap();
     mesh.name_facets("contact", "boundary", |centre| centre[D - 1] == 0.0).unwrap();
-    let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 1).unwrap();
     let gradients: Vec<[f64; D]> = (0..=D)
         .map(|node| {
@@ -145,14 +144,7 @@ where
         });
         let mut down = [0.0; D];
         down[D - 1] = -1.0;
-        let data = forms::Data {
-            lambda,
-            mu,
-            gamma0,
-            obstacle_normal: Given::constant(down),
-            gap: Given::constant(gap),
-            ..data(theta)
-        };
+        let data = data(theta).lambda(lambda).mu(mu).gamma0(gamma0).obstacle_normal(down).gap(gap);
         let contact = forms::GammaC::on("contact");
         let form = forms::direct(&data, &forms::Omega::on("all"), &forms::GammaN::on("boundary"), &contact);
         let zero = Field::zero(&space);
@@ -176,23 +168,20 @@ fn tangent_of_one_simplex_is_the_closed_form() {
 #[test]
 fn a_rigid_push_is_answered_by_gamma_times_the_penetration() {
     let nodes = vec![[0.0, 0.0], [2.0, 0.0], [0.0, 1.0]];
-    let mesh = Arc::new(Mesh::from_parts(CellShape::Triangle, 1, nodes, vec![0, 1, 2]).unwrap());
-    let mut mesh = Arc::unwrap_or_clone(mesh);
+    let mesh = Mesh::from_parts(CellShape::Triangle, 1, nodes, vec![0, 1, 2]).unwrap();
+    let mut mesh = mesh;
     mesh.name_facets("contact", "boundary", |centre| centre[1] == 0.0).unwrap();
-    let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 1).unwrap();
     let push = Field::interpolate(&space, |_| [0.0, -0.1]).unwrap();
     for theta in [-1.0, 0.0, 1.0] {
-        let data = forms::Data::<2> {
-            lambda: 0.0,
-            mu: 1.0,
-            gamma0: 10.0 * 5f64.sqrt(),
-            obstacle_normal: Given::constant([0.0, -1.0]),
-            gap: Given::constant(0.0),
-            body_force: Given::constant([0.0; 2]),
-            traction: Given::constant([0.0; 2]),
-            ..data(theta)
-        };
+        let data = data(theta)
+            .lambda(0.0)
+            .mu(1.0)
+            .gamma0(10.0 * 5f64.sqrt())
+            .obstacle_normal([0.0, -1.0])
+            .gap(0.0)
+            .body_force([0.0; 2])
+            .traction([0.0; 2]);
         let (omega, contact) = (forms::Omega::on("all"), forms::GammaC::on("contact"));
         let form = forms::direct(&data, &omega, &forms::GammaN::on("boundary"), &contact);
         let residual = Assembler::new(&mesh).residual(&form, &[&push], &[&space]).unwrap();

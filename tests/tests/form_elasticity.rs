@@ -12,7 +12,7 @@ where
     Dim: Dimension<D>,
 {
     let cells = (0..nodes.len() as u32).collect();
-    let mesh = Arc::new(Mesh::from_parts(shape, 1, nodes, cells).unwrap());
+    let mesh = Mesh::from_parts(shape, 1, nodes, cells).unwrap();
     let space = Space::vector(&mesh, 1).unwrap();
     let form = forms::elasticity(&data::<D>(0.0), &forms::Omega::on("all"));
     let found = Assembler::new(&mesh).element_matrices(&form, &[&Field::zero(&space)], &[&space]).unwrap();

@@ -18,26 +18,20 @@ fn number(value: &Value, name: &str) -> f64 {
 fn block(file: &Value, run: &Value) -> ContactProblem<2, law::Model<2>> {
     let cells = number(run, "cells") as usize;
     let mesh = rectangle([0.0, -30.0], [2.0, -29.0], [2 * cells, cells], CellShape::Quadrilateral, 1);
-    let space = Space::vector(&Arc::new(mesh.unwrap()), 2).unwrap();
+    let space = Space::vector(&mesh.unwrap(), 2).unwrap();
     let (young, poisson) = (number(file, "young"), number(file, "poisson"));
-    let base = forms::Data {
-        criterion_force: Given::constant([0.0, -1.0]),
-        ..forms::Required {
-            lambda: young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)),
-            mu: young / (2.0 * (1.0 + poisson)),
-            theta: number(run, "theta"),
-            gamma0: number(run, "gamma0_over_young") * young,
-            obstacle_normal: Given::constant([0.0, -1.0]),
-            gap: Given::function(|x: &[f64; 2]| x[1] + 30.0),
-        }
-        .into()
-    };
-    let data = law::Data {
-        slip_stress: run["tresca"].as_f64().unwrap_or(0.0),
-        friction: run["coulomb"].as_f64().unwrap_or(0.0),
-        force_direction: Given::constant([1.0, 0.0]),
-        ..law::Rest {}.with(base)
-    };
+    let base = forms::data()
+        .lambda(young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)))
+        .mu(young / (2.0 * (1.0 + poisson)))
+        .gamma0(number(run, "gamma0_over_young") * young)
+        .obstacle_normal([0.0, -1.0])
+        .gap(|x: &[f64; 2]| x[1] + 30.0)
+        .theta(number(run, "theta"))
+        .criterion_force([0.0, -1.0]);
+    let data = law::data_from(base)
+        .slip_stress(run["tresca"].as_f64().unwrap_or(0.0))
+        .friction(run["coulomb"].as_f64().unwrap_or(0.0))
+        .force_direction([1.0, 0.0]);
     let regions = law::Regions::default().gamma_n("right").gamma_c("bottom");
     let assembler = Assembler::new(space.mesh()).with_quadrature(Quadrature::Degree(8));
     ContactProblem::new(assembler, &space, law::Model { data, regions }, Constraints::new(&space)).unwrap()

@@ -25,19 +25,17 @@ fn problem(shape: CellShape, degree: usize) -> ContactProblem<2> {
     let mut mesh = annulus(INNER_RADIUS, OUTER_RADIUS, 4, 64, shape, degree).unwrap();
     mesh.name_facets(CONTACT, "outer", |centre| centre[1] < 0.0).unwrap();
     mesh.name_cells_of_facets(CONTACT_CELLS, CONTACT).unwrap();
-    let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, degree).unwrap();
     let mut constraints = Constraints::new(&space);
     constraints.fix("inner", |_| IMPOSED_DISPLACEMENT).unwrap();
     let (lambda, mu) = settings.lame();
-    let data = forms::Data::from(forms::Required {
-        lambda,
-        mu,
-        theta: -1.0,
-        gamma0: 0.0,
-        obstacle_normal: Given::constant([0.0, -1.0]),
-        gap: Given::function(|x: &[f64; 2]| x[1] + OBSTACLE_DEPTH),
-    });
+    let data = forms::data()
+        .lambda(lambda)
+        .mu(mu)
+        .gamma0(0.0)
+        .obstacle_normal([0.0, -1.0])
+        .gap(|x: &[f64; 2]| x[1] + OBSTACLE_DEPTH)
+        .theta(-1.0);
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
     let regions = forms::Regions::default().gamma_n("outer").gamma_c(CONTACT);
     ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints).unwrap()

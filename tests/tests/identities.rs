@@ -98,7 +98,7 @@ where
         let found = deviation(printed.as_slice(), consistent.matrix.as_slice());
         assert!(found > 1e-2, "{}: {found:.1e}", label("printed sign"));
         // It differs by twice the contact term, so that the mean of both is the form without contact.
-        let apart = forms::Data { gap: Given::constant(1e6), ..data.clone() };
+        let apart = data.clone().gap(1e6);
         let (omega, gamma_n) = (forms::Omega::on("all"), forms::GammaN::on(LOADED));
         let apart = forms::direct(&apart, &omega, &gamma_n, &forms::GammaC::on(CONTACT));
         let mean = (&printed + &consistent.matrix) * 0.5;
@@ -106,7 +106,7 @@ where
 
         // N′ = 0 on Γ_C: (22) is (21) for θ = 1, and only there.
         for weight in [Given::constant(0.0), Given::function(without_contact(body))] {
-            let data = forms::Data { criterion_weight: weight, ..data.clone() };
+            let data = data.clone().criterion_weight(weight);
             let discrete = system(body, &body.discrete_adjoint(&data));
             let consistent = system(body, &body.consistent_adjoint(&data));
             let matrix = deviation(consistent.matrix.as_slice(), discrete.matrix.as_slice());
@@ -122,7 +122,7 @@ where
 
         // (41) without extension is (22); with one it is not.
         for (extension, same) in [(0.0, true), (EXTENSION, false)] {
-            let data = forms::Data { extension, ..data.clone() };
+            let data = data.clone().extension(extension);
             let extended = system(body, &body.extended_adjoint(&data));
             let matrix = deviation(extended.matrix.as_slice(), consistent.matrix.as_slice());
             let residual = deviation(&extended.residual, &consistent.residual);

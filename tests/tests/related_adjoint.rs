@@ -22,23 +22,22 @@ fn loaded(problem: &ContactProblem<2>, load: f64) -> ContactProblem<2> {
 fn problem(relate: fn(&mut Constraints<2>)) -> ContactProblem<2> {
     // The sides lean, so that normals have two components.
     let lean = |[s, t]: [f64; 2]| [2.0 * s + 0.2 * t, t];
-    let mesh = Arc::new(forms_fem::mesh::structured([8, 4], CellShape::Quadrilateral, 1, lean).unwrap());
+    let mesh = forms_fem::mesh::structured([8, 4], CellShape::Quadrilateral, 1, lean).unwrap();
     let space = Space::vector(&mesh, 2).unwrap();
     let mut constraints = Constraints::new(&space);
     relate(&mut constraints);
-    let data = forms::Data {
-        lambda: 1.0,
-        mu: 1.0,
-        theta: 0.0,
-        gamma0: 50.0,
-        extension: 0.0,
-        obstacle_normal: Given::constant([0.0, -1.0]),
-        gap: Given::function(|x| 0.15 + 0.15 * (std::f64::consts::PI * x[0]).cos()),
-        body_force: Given::constant([0.01, -0.05]),
-        traction: traction(1.0),
-        criterion_force: Given::function(|x| [x[1], 1.0 + x[0]]),
-        criterion_weight: Given::constant(1.0),
-    };
+    let data = forms::data()
+        .lambda(1.0)
+        .mu(1.0)
+        .gamma0(50.0)
+        .obstacle_normal([0.0, -1.0])
+        .gap(Given::function(|x| 0.15 + 0.15 * (std::f64::consts::PI * x[0]).cos()))
+        .theta(0.0)
+        .extension(0.0)
+        .body_force([0.01, -0.05])
+        .traction(traction(1.0))
+        .criterion_force(Given::function(|x| [x[1], 1.0 + x[0]]))
+        .criterion_weight(1.0);
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
     ContactProblem::new(
         assembler,

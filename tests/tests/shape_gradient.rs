@@ -47,35 +47,34 @@ fn imposed_slope(x: &[f64; 2]) -> [[f64; 2]; 2] {
 }
 
 fn data(theta: f64) -> forms::Data<2> {
-    forms::Data {
-        lambda: 57.0,
-        mu: 38.0,
-        theta,
-        gamma0: GAMMA0,
-        extension: 0.0,
-        obstacle_normal: Given::function_with_gradient(
+    forms::data()
+        .lambda(57.0)
+        .mu(38.0)
+        .gamma0(GAMMA0)
+        .obstacle_normal(Given::function_with_gradient(
             |x| [(0.05 * x[0]).sin(), -(0.05 * x[0]).cos()],
             |x| [[0.05 * (0.05 * x[0]).cos(), 0.0], [0.05 * (0.05 * x[0]).sin(), 0.0]],
-        ),
-        gap: Given::function_with_gradient(|x| x[1] + 3.0 + 0.02 * x[0] * x[0], |x| [0.04 * x[0], 1.0]),
-        body_force: Given::function_with_gradient(
+        ))
+        .gap(Given::function_with_gradient(|x| x[1] + 3.0 + 0.02 * x[0] * x[0], |x| [0.04 * x[0], 1.0]))
+        .theta(theta)
+        .extension(0.0)
+        .body_force(Given::function_with_gradient(
             |x| [0.1 * x[1], -0.2 * x[0] * x[0]],
             |x| [[0.0, 0.1], [-0.4 * x[0], 0.0]],
-        ),
-        traction: Given::function_with_gradient(
+        ))
+        .traction(Given::function_with_gradient(
             |x| [0.3 * x[0], 0.2 * x[0] * x[1]],
             |x| [[0.3, 0.0], [0.2 * x[1], 0.2 * x[0]]],
-        ),
-        criterion_force: Given::function_with_gradient(
+        ))
+        .criterion_force(Given::function_with_gradient(
             |x| [x[1], -1.0 + 0.1 * x[0]],
             |_| [[0.0, 1.0], [0.1, 0.0]],
-        ),
-        criterion_weight: Given::function_with_gradient(|x| 2.0 + x[0], |_| [1.0, 0.0]),
-    }
+        ))
+        .criterion_weight(Given::function_with_gradient(|x| 2.0 + x[0], |_| [1.0, 0.0]))
 }
 
 /// A ring twisted a little, so that the diagonals of its cells differ: where two are equally long h_T has a kink. It is held inside, loaded on a part of the upper half of its outside, in contact below.
-fn ring(shape: CellShape, degree: usize) -> Arc<Mesh<2>> {
+fn ring(shape: CellShape, degree: usize) -> Mesh<2> {
     let mut mesh = annulus(2.0, 3.0, 2, 24, shape, degree).unwrap();
     mesh.name_facets("below", "outer", |centre| centre[1] < 0.0).unwrap();
     mesh.name_facets("loaded", "outer", |centre| centre[1] > 0.0 && centre[0] > 0.0).unwrap();
@@ -83,10 +82,10 @@ fn ring(shape: CellShape, degree: usize) -> Arc<Mesh<2>> {
         let (sine, cosine) = (0.1 * (x.hypot(*y) - 2.0)).sin_cos();
         [cosine * x - sine * y, sine * x + cosine * y]
     });
-    Arc::new(mesh.with_nodes(twisted.collect()).unwrap())
+    mesh.with_nodes(twisted.collect()).unwrap()
 }
 
-fn problem(mesh: &Arc<Mesh<2>>, theta: f64) -> ContactProblem<2> {
+fn problem(mesh: &Mesh<2>, theta: f64) -> ContactProblem<2> {
     let space = Space::vector(mesh, 2).unwrap();
     let mut constraints = Constraints::new(&space);
     constraints.fix("inner", imposed).unwrap();
@@ -105,7 +104,7 @@ struct Solution {
 }
 
 /// With diameters as they are, or as they were on another mesh. Newton's method starts from zero, or near a solution.
-fn solve(problem: &ContactProblem<2>, before: Option<&Arc<Mesh<2>>>, near: Option<&Solution>) -> Solution {
+fn solve(problem: &ContactProblem<2>, before: Option<&Mesh<2>>, near: Option<&Solution>) -> Solution {
     let ContactProblem { assembler, space, law, constraints, .. } = problem;
     let data = &law.data;
     let mut solver = TangentSolver::default();
@@ -127,16 +126,15 @@ fn solve(problem: &ContactProblem<2>, before: Option<&Arc<Mesh<2>>>, near: Optio
                 gamma0[cells.cell_nodes(cell)[0] as usize] =
                     GAMMA0 * space.mesh().diameter(cell) / before.diameter(cell);
             }
-            let data = frozen::Data {
-                lambda: data.lambda,
-                mu: data.mu,
-                theta: data.theta,
-                gamma0: Given::field(Field::from_values(&cells, gamma0).unwrap()),
-                obstacle_normal: data.obstacle_normal.clone(),
-                gap: data.gap.clone(),
-                body_force: data.body_force.clone(),
-                traction: data.traction.clone(),
-            };
+            let data = frozen::data()
+                .lambda(data.lambda)
+                .mu(data.mu)
+                .theta(data.theta)
+                .gamma0(Field::from_values(&cells, gamma0).unwrap())
+                .obstacle_normal(data.obstacle_normal.clone())
+                .gap(data.gap.clone())
+                .body_force(data.body_force.clone())
+                .traction(data.traction.clone());
             let (omega, gamma_n) = (frozen::Omega::on("all"), frozen::GammaN::on("loaded"));
             let form = frozen::direct(&data, &omega, &gamma_n, &frozen::GammaC::on("below"));
             let problem = Problem::new(&form, space).assembler(assembler);
@@ -157,7 +155,7 @@ fn solve(problem: &ContactProblem<2>, before: Option<&Arc<Mesh<2>>>, near: Optio
 }
 
 /// A movement of the points near a place of the boundary, radially and around.
-fn near(mesh: &Arc<Mesh<2>>, centre: [f64; 2]) -> Field<2> {
+fn near(mesh: &Mesh<2>, centre: [f64; 2]) -> Field<2> {
     let movement = |x: &[f64; 2]| {
         let square: f64 = x.iter().zip(centre).map(|(x, c)| (x - c) * (x - c)).sum();
         let weight = (1.0 - square / 0.8).max(0.0);
@@ -260,7 +258,7 @@ fn diameters_matter_on_the_contact_boundary() {
 fn with_split_facets_it_is_the_derivative_across_changes_of_the_contact_zone() {
     for (shape, degree, theta) in [(CellShape::Quadrilateral, 2, -1.0), (CellShape::Triangle, 1, 1.0)] {
         let mesh = ring(shape, degree);
-        let split = |mesh: &Arc<Mesh<2>>| problem(mesh, theta).with_split_facets();
+        let split = |mesh: &Mesh<2>| problem(mesh, theta).with_split_facets();
         let here = split(&mesh);
         let start = solve(&here, None, None);
         let u = &start.u;

@@ -51,7 +51,7 @@ where
     let mut up = [0.0; D];
     up[D - 1] = 1.0;
     let force = Given::function(move |x: &[f64; D]| std::array::from_fn(|i| (3.0 * x[i] + i as f64).sin()));
-    bodies::Model::new(bodies::Data { leak: 0.01, up, force })
+    bodies::Model::new(bodies::data().leak(0.01).up(up).force(force))
 }
 
 fn solver(ordering: Ordering, threads: Threads) -> TangentSolver {
@@ -85,7 +85,7 @@ fn check<const D: usize, const N: usize>(
     assert!(difference < 1e-12, "{difference:e}");
 }
 
-fn check_one<const D: usize>(form: &Form<D>, mesh: &Arc<Mesh<D>>, constraints: &Constraints<D>) {
+fn check_one<const D: usize>(form: &Form<D>, mesh: &Mesh<D>, constraints: &Constraints<D>) {
     check(SolverPath::Cholesky, |solver, threads| {
         let assembler = Assembler::new(mesh).with_threads(threads);
         let problem = Problem::new(form, constraints.space()).assembler(&assembler).constrained(constraints);
@@ -102,13 +102,13 @@ fn fixed<const D: usize>(space: &Arc<Space<D>>, region: &str) -> Constraints<D> 
 #[test]
 fn bodies_in_the_plane_and_in_space() {
     for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
-        let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [24, 12], shape, 1).unwrap());
+        let mesh = rectangle([0.0; 2], [2.0, 1.0], [24, 12], shape, 1).unwrap();
         check_one(&model().elastic(), &mesh, &fixed(&Space::vector(&mesh, 2).unwrap(), "left"));
     }
-    let mesh = Arc::new(annulus(1.0, 2.0, 4, 48, CellShape::Quadrilateral, 2).unwrap());
+    let mesh = annulus(1.0, 2.0, 4, 48, CellShape::Quadrilateral, 2).unwrap();
     check_one(&model().elastic(), &mesh, &fixed(&Space::vector(&mesh, 2).unwrap(), "inner"));
     for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
-        let mesh = Arc::new(cuboid([0.0; 3], [1.0, 1.0, 2.0], [4, 4, 6], shape, 1).unwrap());
+        let mesh = cuboid([0.0; 3], [1.0, 1.0, 2.0], [4, 4, 6], shape, 1).unwrap();
         check_one(&model().elastic(), &mesh, &fixed(&Space::vector(&mesh, 2).unwrap(), "bottom"));
     }
 }
@@ -116,7 +116,7 @@ fn bodies_in_the_plane_and_in_space() {
 /// Couplings that no cell has: across facets, of unknowns given by others far away, of a mean value with all.
 #[test]
 fn couplings_beyond_cells() {
-    let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [20, 10], CellShape::Triangle, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [2.0, 1.0], [20, 10], CellShape::Triangle, 1).unwrap();
     let broken = Space::discontinuous_vector(&mesh, 1).unwrap();
     check_one(&model().broken(), &mesh, &Constraints::new(&broken));
     let space = Space::vector(&mesh, 2).unwrap();
@@ -133,7 +133,7 @@ fn couplings_beyond_cells() {
 
 #[test]
 fn two_unknowns() {
-    let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [20, 10], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [2.0, 1.0], [20, 10], CellShape::Quadrilateral, 1).unwrap();
     let velocities = Space::vector(&mesh, 2).unwrap();
     let walls = fixed(&velocities, "bottom");
     let model = model();

@@ -13,24 +13,19 @@ const TOTAL: f64 = -3.0;
 fn block(theta: f64) -> ContactProblem<3> {
     let mut mesh = cuboid([0.0; 3], [1.0, 1.0, 0.6], [3, 3, 2], CellShape::Tetrahedron, 1).unwrap();
     mesh.name_cells_of_facets("contact cells", "bottom").unwrap();
-    let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 1).unwrap();
     let mut constraints = Constraints::new(&space);
     constraints.fix_component("left", 0, |_| 0.0).unwrap();
     constraints.fix_component("front", 1, |_| 0.0).unwrap();
-    let data = forms::Data {
-        traction: Given::constant([0.0, 0.0, TOTAL]),
-        criterion_force: Given::constant([0.0, 0.0, -1.0]),
-        ..forms::Required {
-            lambda: 57.0,
-            mu: 38.0,
-            theta,
-            gamma0: 4000.0,
-            obstacle_normal: Given::constant([0.0, 0.0, -1.0]),
-            gap: Given::function(|x: &[f64; 3]| x[2] + 0.031 * x[0] + 0.047 * x[1] - 0.02),
-        }
-        .into()
-    };
+    let data = forms::data()
+        .lambda(57.0)
+        .mu(38.0)
+        .gamma0(4000.0)
+        .obstacle_normal([0.0, 0.0, -1.0])
+        .gap(|x: &[f64; 3]| x[2] + 0.031 * x[0] + 0.047 * x[1] - 0.02)
+        .theta(theta)
+        .traction([0.0, 0.0, TOTAL])
+        .criterion_force([0.0, 0.0, -1.0]);
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(2));
     ContactProblem::new(
         assembler,

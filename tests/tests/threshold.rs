@@ -12,37 +12,30 @@ const LAMBDA: f64 = 1.7;
 const MU: f64 = 0.9;
 
 /// One simplex; Γ_C is its facet in the plane x_d = 0.
-fn simplex<const D: usize>(shape: CellShape, vertices: Vec<[f64; D]>) -> Arc<Mesh<D>> {
+fn simplex<const D: usize>(shape: CellShape, vertices: Vec<[f64; D]>) -> Mesh<D> {
     let cells = (0..=D as u32).collect();
     let mut mesh = Mesh::from_parts(shape, 1, vertices, cells).unwrap();
     mesh.name_facets("contact", "boundary", |centre| centre[D - 1].abs() < 1e-12).unwrap();
     assert_eq!(mesh.facet_region("contact").unwrap().len(), 1);
-    Arc::new(mesh)
+    mesh
 }
 
 /// On a mesh with Γ_C = "contact".
-fn problem<const D: usize>(mesh: &Arc<Mesh<D>>, degree: usize, theta: f64) -> ContactProblem<D>
+fn problem<const D: usize>(mesh: &Mesh<D>, degree: usize, theta: f64) -> ContactProblem<D>
 where
     Dim: Dimension<D>,
 {
     let space = Space::vector(mesh, degree).unwrap();
     let mut normal = [0.0; D];
     normal[D - 1] = -1.0;
-    let data = forms::Data::from(forms::Required {
-        lambda: LAMBDA,
-        mu: MU,
-        theta,
-        gamma0: 1.0,
-        obstacle_normal: Given::constant(normal),
-        gap: Given::constant(0.0),
-    });
+    let data = forms::data().lambda(LAMBDA).mu(MU).gamma0(1.0).obstacle_normal(normal).gap(0.0).theta(theta);
     let constraints = Constraints::new(&space);
     let regions = forms::Regions::default().gamma_n("contact").gamma_c("contact");
     ContactProblem::new(Assembler::new(mesh), &space, forms::Model { data, regions }, constraints).unwrap()
 }
 
 /// The γ₀ of [`required_gamma0`] on a mesh with Γ_C = "contact", all of whose cells own facets of it.
-fn required<const D: usize>(mesh: &Arc<Mesh<D>>, degree: usize, theta: f64) -> f64
+fn required<const D: usize>(mesh: &Mesh<D>, degree: usize, theta: f64) -> f64
 where
     Dim: Dimension<D>,
 {
@@ -92,13 +85,13 @@ fn one_tetrahedron() {
 /// eigenvalue of the acoustic tensor μ I + (λ+μ) n⊗n, which is λ+2μ: the threshold is the one without friction.
 #[test]
 fn with_friction() {
-    fn check<const D: usize>(mesh: &Arc<Mesh<D>>)
+    fn check<const D: usize>(mesh: &Mesh<D>)
     where
         Dim: Dimension<D>,
     {
         for theta in [-0.5, 0.0, 1.0] {
             let ContactProblem { assembler, space, law, constraints, .. } = problem(mesh, 1, theta);
-            let data = frictional_nitsche::Rest {}.with(law.data);
+            let data = frictional_nitsche::data_from(law.data);
             let regions = frictional_nitsche::Regions::default().gamma_n("contact").gamma_c("contact");
             let law = frictional_nitsche::Model { data, regions };
             let problem = ContactProblem::new(assembler, &space, law, constraints).unwrap();
@@ -116,7 +109,6 @@ fn the_worst_cell_counts() {
     let nodes = vec![[0.0, 0.0], [1.0, 0.0], [0.5, 1.0], [2.0, 0.0], [1.5, 0.1]];
     let mut mesh = Mesh::from_parts(CellShape::Triangle, 1, nodes, vec![0, 1, 2, 1, 3, 4]).unwrap();
     mesh.name_facets("contact", "boundary", |centre| centre[1].abs() < 1e-12).unwrap();
-    let mesh = Arc::new(mesh);
     agree(required(&mesh, 2, 1.0), closed_form(2.0, 2, 1.0, 2.0 / 0.1, 1.0));
 }
 
@@ -126,7 +118,7 @@ fn two_contact_facets_of_a_cell_add_up() {
     let vertices = vec![[0.0, 0.0], [2.0, 0.0], [0.5, 0.75]];
     let mut mesh = Mesh::from_parts(CellShape::Triangle, 1, vertices, vec![0, 1, 2]).unwrap();
     mesh.name_facets("contact", "boundary", |_| true).unwrap();
-    let all = required(&Arc::new(mesh), 1, 1.0);
+    let all = required(&mesh, 1, 1.0);
     // σ n·n_y = σ_xy n_x·(−1) + σ_yy n_y·(−1): with uniaxial strain alone, σ_yy = λ+2μ and σ_xy = 0, the Rayleigh
     // quotient is a lower bound: Σ_F |F| n_y² (λ+2μ)/|T| · h.
     let (left, right) = (0.5_f64.hypot(0.75), 1.5_f64.hypot(0.75));
@@ -177,6 +169,6 @@ fn contact_cells_that_lack_one_and_gamma0_that_is_not_positive_are_errors() {
     let owner = mesh.facet_region("contact").unwrap()[0].cell as usize;
     let centre = mesh.cell_centre(owner);
     mesh.name_cells("above", |other| *other != centre).unwrap();
-    let error = required_gamma0(&problem(&Arc::new(mesh), 1, 1.0), "above").unwrap_err().to_string();
+    let error = required_gamma0(&problem(&mesh, 1, 1.0), "above").unwrap_err().to_string();
     assert!(error.contains("\"above\" lack the one at") && error.contains("\"contact\""), "{error}");
 }

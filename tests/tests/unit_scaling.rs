@@ -127,7 +127,6 @@ fn a_hot_pipe() {
         [radius * angle.cos(), radius * angle.sin()]
     };
     let mesh = forms_fem::mesh::structured([6, 3], CellShape::Quadrilateral, 2, quarter).unwrap();
-    let mesh = Arc::new(mesh);
     let (displacements, temperatures) = (Space::vector(&mesh, 2).unwrap(), Space::scalar(&mesh, 2).unwrap());
     let mut held = Constraints::new(&displacements);
     held.fix_component("left", 0, |_| 0.0).unwrap();
@@ -141,13 +140,12 @@ fn a_hot_pipe() {
             let mut heated = Constraints::new(&temperatures);
             heated.fix("bottom", |_| prescribed * degree).unwrap();
             heated.fix("top", |_| 0.0).unwrap();
-            let data = pipe::Data {
-                lambda: 115e3,
-                mu: 77e3,
-                expansion: 1.2e-5 * length / degree,
-                conductivity: 0.045,
-                source: 0.02 * degree,
-            };
+            let data = pipe::data()
+                .lambda(115e3)
+                .mu(77e3)
+                .expansion(1.2e-5 * length / degree)
+                .conductivity(0.045)
+                .source(0.02 * degree);
             let form = pipe::balance(&data, &pipe::Omega::on("all"));
             for (name, mut solver) in solvers() {
                 let label = format!("{prescribed} K, length {length:e}, degree {degree:e}, {name}");
@@ -198,7 +196,6 @@ fn a_fluid_in_a_bend() {
         [radius * angle.cos(), radius * angle.sin()]
     };
     let mesh = forms_fem::mesh::structured([8, 3], CellShape::Quadrilateral, 2, bend).unwrap();
-    let mesh = Arc::new(mesh);
     let (velocities, pressures) = (Space::vector(&mesh, 2).unwrap(), Space::scalar(&mesh, 1).unwrap());
     let mut walls = Constraints::new(&velocities);
     for wall in ["bottom", "top"] {
@@ -211,7 +208,7 @@ fn a_fluid_in_a_bend() {
     let assembler = Assembler::new(&mesh);
     let mut table = Table::default();
     for (velocity, pressure) in [(1.0, 1.0)].into_iter().chain(pairs()) {
-        let data = fluid::Data { viscosity: 0.5 * pressure / velocity, pressure: 30.0 * pressure };
+        let data = fluid::data().viscosity(0.5 * pressure / velocity).pressure(30.0 * pressure);
         let form = fluid::equilibrium(&data, &fluid::Omega::on("all"), &fluid::Inlet::on("left"));
         for (name, mut solver) in solvers() {
             let label = format!("velocity {velocity:e}, pressure {pressure:e}, {name}");
@@ -278,18 +275,17 @@ mod metal {
 /// Tutorial 5's metal: a plate whose end is pulled sideways, in four steps.
 #[test]
 fn a_plate_that_yields() {
-    let mesh = Arc::new(rectangle([0.0; 2], [4.0, 1.0], [8, 2], CellShape::Triangle, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [4.0, 1.0], [8, 2], CellShape::Triangle, 1).unwrap();
     let space = Space::vector(&mesh, 2).unwrap();
     let assembler = Assembler::new(&mesh);
     let pulled = |length: f64, stress: f64, solver: &mut dyn LinearSolver| -> Result<Vec<f64>, String> {
-        let data = metal::Data {
-            lambda: 115e3 * stress / length,
-            mu: 77e3 * stress / length,
-            yield_stress: 250.0 * stress,
-            hardening: 10e3 * stress / length,
-            plastic: assembler.history(Entity::Cells, "all", 2, [[0.0; 2]; 2]).map_err(|e| e.to_string())?,
-            amount: assembler.history(Entity::Cells, "all", 2, 0.0).map_err(|e| e.to_string())?,
-        };
+        let data = metal::data()
+            .lambda(115e3 * stress / length)
+            .mu(77e3 * stress / length)
+            .yield_stress(250.0 * stress)
+            .hardening(10e3 * stress / length)
+            .plastic(assembler.history(Entity::Cells, "all", 2, [[0.0; 2]; 2]).map_err(|e| e.to_string())?)
+            .amount(assembler.history(Entity::Cells, "all", 2, 0.0).map_err(|e| e.to_string())?);
         let form = metal::equilibrium(&data, &metal::Omega::on("all"));
         let mut u = Field::zero(&space);
         // Elastic, beginning to yield, and further.

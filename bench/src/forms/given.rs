@@ -19,7 +19,7 @@ pub fn poisson<const D: usize>() -> Form<D>
 where
     Dim: Dimension<D>,
 {
-    diffusion::stiffness(&diffusion::Data {}, &diffusion::Omega::on(CELLS))
+    diffusion::stiffness(&diffusion::data(), &diffusion::Omega::on(CELLS))
 }
 
 /// [`fn@inertia::vector`].
@@ -27,7 +27,7 @@ pub fn mass<const D: usize>() -> Form<D>
 where
     Dim: Dimension<D>,
 {
-    inertia::vector(&inertia::Data {}, &inertia::Omega::on(CELLS))
+    inertia::vector(&inertia::data(), &inertia::Omega::on(CELLS))
 }
 
 /// [`fn@linear_elastic::stiffness`].
@@ -35,7 +35,7 @@ pub fn elasticity<const D: usize>(c: &[f64]) -> Form<D>
 where
     Dim: Dimension<D>,
 {
-    let data = linear_elastic::Data { lambda: c[0], mu: c[1] };
+    let data = linear_elastic::data().lambda(c[0]).mu(c[1]);
     linear_elastic::stiffness(&data, &linear_elastic::Omega::on(CELLS))
 }
 
@@ -44,7 +44,7 @@ pub fn neo_hookean<const D: usize>(c: &[f64]) -> Energy<D>
 where
     Dim: Dimension<D>,
 {
-    rubber::energy(&rubber::Data { lambda: c[0], mu: c[1] }, &rubber::Omega::on(CELLS))
+    rubber::energy(&rubber::data().lambda(c[0]).mu(c[1]), &rubber::Omega::on(CELLS))
 }
 
 /// [`fn@small_strain_contact::nitsche`] for a kernel that reads the gap from a list.
@@ -52,7 +52,7 @@ pub fn contact<const D: usize>(c: &[f64]) -> Form<D>
 where
     Dim: Dimension<D>,
 {
-    let data = small_strain_contact::Data { lambda: c[0], mu: c[1], gamma0: c[2], gap: UNREAD.into() };
+    let data = small_strain_contact::data().lambda(c[0]).mu(c[1]).gamma0(c[2]).gap(UNREAD);
     small_strain_contact::nitsche(&data, &small_strain_contact::GammaC::on(FACETS))
 }
 
@@ -61,7 +61,7 @@ pub fn body_in_contact<const D: usize>(c: &[f64], region: &str, gap: f64) -> For
 where
     Dim: Dimension<D>,
 {
-    let data = small_strain_contact::Data { lambda: c[0], mu: c[1], gamma0: c[2], gap: gap.into() };
+    let data = small_strain_contact::data().lambda(c[0]).mu(c[1]).gamma0(c[2]).gap(gap);
     let (omega, contact) = (small_strain_contact::Omega::on(CELLS), small_strain_contact::GammaC::on(region));
     small_strain_contact::body(&data, &omega, &contact)
 }
@@ -71,7 +71,7 @@ pub fn finite_contact<const D: usize>(c: &[f64]) -> Form<D>
 where
     Dim: Dimension<D>,
 {
-    let data = finite_strain_contact::Data { lambda: c[0], mu: c[1], gamma0: c[2], gap: UNREAD.into() };
+    let data = finite_strain_contact::data().lambda(c[0]).mu(c[1]).gamma0(c[2]).gap(UNREAD);
     finite_strain_contact::nitsche(&data, &finite_strain_contact::GammaC::on(FACETS))
 }
 

@@ -69,7 +69,7 @@ struct Setting {
 impl Setting {
     fn new(cells: usize) -> Result<Self, Box<dyn Error>> {
         let divisions = [cells, cells.div_ceil(8)];
-        let mesh = Arc::new(rectangle([0.0; 2], [2.0, 0.25], divisions, CellShape::Quadrilateral, 1)?);
+        let mesh = rectangle([0.0; 2], [2.0, 0.25], divisions, CellShape::Quadrilateral, 1)?;
         let space = Space::vector(&mesh, 2)?;
         let mut clamped = Constraints::new(&space);
         clamped.fix("left", |_| [0.0; 2])?;
@@ -90,15 +90,14 @@ impl Setting {
 
 fn model(at: &ControlValues<2>, load: f64) -> Result<beam::Model<2>, ControlError> {
     let (young, poisson) = (1.0, 0.3);
-    let data = beam::Data {
-        lambda: young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)),
-        mu: young / (2.0 * (1.0 + poisson)),
-        obstacle_normal: Given::constant([0.0, -1.0]),
-        gap: Given::field(&at.field("gap")?),
-        gamma0: 20.0 * young,
-        theta: 0.0,
-        load,
-    };
+    let data = beam::data()
+        .lambda(young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)))
+        .mu(young / (2.0 * (1.0 + poisson)))
+        .gamma0(20.0 * young)
+        .obstacle_normal([0.0, -1.0])
+        .gap(&at.field("gap")?)
+        .theta(0.0)
+        .load(load);
     Ok(beam::Model { data, regions: beam::Regions::default().beam("all").top("top").bottom("bottom") })
 }
 

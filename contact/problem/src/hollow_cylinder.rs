@@ -191,34 +191,27 @@ pub fn hollow_cylinder(settings: &Settings) -> Result<ContactProblem<2>, Cylinde
     let mut mesh = annulus(INNER_RADIUS, OUTER_RADIUS, settings.radial, around, CellShape::Quadrilateral, 2)?;
     mesh.name_facets(CONTACT, "outer", |centre| centre[1] < 0.0)?;
     mesh.name_cells_of_facets(CONTACT_CELLS, CONTACT)?;
-    hollow_cylinder_on(&Arc::new(mesh), settings)
+    hollow_cylinder_on(&mesh, settings)
 }
 
 /// The experiment on another mesh with the regions of [`hollow_cylinder`]'s, as on that mesh after it has moved.
 ///
 /// # Errors
 /// A setting without meaning, a region that is not there.
-pub fn hollow_cylinder_on(
-    mesh: &Arc<Mesh<2>>,
-    settings: &Settings,
-) -> Result<ContactProblem<2>, CylinderError> {
+pub fn hollow_cylinder_on(mesh: &Mesh<2>, settings: &Settings) -> Result<ContactProblem<2>, CylinderError> {
     settings.check()?;
     let space = Space::vector(mesh, 2)?;
     let constraints = pushed(&space, settings.last_push())?;
     let (lambda, mu) = settings.lame();
-    let data = forms::Data {
-        extension: settings.extension,
-        criterion_force: Given::constant(CRITERION_FORCE),
-        ..forms::Required {
-            lambda,
-            mu,
-            theta: settings.theta,
-            gamma0: settings.gamma0_over_young * settings.young,
-            obstacle_normal: Given::constant([0.0, -1.0]),
-            gap: Given::function_with_gradient(|x: &[f64; 2]| x[1] + OBSTACLE_DEPTH, |_| [0.0, 1.0]),
-        }
-        .into()
-    };
+    let data = forms::data()
+        .lambda(lambda)
+        .mu(mu)
+        .gamma0(settings.gamma0_over_young * settings.young)
+        .obstacle_normal([0.0, -1.0])
+        .gap(Given::function_with_gradient(|x: &[f64; 2]| x[1] + OBSTACLE_DEPTH, |_| [0.0, 1.0]))
+        .theta(settings.theta)
+        .extension(settings.extension)
+        .criterion_force(CRITERION_FORCE);
     let assembler = Assembler::new(mesh)
         .with_quadrature(Quadrature::Degree(settings.degree))
         .with_threads(settings.threads);

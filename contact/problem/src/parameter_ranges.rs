@@ -128,7 +128,7 @@ pub fn check_rotation<const D: usize>(
 /// }
 /// parameter_ranges!(layer { positive: conductivity, non_negative: source, });
 ///
-/// let model: layer::Model<2> = layer::Model::new(layer::Data { conductivity: -2.0, source: 0.0 });
+/// let model: layer::Model<2> = layer::Model::new(layer::data().conductivity(-2.0).source(0.0));
 /// let told = model.check("heat").unwrap_err().to_string();
 /// assert_eq!(told, "form `heat`: the parameter `conductivity` is -2; it must be positive");
 /// ```

@@ -67,7 +67,7 @@ impl<const D: usize> ShapeGradient<D> {
     /// [`ShapeError::Length`] for a movement on another space.
     pub fn along(&self, movement: &Field<D>) -> Result<f64, ShapeError> {
         let (expected, found) = (self.values.len(), movement.values().len());
-        if !Arc::ptr_eq(movement.space().mesh(), self.movements.mesh()) || expected != found {
+        if !movement.space().mesh().is_same(self.movements.mesh()) || expected != found {
             return Err(ShapeError::Length { expected, found });
         }
         Ok(self.values.iter().zip(movement.values()).map(|(gradient, by)| gradient * by).sum())

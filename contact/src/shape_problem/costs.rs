@@ -25,7 +25,7 @@ impl Costs<'_> {
     ///
     /// # Errors
     /// Those of the perimeter and of the volume.
-    pub fn values<const D: usize>(&self, mesh: &Arc<Mesh<D>>) -> Result<(f64, Option<f64>), Failure>
+    pub fn values<const D: usize>(&self, mesh: &Mesh<D>) -> Result<(f64, Option<f64>), Failure>
     where
         Dim: Dimension<D>,
     {

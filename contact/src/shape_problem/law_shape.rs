@@ -42,13 +42,13 @@ impl<F> LawShape<F> {
 
 impl<F, L, const D: usize> ShapeProblem<D> for LawShape<F>
 where
-    F: Fn(&Arc<Mesh<D>>) -> Result<ContactProblem<D, L>, Failure>,
+    F: Fn(&Mesh<D>) -> Result<ContactProblem<D, L>, Failure>,
     L: WithShapeGradient<D>,
     Dim: Dimension<D>,
 {
     type State = LawState<D, L>;
 
-    fn solve(&self, mesh: &Arc<Mesh<D>>) -> Result<Values<LawState<D, L>>, Failure> {
+    fn solve(&self, mesh: &Mesh<D>) -> Result<Values<LawState<D, L>>, Failure> {
         let problem = (self.problem)(mesh)?;
         let mut solver = CondensedSolver::default();
         let u = problem.direct()?.solver(&mut solver).solve()?.into_field();

@@ -33,20 +33,18 @@ impl Bar {
     fn space(&self) -> Outcome<Arc<Space<2>>> {
         let mesh =
             rectangle([0.0; 2], [self.length, self.height()], [self.cells, 1], CellShape::Quadrilateral, 1)?;
-        Ok(Space::vector(&Arc::new(mesh), 1)?)
+        Ok(Space::vector(&mesh, 1)?)
     }
 
     fn model(&self, step: forms_fem::time::operators::vector::Data<2>) -> impact::Model<2> {
-        let data = impact::Rest {
-            rho: Given::constant(1.0),
-            lambda: 0.0,
-            mu: self.youngs_modulus / 2.0,
-            theta: 1.0,
-            gamma0: 4.0 * self.youngs_modulus,
-            obstacle_normal: Given::constant([-1.0, 0.0]),
-            gap: Given::constant(self.gap),
-        }
-        .with(step);
+        let data = impact::data_from(step)
+            .lambda(0.0)
+            .mu(self.youngs_modulus / 2.0)
+            .gamma0(4.0 * self.youngs_modulus)
+            .obstacle_normal([-1.0, 0.0])
+            .gap(self.gap)
+            .theta(1.0)
+            .rho(1.0);
         let regions = impact::Regions::default().gamma_c("left");
         impact::Model { data, regions }
     }

@@ -12,21 +12,14 @@ fn rubber_with(
     step: forms_fem::time::operators::vector::Data<2>,
     direction: [f64; 2],
 ) -> finite_impact::Model<2> {
-    let body = finite_impact::Rest {
-        lambda: 4.0,
-        mu: 1.0,
-        rho: 1.0,
-        gamma0,
-        obstacle_normal: Given::constant([0.0, -1.0]),
-        gap: Given::function(|x: &[f64; 2]| x[1] + 0.1),
-    }
-    .with(step);
-    let data = finite_impact::Data {
-        friction: 0.4,
-        body_force: Given::constant([0.0, -0.1]),
-        direction: Given::constant(direction),
-        ..body
-    };
+    let body = finite_impact::data_from(step)
+        .lambda(4.0)
+        .mu(1.0)
+        .gamma0(gamma0)
+        .rho(1.0)
+        .obstacle_normal([0.0, -1.0])
+        .gap(|x: &[f64; 2]| x[1] + 0.1);
+    let data = body.friction(0.4).body_force([0.0, -0.1]).direction(direction);
     finite_impact::Model { data, regions: finite_impact::Regions::default().gamma_c("boundary") }
 }
 
@@ -39,7 +32,7 @@ fn rubber(step: forms_fem::time::operators::vector::Data<2>, direction: [f64; 2]
 #[test]
 fn rubber_that_flies_keeps_its_spin() -> Outcome {
     let mesh = rectangle([0.0; 2], [1.0; 2], [3; 2], CellShape::Quadrilateral, 1)?;
-    let space = Space::vector(&Arc::new(mesh), 1)?;
+    let space = Space::vector(&mesh, 1)?;
     let assembler = Assembler::new(space.mesh()).with_quadrature(Quadrature::Degree(4));
     let velocity = Field::interpolate(&space, |x| [0.6 + 1.5 * (x[1] - 0.5), 0.5 - 1.5 * (x[0] - 0.5)])?;
     let start = State::new(0.0, Field::zero(&space), velocity)?;
@@ -73,7 +66,7 @@ fn rubber_that_flies_keeps_its_spin() -> Outcome {
 #[test]
 fn rubber_on_a_flat_keeps_its_balances() -> Outcome {
     let mesh = rectangle([0.0; 2], [1.0; 2], [3; 2], CellShape::Quadrilateral, 1)?;
-    let space = Space::vector(&Arc::new(mesh), 1)?;
+    let space = Space::vector(&mesh, 1)?;
     let assembler = Assembler::new(space.mesh()).with_quadrature(Quadrature::Degree(4));
     let of = |direction| rubber(Default::default(), direction);
     let (size, weight) = (0.01, [0.0, -0.1]);

@@ -26,22 +26,18 @@ fn under<const D: usize>(friction: Friction, theta: f64, top: f64) -> law::Data<
     };
     let mut half_sizes = [4.0; D];
     half_sizes[D - 1] = 2.0;
-    let obstacle = moving_obstacle::Data {
-        slip_stress,
-        friction,
-        criterion_force: Given::function(|x: &[f64; D]| std::array::from_fn(|k| 0.3 + x[k] - 0.5 * x[0])),
-        ..moving_obstacle::Required {
-            lambda: LAMBDA,
-            mu: MU,
-            gamma0: GAMMA0,
-            centre,
-            rotation,
-            centre_before: centre,
-            rotation_before: rotation,
-        }
-        .into()
-    };
-    law::Data { theta, half_sizes, ..law::Rest { radius: 0.5 }.with(obstacle) }
+    let obstacle = moving_obstacle::data()
+        .lambda(LAMBDA)
+        .mu(MU)
+        .gamma0(GAMMA0)
+        .centre(centre)
+        .rotation(rotation)
+        .centre_before(centre)
+        .rotation_before(rotation)
+        .slip_stress(slip_stress)
+        .friction(friction)
+        .criterion_force(|x: &[f64; D]| std::array::from_fn(|k| 0.3 + x[k] - 0.5 * x[0]));
+    law::data_from(obstacle).radius(0.5).theta(theta).half_sizes(half_sizes)
 }
 
 fn model<const D: usize>(data: law::Data<D>) -> law::Model<D> {
@@ -121,17 +117,16 @@ fn a_ball_presses_as_one_at_finite_strains_under_a_small_load() {
         (small.half_sizes, small.radius) = ([0.0; 2], 3.0);
         small.centre = [0.9, depth - 3.0];
         small.centre_before = [0.9 + 0.5 * depth, depth - 3.0];
-        let finite = capsule::Required {
-            lambda: LAMBDA,
-            mu: MU,
-            gamma0: GAMMA0,
-            centre: small.centre,
-            rotation: small.rotation,
-            centre_before: small.centre_before,
-            rotation_before: small.rotation_before,
-            radius: 3.0,
-        };
-        let finite = capsule::Data { friction: small.friction, ..finite.into() };
+        let finite = capsule::data()
+            .lambda(LAMBDA)
+            .mu(MU)
+            .gamma0(GAMMA0)
+            .centre(small.centre)
+            .rotation(small.rotation)
+            .centre_before(small.centre_before)
+            .rotation_before(small.rotation_before)
+            .radius(3.0);
+        let finite = finite.friction(small.friction);
         let finite = capsule::Model { data: finite, regions: capsule::Regions::default().gamma_c("bottom") };
         let (small, finite) = (reactions(&block, model(small)), reactions(&block, finite));
         assert!(finite[0].abs() > 0.05 * finite[1].abs(), "friction acts: {finite:?}");
@@ -247,7 +242,15 @@ fn a_distance_of_a_users_own() {
     let ground = [1.0, 0.0];
     let model = |height: f64, theta: f64| {
         let (lambda, mu, gamma0) = (LAMBDA, MU, GAMMA0);
-        let data = waves::Data { lambda, mu, gamma0, theta, friction: 0.3, height, ground, upward };
+        let data = waves::data()
+            .lambda(lambda)
+            .mu(mu)
+            .gamma0(gamma0)
+            .theta(theta)
+            .friction(0.3)
+            .height(height)
+            .ground(ground)
+            .upward(upward);
         waves::Model { data, regions: waves::Regions::default().gamma_c("bottom") }
     };
     // Without waves it is a plane, whatever the slope of φ.

@@ -15,8 +15,8 @@ use crate::setting::{Friction, LAMBDA, MU, YOUNG, close, data};
 use crate::two_bodies::{WIDTH, constraints, layers};
 
 fn between(friction: f64) -> law::Data<2> {
-    let required = law::Required { lambda: LAMBDA.into(), mu: MU.into(), gamma0: (20.0 * YOUNG).into() };
-    law::Data { friction, ..required.into() }
+    let required = law::data().lambda(LAMBDA).mu(MU).gamma0(20.0 * YOUNG);
+    required.friction(friction)
 }
 
 /// The error of layers in two bodies that touch as is said, by both laws.
@@ -68,7 +68,7 @@ fn pressed(lowest: f64) -> Result<Mesh<2>, forms_fem::mesh::MeshError> {
 #[test]
 fn a_tool_inside_a_body() {
     // Its lower end is 0.3 deep where points see 0.4 deep.
-    let mesh = Arc::new(pressed(0.7).unwrap());
+    let mesh = pressed(0.7).unwrap();
     let space = Space::vector(&mesh, 1).unwrap();
     let steps = LoadSteps::uniform(2, 0.02).advance(Field::zero(&space), |step| {
         let mut held = Constraints::new(&space);
@@ -76,7 +76,7 @@ fn a_tool_inside_a_body() {
         held.move_rigidly("tool", &RigidMap::translation([0.0, -step.factor])).unwrap();
         let touch = Pairing::onto("top", "tool").within_reach(0.4);
         let regions = sliding::Regions::default().touch(touch).gamma_n("right");
-        let model = sliding::Model { data: law::Data { share: 1.0, ..between(0.3) }, regions };
+        let model = sliding::Model { data: between(0.3).share(1.0), regions };
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));
         let problem = ContactProblem::new(assembler, &space, model, held).unwrap();
         problem.direct().unwrap().increment(step).solve().map(Solved::into_field)
@@ -138,9 +138,8 @@ fn a_modulus_that_jumps_where_bodies_touch() {
     let cells = Space::discontinuous_scalar(&mesh, 0).unwrap();
     let share = |touch: &Pairing| 1.0 / touch.surfaces.len() as f64;
     let loaded = |modulus: &dyn Fn(f64) -> Given<f64, 2>, touch: Pairing, load: Given<[f64; 2], 2>| {
-        let required =
-            law::Required { lambda: modulus(LAMBDA), mu: modulus(MU), gamma0: modulus(20.0 * YOUNG) };
-        let data = law::Data { share: share(&touch), body_force: load, ..required.into() };
+        let required = law::data().lambda(modulus(LAMBDA)).mu(modulus(MU)).gamma0(modulus(20.0 * YOUNG));
+        let data = required.share(share(&touch)).body_force(load);
         let regions = law::Regions::default().touch(touch).gamma_n("upper top");
         let (held, model) = (constraints(&space, 0.0, DOWN), law::Model { data, regions });
         let problem = ContactProblem::new(Assembler::new(&mesh), &space, model, held).unwrap();

@@ -68,7 +68,7 @@ fn laws_on_a_flat() {
 
     let assembler = Assembler::new(&layer.mesh).with_quadrature(Quadrature::Degree(4));
     let worn = assembler.history(Entity::Facets, "bottom", 4, 0.0).unwrap();
-    let data = wear::Rest { wear_rate: 1e-3, worn }.with(flat());
+    let data = wear::data_from(flat()).wear_rate(1e-3).worn(worn);
     each_is_named(
         "wear",
         &wear::Model::<2> { data, regions: wear::Regions::default() },
@@ -84,7 +84,7 @@ fn laws_on_a_flat() {
     each_is_named(
         "uzawa",
         &uzawa::Model::<2> {
-            data: uzawa::Rest { multiplier }.with(flat()),
+            data: uzawa::data_from(flat()).multiplier(multiplier),
             regions: uzawa::Regions::default(),
         },
         &[
@@ -99,19 +99,20 @@ fn laws_on_a_flat() {
 #[test]
 fn laws_with_a_moving_obstacle() {
     let still = [along(0, 1.0), along(1, 1.0)];
-    let moving = || moving_obstacle::Required {
-        lambda: LAMBDA,
-        mu: MU,
-        gamma0: YOUNG,
-        centre: [0.0; 2],
-        rotation: still,
-        centre_before: [0.0; 2],
-        rotation_before: still,
+    let moving = || {
+        moving_obstacle::data()
+            .lambda(LAMBDA)
+            .mu(MU)
+            .gamma0(YOUNG)
+            .centre([0.0; 2])
+            .rotation(still)
+            .centre_before([0.0; 2])
+            .rotation_before(still)
     };
     each_is_named(
         "capsule",
         &capsule::Model::<2> {
-            data: capsule::Data { half_length: 0.1, ..capsule::Rest { radius: 1.0 }.with(moving()) },
+            data: capsule::data_from(moving()).radius(1.0).half_length(0.1),
             regions: capsule::Regions::default(),
         },
         &[
@@ -131,7 +132,7 @@ fn laws_with_a_moving_obstacle() {
     each_is_named(
         "analytic_obstacle",
         &analytic_obstacle::Model::<2> {
-            data: analytic_obstacle::Rest { radius: 1.0 }.with(moving()),
+            data: analytic_obstacle::data_from(moving()).radius(1.0),
             regions: analytic_obstacle::Regions::default(),
         },
         &[
@@ -151,7 +152,7 @@ fn laws_with_a_moving_obstacle() {
 }
 
 fn between() -> two_bodies::Data<2> {
-    two_bodies::Required { lambda: LAMBDA.into(), mu: MU.into(), gamma0: YOUNG.into() }.into()
+    two_bodies::data().lambda(LAMBDA).mu(MU).gamma0(YOUNG)
 }
 
 #[test]
@@ -164,9 +165,9 @@ fn laws_between_bodies() {
                 &right,
                 &[
                     wrong("`mu` is -1; it must be positive", |m: &mut $law::Model<2>| {
-                        m.data.mu = (-1.0).into()
+                        m.data.mu = Given::constant(-1.0)
                     }),
-                    wrong("`gamma0` is 0; it must be positive", |m| m.data.gamma0 = 0.0.into()),
+                    wrong("`gamma0` is 0; it must be positive", |m| m.data.gamma0 = Given::constant(0.0)),
                     wrong("`share` is 0; it must be positive", |m| m.data.share = 0.0),
                     wrong("`slip_stress` is -1; it must be zero or positive", |m| m.data.slip_stress = -1.0),
                     wrong("`friction` is -0.1; it must be zero or positive", |m| m.data.friction = -0.1),
@@ -180,21 +181,20 @@ fn laws_between_bodies() {
     let mesh = layers::<2>(CellShape::Quadrilateral, [3, 4], 0.0);
     let touch = Pairing::between("lower top", "upper bottom");
     let largest_opening = Assembler::new(&mesh).history_on_pairs(&touch, 4, 0.0).unwrap();
-    let glued = cohesive::Required {
-        lambda: LAMBDA.into(),
-        mu: MU.into(),
-        gamma0: YOUNG.into(),
-        stiffness: 1000.0,
-        strength: 2.0,
-        fracture_energy: 0.1,
-        largest_opening,
-    };
+    let glued = cohesive::data()
+        .lambda(LAMBDA)
+        .mu(MU)
+        .gamma0(YOUNG)
+        .stiffness(1000.0)
+        .strength(2.0)
+        .fracture_energy(0.1)
+        .largest_opening(largest_opening);
     each_is_named(
         "cohesive",
-        &cohesive::Model::<2> { data: glued.into(), regions: cohesive::Regions::default().touch(touch) },
+        &cohesive::Model::<2> { data: glued, regions: cohesive::Regions::default().touch(touch) },
         &[
-            wrong("`mu` is -1; it must be positive", |m| m.data.mu = (-1.0).into()),
-            wrong("`gamma0` is 0; it must be positive", |m| m.data.gamma0 = 0.0.into()),
+            wrong("`mu` is -1; it must be positive", |m| m.data.mu = Given::constant(-1.0)),
+            wrong("`gamma0` is 0; it must be positive", |m| m.data.gamma0 = Given::constant(0.0)),
             wrong("`share` is 0; it must be positive", |m| m.data.share = 0.0),
             wrong("`strength` is 0; it must be positive", |m| m.data.strength = 0.0),
             wrong("`fracture_energy` is 0; it must be positive", |m| m.data.fracture_energy = 0.0),
@@ -207,8 +207,7 @@ fn laws_between_bodies() {
 }
 
 fn heated() -> contact_heat::Model<2> {
-    let data =
-        contact_heat::Rest { conductivity: 2.0.into(), conductance: 8.0, hardness: 40.0 }.with(between());
+    let data = contact_heat::data_from(between()).conductivity(2.0).conductance(8.0).hardness(40.0);
     contact_heat::Model { data, regions: contact_heat::Regions::default() }
 }
 
@@ -218,11 +217,11 @@ fn heat_across_a_contact() {
         "contact_heat",
         &heated(),
         &[
-            wrong("`mu` is -1; it must be positive", |m| m.data.mu = (-1.0).into()),
-            wrong("`gamma0` is 0; it must be positive", |m| m.data.gamma0 = 0.0.into()),
+            wrong("`mu` is -1; it must be positive", |m| m.data.mu = Given::constant(-1.0)),
+            wrong("`gamma0` is 0; it must be positive", |m| m.data.gamma0 = Given::constant(0.0)),
             wrong("`share` is 0; it must be positive", |m| m.data.share = 0.0),
-            wrong("`conductivity` is 0; it must be positive", |m| m.data.conductivity = 0.0.into()),
-            wrong("`effusivity` is 0; it must be positive", |m| m.data.effusivity = 0.0.into()),
+            wrong("`conductivity` is 0; it must be positive", |m| m.data.conductivity = Given::constant(0.0)),
+            wrong("`effusivity` is 0; it must be positive", |m| m.data.effusivity = Given::constant(0.0)),
             wrong("`hardness` is 0; it must be positive", |m| m.data.hardness = 0.0),
             wrong("`duration` is 0; it must be positive", |m| m.data.duration = 0.0),
             wrong("`slip_stress` is -1; it must be zero or positive", |m| m.data.slip_stress = -1.0),

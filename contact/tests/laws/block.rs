@@ -8,7 +8,7 @@ use crate::setting::along;
 
 /// A mesh with a space of degree 1.
 pub struct Block<const D: usize> {
-    pub mesh: Arc<Mesh<D>>,
+    pub mesh: Mesh<D>,
     pub space: Arc<Space<D>>,
 }
 
@@ -23,7 +23,6 @@ pub fn solid_block() -> Block<3> {
 }
 
 fn block<const D: usize>(mesh: Mesh<D>) -> Block<D> {
-    let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 1).unwrap();
     Block { mesh, space }
 }

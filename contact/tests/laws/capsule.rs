@@ -33,21 +33,17 @@ fn data<const D: usize>(friction: f64, top: f64) -> law::Data<D> {
     centre[D - 1] = top - 3.0;
     let mut before = centre;
     before[0] += 0.004;
-    let obstacle = moving_obstacle::Data {
-        friction,
-        criterion_force: Given::function(|x: &[f64; D]| std::array::from_fn(|k| 0.3 + x[k] - 0.5 * x[0])),
-        ..moving_obstacle::Required {
-            lambda: LAMBDA,
-            mu: MU,
-            gamma0: 20.0 * YOUNG,
-            centre,
-            rotation: rotation(0.1),
-            centre_before: before,
-            rotation_before: rotation(0.102),
-        }
-        .into()
-    };
-    law::Data { half_length: 0.2, ..law::Rest { radius: 3.0 }.with(obstacle) }
+    let obstacle = moving_obstacle::data()
+        .lambda(LAMBDA)
+        .mu(MU)
+        .gamma0(20.0 * YOUNG)
+        .centre(centre)
+        .rotation(rotation(0.1))
+        .centre_before(before)
+        .rotation_before(rotation(0.102))
+        .friction(friction)
+        .criterion_force(|x: &[f64; D]| std::array::from_fn(|k| 0.3 + x[k] - 0.5 * x[0]));
+    law::data_from(obstacle).radius(3.0).half_length(0.2)
 }
 
 fn problem<const D: usize>(block: &Block<D>, data: law::Data<D>) -> ContactProblem<D, law::Model<D>>

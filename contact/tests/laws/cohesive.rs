@@ -29,22 +29,16 @@ fn pairings() -> [(Pairing, f64); 3] {
 
 pub fn model<const D: usize>(assembler: &Assembler<D>, (pairing, share): &(Pairing, f64)) -> law::Model<D> {
     let largest_opening = assembler.history_on_pairs(pairing, 4, 0.0).unwrap();
-    let data = law::Data {
-        share: *share,
-        criterion_force: Given::function(|x: &[f64; D]| {
-            std::array::from_fn(|k| 0.3 + x[k] - 0.5 * x[0] * x[D - 1])
-        }),
-        ..law::Required {
-            lambda: LAMBDA.into(),
-            mu: MU.into(),
-            gamma0: (20.0 * YOUNG).into(),
-            stiffness: STIFFNESS,
-            strength: STRENGTH,
-            fracture_energy: ENERGY,
-            largest_opening,
-        }
-        .into()
-    };
+    let data = law::data()
+        .lambda(LAMBDA)
+        .mu(MU)
+        .gamma0(20.0 * YOUNG)
+        .stiffness(STIFFNESS)
+        .strength(STRENGTH)
+        .fracture_energy(ENERGY)
+        .largest_opening(largest_opening)
+        .share(*share)
+        .criterion_force(|x: &[f64; D]| std::array::from_fn(|k| 0.3 + x[k] - 0.5 * x[0] * x[D - 1]));
     law::Model { data, regions: law::Regions::default().touch(pairing.clone()).gamma_n("upper top") }
 }
 

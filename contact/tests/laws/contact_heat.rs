@@ -27,7 +27,7 @@ fn pairings() -> [(Pairing, f64); 3] {
 }
 
 /// A number per body.
-fn of_bodies<const D: usize>(mesh: &Arc<Mesh<D>>, values: [f64; 2]) -> Given<f64, D> {
+fn of_bodies<const D: usize>(mesh: &Mesh<D>, values: [f64; 2]) -> Given<f64, D> {
     let space = Space::discontinuous_scalar(mesh, 0).unwrap();
     let mut numbers = vec![0.0; space.unknowns()];
     for cell in 0..mesh.cell_count() {
@@ -49,7 +49,7 @@ struct Heated {
 }
 
 fn heated<const D: usize>(
-    mesh: &Arc<Mesh<D>>,
+    mesh: &Mesh<D>,
     (pairing, share): &(Pairing, f64),
     aside: f64,
     down: f64,
@@ -59,11 +59,7 @@ where
     Dim: Dimension<D>,
 {
     let displacements = Space::vector(mesh, 1).unwrap();
-    let base = mechanics::Data {
-        share: *share,
-        friction: FRICTION,
-        ..mechanics::Required { lambda: LAMBDA.into(), mu: MU.into(), gamma0: (20.0 * YOUNG).into() }.into()
-    };
+    let base = mechanics::data().lambda(LAMBDA).mu(MU).gamma0(20.0 * YOUNG).share(*share).friction(FRICTION);
     let regions = mechanics::Regions::default().touch(pairing.clone()).gamma_n("upper top");
     let model = mechanics::Model { data: base.clone(), regions };
     let held = constraints(&displacements, aside, down);
@@ -79,16 +75,12 @@ where
         .unwrap(),
     };
 
-    let data = law::Data {
-        effusivity: of_bodies(mesh, EFFUSIVITIES),
-        duration: DURATION,
-        ..law::Rest {
-            conductivity: of_bodies(mesh, CONDUCTIVITIES),
-            conductance: CONDUCTANCE,
-            hardness: HARDNESS,
-        }
-        .with(base)
-    };
+    let data = law::data_from(base)
+        .conductivity(of_bodies(mesh, CONDUCTIVITIES))
+        .conductance(CONDUCTANCE)
+        .hardness(HARDNESS)
+        .effusivity(of_bodies(mesh, EFFUSIVITIES))
+        .duration(DURATION);
     let model =
         law::Model { data, regions: law::Regions::default().touch(pairing.clone()).gamma_n("upper top") };
     let temperatures = Space::scalar(mesh, 1).unwrap();

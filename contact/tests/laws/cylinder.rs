@@ -102,12 +102,10 @@ fn held(settings: &Settings, solution: &CylinderSolution) -> [f64; 2] {
     let residual = if settings.friction == Friction::None {
         problem.assembler.residual(&problem.law.direct(), &[&solution.u], &[&problem.space])
     } else {
-        let data = frictional_nitsche::Data {
-            slip_stress,
-            friction,
-            displacement_before: Given::field(&before),
-            ..frictional_nitsche::Rest {}.with(problem.law.data.clone())
-        };
+        let data = frictional_nitsche::data_from(problem.law.data.clone())
+            .slip_stress(slip_stress)
+            .friction(friction)
+            .displacement_before(&before);
         let regions =
             frictional_nitsche::Regions::default().gamma_n("outer").gamma_c(problem.law.contact_region());
         let law = frictional_nitsche::Model { data, regions };

@@ -14,7 +14,7 @@ pub const WIDTH: f64 = 1.5;
 
 /// The layer with a space for displacements.
 pub struct Layer<const D: usize> {
-    pub mesh: Arc<Mesh<D>>,
+    pub mesh: Mesh<D>,
     pub space: Arc<Space<D>>,
 }
 
@@ -53,7 +53,7 @@ fn layer<const D: usize>(shape: CellShape, degree: usize, divisions: [usize; D],
             length * (t[k] + bump * (1.0 + k as f64))
         })
     };
-    let mesh = Arc::new(structured(divisions, shape, 1, map).unwrap());
+    let mesh = structured(divisions, shape, 1, map).unwrap();
     let space = Space::vector(&mesh, degree).unwrap();
     Layer { mesh, space }
 }

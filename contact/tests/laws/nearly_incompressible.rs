@@ -76,19 +76,25 @@ enum Punch {
 }
 
 impl Punch {
-    fn block(self, cells: usize) -> Arc<Mesh<2>> {
+    fn block(self, cells: usize) -> Mesh<2> {
         let divisions = [2 * cells, cells];
         let mut mesh = rectangle([-1.0, -1.0], [1.0, 0.0], divisions, CellShape::Triangle, 1).unwrap();
         let below = |x: &[f64; 2]| matches!(self, Punch::Round) || x[0].abs() < 0.5;
         mesh.name_facets("below the punch", "top", below).unwrap();
-        Arc::new(mesh)
+        mesh
     }
 
     fn data(self, material: Material, theta: f64) -> nitsche::Data<2> {
         let Material { lambda, mu, gamma0 } = material;
         let gap = move |x: &[f64; 2]| if matches!(self, Punch::Round) { x[0] * x[0] / 2.0 } else { 0.0 };
         let obstacle_normal = Given::constant([0.0, 1.0]);
-        nitsche::Required { lambda, mu, theta, gamma0, obstacle_normal, gap: Given::function(gap) }.into()
+        nitsche::data()
+            .lambda(lambda)
+            .mu(mu)
+            .gamma0(gamma0)
+            .obstacle_normal(obstacle_normal)
+            .gap(gap)
+            .theta(theta)
     }
 
     /// In `steps` load steps. A failed one is halved twice at most.
@@ -119,7 +125,7 @@ impl Punch {
     fn finite(self, material: Material) -> Found {
         let base = self.data(material, 0.0);
         let regions = finite_nitsche::Regions::default().gamma_n("left").gamma_c("below the punch");
-        self.solve(finite_nitsche::Model { data: frictional_nitsche::Rest {}.with(base), regions }, 8, 5)
+        self.solve(finite_nitsche::Model { data: frictional_nitsche::data_from(base), regions }, 8, 5)
     }
 }
 
@@ -202,13 +208,18 @@ impl Ring {
 fn press_fit_on_a_rigid_shaft() {
     let mut mesh = annulus(1.0, 2.0, 8, 48, CellShape::Triangle, 2).unwrap();
     mesh.name_facets("bore", "inner", |_| true).unwrap();
-    let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 2).unwrap();
     let solve = |material: Material| {
         let Material { lambda, mu, gamma0 } = material;
         let inward = |x: &[f64; 2]| x.map(|k| -k / x[0].hypot(x[1]));
         let (obstacle_normal, gap) = (Given::function(inward), Given::constant(-0.02));
-        let data = nitsche::Required { lambda, mu, theta: 0.0, gamma0, obstacle_normal, gap }.into();
+        let data = nitsche::data()
+            .lambda(lambda)
+            .mu(mu)
+            .gamma0(gamma0)
+            .obstacle_normal(obstacle_normal)
+            .gap(gap)
+            .theta(0.0);
         let regions = nitsche::Regions::default().gamma_n("outer").gamma_c("bore");
         let mut held = Constraints::new(&space);
         held.fix("outer", |_| [0.0; 2]).unwrap();
@@ -232,17 +243,20 @@ fn press_fit_on_a_rigid_shaft() {
 fn press_fit_of_two_bodies() {
     let [shaft, hub] = [[0.5, 1.0], [1.0, 2.0]]
         .map(|[inner, outer]| annulus(inner, outer, 4, 48, CellShape::Quadrilateral, 2).unwrap());
-    let mesh = Arc::new(Mesh::of_bodies(&[("shaft", &shaft), ("hub", &hub)]).unwrap());
+    let mesh = Mesh::of_bodies(&[("shaft", &shaft), ("hub", &hub)]).unwrap();
     let space = Space::vector(&mesh, 2).unwrap();
     let pushed = 0.002;
     let touch = Pairing::onto("hub inner", "shaft outer").within_reach(0.2);
-    let data = |Material { lambda, mu, gamma0 }: Material| two_bodies::Data {
-        share: 1.0,
-        force_direction: Given::function(|x: &[f64; 2]| x.map(|k| k / x[0].hypot(x[1]))),
-        ..two_bodies::Required { lambda: lambda.into(), mu: mu.into(), gamma0: gamma0.into() }.into()
+    let data = |Material { lambda, mu, gamma0 }: Material| {
+        two_bodies::data()
+            .lambda(lambda)
+            .mu(mu)
+            .gamma0(gamma0)
+            .share(1.0)
+            .force_direction(|x: &[f64; 2]| x.map(|k| k / x[0].hypot(x[1])))
     };
     fn solve<L: ContactLaw<2>>(
-        mesh: &Arc<Mesh<2>>,
+        mesh: &Mesh<2>,
         space: &Arc<Space<2>>,
         pushed: f64,
         law: L,

@@ -58,7 +58,7 @@ fn layer<const D: usize>(
     let place =
         |t: [f64; D]| -> [f64; D] { std::array::from_fn(|k| if k == D - 1 { t[k] } else { WIDTH * t[k] }) };
     let body = structured(divisions, shape, 1, place).unwrap();
-    let mesh = Arc::new(body.with_rigid_surfaces(&[("flat", &flat::<D>())]).unwrap());
+    let mesh = body.with_rigid_surfaces(&[("flat", &flat::<D>())]).unwrap();
     let space = Space::vector(&mesh, degree).unwrap();
     let of = space.clone();
     let constraints = move |aside: f64, down: f64| {

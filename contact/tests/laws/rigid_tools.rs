@@ -15,12 +15,13 @@ use crate::setting::{LAMBDA, MU, YOUNG, along, check_tangent, wave};
 
 /// Data of both laws, with the whole of the contact integral on the body.
 pub fn data<const D: usize>(friction: f64, direction: usize) -> law::Data<D> {
-    law::Data {
-        share: 1.0,
-        friction,
-        force_direction: Given::constant(along(direction, 1.0)),
-        ..law::Required { lambda: LAMBDA.into(), mu: MU.into(), gamma0: (20.0 * YOUNG).into() }.into()
-    }
+    law::data()
+        .lambda(LAMBDA)
+        .mu(MU)
+        .gamma0(20.0 * YOUNG)
+        .share(1.0)
+        .friction(friction)
+        .force_direction(along(direction, 1.0))
 }
 
 /// A block whose base is held, and an indenter above it.
@@ -64,7 +65,7 @@ fn tight() -> NewtonOptions {
 }
 
 fn pressed<const D: usize>(
-    mesh: &Arc<Mesh<D>>,
+    mesh: &Mesh<D>,
     names: [&str; 3],
     tool: &str,
     degree: usize,
@@ -89,9 +90,9 @@ where
     (problem, solved)
 }
 
-fn with_tool<const D: usize>() -> Arc<Mesh<D>> {
+fn with_tool<const D: usize>() -> Mesh<D> {
     let surface = RigidSurface::of_boundary(&indenter::<D>(), "bottom").unwrap();
-    Arc::new(block::<D>().with_rigid_surfaces(&[("tool", &surface)]).unwrap())
+    block::<D>().with_rigid_surfaces(&[("tool", &surface)]).unwrap()
 }
 
 /// A tool is the same obstacle as a body of cells whose nodes all follow its motion, turned and pressed with friction.
@@ -101,7 +102,7 @@ where
 {
     let bodies = Mesh::of_bodies(&[("block", &block::<D>()), ("indenter", &indenter::<D>())]).unwrap();
     let names = ["block", "block bottom", "block top"];
-    let (_, meshed) = pressed(&Arc::new(bodies), names, "indenter", degree, 2);
+    let (_, meshed) = pressed(&bodies, names, "indenter", degree, 2);
     let (_, rigid) = pressed(&with_tool::<D>(), ["all", "bottom", "top"], "tool", degree, 2);
     let (found, expected) = (rigid.reaction("tool").unwrap(), meshed.reaction("indenter").unwrap());
     let scale = expected[D - 1].abs();
@@ -161,7 +162,7 @@ where
 {
     let mut turn = [[0.0; D]; D];
     (turn[from][to], turn[to][from]) = (-1.0, 1.0);
-    let data = moment::Rest { turn }.with(problem.law.data.clone());
+    let data = moment::data_from(problem.law.data.clone()).turn(turn);
     let touch = moment::Touch::on(Pairing::onto("top", "tool").within_reach(0.3));
     problem.assembler.functional(&moment::of_contact(&data, &touch, u)).unwrap()
 }
@@ -324,23 +325,22 @@ const DEPTHS: usize = 5;
 
 /// The force on the disk of the same place and depth by its exact distance.
 fn exact_disk() -> f64 {
-    let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [40, 20], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [2.0, 1.0], [40, 20], CellShape::Quadrilateral, 1).unwrap();
     let space = Space::vector(&mesh, 1).unwrap();
     let mut u = Field::zero(&space);
     let mut force = 0.0;
     for step in 1..=DEPTHS {
         let centre = [1.0, 1.8 - DEPTH * step as f64 / DEPTHS as f64];
         let still = RigidMap::translation([0.0; 2]).rotation;
-        let obstacle = moving_obstacle::Data::from(moving_obstacle::Required {
-            lambda: LAMBDA,
-            mu: MU,
-            gamma0: 20.0 * YOUNG,
-            centre,
-            rotation: still,
-            centre_before: centre,
-            rotation_before: still,
-        });
-        let data = round::Rest { radius: 0.8 }.with(obstacle);
+        let obstacle = moving_obstacle::data()
+            .lambda(LAMBDA)
+            .mu(MU)
+            .gamma0(20.0 * YOUNG)
+            .centre(centre)
+            .rotation(still)
+            .centre_before(centre)
+            .rotation_before(still);
+        let data = round::data_from(obstacle).radius(0.8);
         let mut constraints = Constraints::new(&space);
         constraints.fix("bottom", |_| [0.0; 2]).unwrap();
         let model = round::Model { data, regions: round::Regions::default().gamma_c("top") };
@@ -363,7 +363,7 @@ fn a_polygon_comes_to_be_a_disk() {
         };
         let disk = RigidSurface::along(&(0..=sides).map(at).collect::<Vec<_>>()).unwrap();
         let body = rectangle([0.0; 2], [2.0, 1.0], [40, 20], CellShape::Quadrilateral, 1).unwrap();
-        let mesh = Arc::new(body.with_rigid_surfaces(&[("tool", &disk)]).unwrap());
+        let mesh = body.with_rigid_surfaces(&[("tool", &disk)]).unwrap();
         let space = Space::vector(&mesh, 1).unwrap();
         let mut u = Field::zero(&space);
         let mut force = 0.0;

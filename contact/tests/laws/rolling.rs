@@ -51,7 +51,7 @@ const STEPS: usize = 14;
 
 #[test]
 fn a_tyre_rolls_without_slip_where_it_sticks() {
-    let mesh = Arc::new(annulus(0.5, 1.0, 3, 48, CellShape::Quadrilateral, 2).unwrap());
+    let mesh = annulus(0.5, 1.0, 3, 48, CellShape::Quadrilateral, 2).unwrap();
     let space = Space::vector(&mesh, 2).unwrap();
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
     let mut before = Field::zero(&space);

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use forms_contact::ContactProblem;
 use forms_contact::laws::sliding_bodies as law;
-use forms_contact::laws::two_bodies::Required;
+use forms_contact::laws::two_bodies::data;
 use forms_fem::mesh::structured;
 use forms_fem::prelude::*;
 
@@ -15,7 +15,7 @@ use crate::setting::{LAMBDA, MU, YOUNG};
 const SLIT: f64 = 0.04;
 
 /// The ring between the radii 1 and 1.4 with its slit at angle 0; cells of the two ends do not match. "skin" is its inside with both ends.
-fn slit_ring() -> Arc<Mesh<2>> {
+fn slit_ring() -> Mesh<2> {
     let mut mesh = structured([24, 4], CellShape::Quadrilateral, 1, |[s, t]| {
         let angle = -SLIT - s * (TAU - 2.0 * SLIT);
         let radius = 1.0 + 0.4 * t.powf(1.0 + 0.4 * s);
@@ -30,13 +30,13 @@ fn slit_ring() -> Arc<Mesh<2>> {
     mesh.name_facets("back", "top", |x| x[0] < -1.2).unwrap();
     mesh.name_facets("pushed down", "top", |x| x[0] > 0.9 && x[1] > 0.0).unwrap();
     mesh.name_facets("pushed up", "top", |x| x[0] > 0.9 && x[1] < 0.0).unwrap();
-    Arc::new(mesh)
+    mesh
 }
 
 fn model(space: &Arc<Space<2>>, touch: Pairing, friction: f64) -> law::Model<2> {
-    let required = Required { lambda: LAMBDA.into(), mu: MU.into(), gamma0: (10.0 * YOUNG).into() };
+    let required = data().lambda(LAMBDA).mu(MU).gamma0(10.0 * YOUNG);
     let before = Given::field(Field::zero(space));
-    let data = law::Data { friction, displacement_before: before, ..required.into() };
+    let data = required.friction(friction).displacement_before(before);
     law::Model { data, regions: law::Regions::default().touch(touch).gamma_n("top") }
 }
 

@@ -33,30 +33,19 @@ pub fn along<const D: usize>(axis: usize, size: f64) -> [f64; D] {
 
 /// A body on the flat below it: n_y down, no gap, no load, J = ∫ F·u with an F that is nowhere constant.
 pub fn data<const D: usize>(friction: Friction, theta: f64, gamma0: f64) -> law::Data<D> {
-    let base = forms::Data {
-        criterion_force: Given::function(|x: &[f64; D]| {
-            std::array::from_fn(|k| 0.3 + x[k] - 0.5 * x[0] * x[D - 1])
-        }),
-        ..forms::Required {
-            lambda: LAMBDA,
-            mu: MU,
-            theta,
-            gamma0,
-            obstacle_normal: Given::constant(along(D - 1, -1.0)),
-            gap: Given::constant(0.0),
-        }
-        .into()
-    };
+    let base = forms::data()
+        .lambda(LAMBDA)
+        .mu(MU)
+        .gamma0(gamma0)
+        .obstacle_normal(along(D - 1, -1.0))
+        .gap(0.0)
+        .theta(theta)
+        .criterion_force(|x: &[f64; D]| std::array::from_fn(|k| 0.3 + x[k] - 0.5 * x[0] * x[D - 1]));
     let (slip_stress, friction) = match friction {
         Friction::Tresca(bound) => (bound, 0.0),
         Friction::Coulomb(coefficient) => (0.0, coefficient),
     };
-    law::Data {
-        slip_stress,
-        friction,
-        force_direction: Given::constant(along(0, 1.0)),
-        ..law::Rest {}.with(base)
-    }
+    law::data_from(base).slip_stress(slip_stress).friction(friction).force_direction(along(0, 1.0))
 }
 
 /// A smooth field without symmetry, of about this size.

@@ -13,8 +13,8 @@ use crate::setting::{Friction, THETAS, YOUNG, close, data, difference};
 type Problem = ContactProblem<2, law::Model<2>>;
 
 /// Right-angled triangles: one side is the longest wherever nodes move a little.
-fn mesh() -> Arc<Mesh<2>> {
-    Arc::new(rectangle([0.0; 2], [2.0, 1.0], [8, 4], CellShape::Triangle, 1).unwrap())
+fn mesh() -> Mesh<2> {
+    rectangle([0.0; 2], [2.0, 1.0], [8, 4], CellShape::Triangle, 1).unwrap()
 }
 
 fn check(theta: f64, friction: Friction) {
@@ -23,8 +23,8 @@ fn check(theta: f64, friction: Friction) {
     data.criterion_force =
         Given::function_with_gradient(force, |x| [[1.0 - 0.5 * x[1], -0.5 * x[0]], [0.0, 0.2]]);
     let regions = law::Regions::default().gamma_n("right").gamma_c("bottom");
-    let problem_on = |mesh: &Arc<Mesh<2>>| -> Result<Problem, Failure> {
-        let block = Block { mesh: Arc::clone(mesh), space: Space::vector(mesh, 1)? };
+    let problem_on = |mesh: &Mesh<2>| -> Result<Problem, Failure> {
+        let block = Block { mesh: mesh.clone(), space: Space::vector(mesh, 1)? };
         Ok(block.problem(law::Model { data: data.clone(), regions: regions.clone() }, 0.008, 0.01))
     };
     let mesh = mesh();

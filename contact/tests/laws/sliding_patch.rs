@@ -13,13 +13,13 @@ use crate::two_bodies::{WIDTH, constraints, pairings};
 const DOWN: f64 = 0.01;
 
 /// Two layers of height ½ with these numbers of cells sideways, and a third of them upwards.
-fn layers(cells: [usize; 2]) -> Arc<Mesh<2>> {
+fn layers(cells: [usize; 2]) -> Mesh<2> {
     let body = |count: usize, low: f64| {
         let divisions = [count, count.div_ceil(3)];
         rectangle([0.0, low], [WIDTH, low + 0.5], divisions, CellShape::Quadrilateral, 1).unwrap()
     };
     let (lower, upper) = (body(cells[0], 0.0), body(cells[1], 0.5));
-    Arc::new(Mesh::of_bodies(&[("lower", &lower), ("upper", &upper)]).unwrap())
+    Mesh::of_bodies(&[("lower", &lower), ("upper", &upper)]).unwrap()
 }
 
 /// The largest error of the stress, as a part of the uniform pressure, of layers with these numbers of cells sideways.
@@ -27,8 +27,8 @@ fn off(cells: [usize; 2], degree: usize, rule: usize, (pairing, share): &(Pairin
     let mesh = layers(cells);
     let space = Space::vector(&mesh, degree).unwrap();
     let gamma0 = forms_contact::threshold::usual_gamma0(LAMBDA, MU);
-    let required = fixed::Required { lambda: LAMBDA.into(), mu: MU.into(), gamma0: gamma0.into() };
-    let data = fixed::Data { share: *share, ..required.into() };
+    let required = fixed::data().lambda(LAMBDA).mu(MU).gamma0(gamma0);
+    let data = required.share(*share);
     let regions = sliding::Regions::default().touch(pairing.clone()).gamma_n("upper top");
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(rule));
     let law = sliding::Model { data, regions };
@@ -95,14 +95,14 @@ fn points_without_a_partner_and_the_stresses_there() {
         let slab =
             rectangle([0.0, 0.0], [3.0, 1.0], [3 * cells, cells], CellShape::Quadrilateral, 1).unwrap();
         let block = rectangle([1.0, 1.0], [2.0, 2.0], [cells + 1; 2], CellShape::Quadrilateral, 1).unwrap();
-        let mesh = Arc::new(Mesh::of_bodies(&[("slab", &slab), ("block", &block)]).unwrap());
+        let mesh = Mesh::of_bodies(&[("slab", &slab), ("block", &block)]).unwrap();
         let space = Space::vector(&mesh, 1).unwrap();
         let mut held = Constraints::new(&space);
         held.fix("slab bottom", |_| [0.0; 2]).unwrap();
         held.fix("block top", |_| [0.0, -0.01]).unwrap();
         let gamma0 = forms_contact::threshold::usual_gamma0(LAMBDA, MU);
-        let required = fixed::Required { lambda: LAMBDA.into(), mu: MU.into(), gamma0: gamma0.into() };
-        let data = fixed::Data { share: 1.0, theta, ..required.into() };
+        let required = fixed::data().lambda(LAMBDA).mu(MU).gamma0(gamma0);
+        let data = required.share(1.0).theta(theta);
         let touch = Pairing::onto("slab top", "block bottom");
         let regions = keeping::Regions::default().touch(touch.clone()).gamma_n("slab left").own("slab top");
         let kept = keeping::Model { data: data.clone(), regions }.kept();

@@ -74,7 +74,7 @@ where
         structured(divisions, shape, 1, place).unwrap()
     };
     let (lower, upper) = (body(cells[0], [|_| -0.5, interface]), body(cells[1], [interface, |_| 0.5]));
-    let mesh = Arc::new(Mesh::of_bodies(&[("lower", &lower), ("upper", &upper)]).unwrap());
+    let mesh = Mesh::of_bodies(&[("lower", &lower), ("upper", &upper)]).unwrap();
     let space = Space::vector(&mesh, 1).unwrap();
     let normal: [f64; D] = {
         let across: [f64; D] = std::array::from_fn(|k| if k + 1 == D { 1.0 } else { -SLOPES[k] });
@@ -100,9 +100,8 @@ where
     };
     for (pairing, share) in pairings() {
         for theta in THETAS {
-            let required =
-                law::Required { lambda: modulus(LAMBDA), mu: modulus(MU), gamma0: modulus(20.0 * YOUNG) };
-            let data = law::Data { theta, share, slip_stress: 1e6 * ratio, ..required.into() };
+            let required = law::data().lambda(modulus(LAMBDA)).mu(modulus(MU)).gamma0(modulus(20.0 * YOUNG));
+            let data = required.theta(theta).share(share).slip_stress(1e6 * ratio);
             let regions = law::Regions::default().touch(pairing.clone()).gamma_n("upper right");
             let model = law::Model { data, regions };
             let problem = ContactProblem::new(Assembler::new(&mesh), &space, model, held.clone()).unwrap();

@@ -30,7 +30,7 @@ fn the_cylinder_by_its_law_and_by_its_material() {
 
         // With friction the whole traction counts, in the law's forms and in the material's.
         let base = problem.law.data.clone();
-        let data = frictional_nitsche::Rest {}.with(base);
+        let data = frictional_nitsche::data_from(base);
         let regions = frictional_nitsche::Regions::default().gamma_n("outer").gamma_c(CONTACT);
         let law = frictional_nitsche::Model { data: data.clone(), regions };
         let own = law.threshold(&problem.assembler, &problem.space).unwrap().unwrap();
@@ -57,12 +57,11 @@ fn bodies_of_different_stiffness() {
         Given::field(Field::interpolate(&cells, value).unwrap())
     };
     let of = |pairing: Pairing, share: f64, gamma0: [f64; 2]| {
-        let required = two_bodies::Required {
-            lambda: field(LAMBDA, 100.0 * LAMBDA),
-            mu: field(MU, 100.0 * MU),
-            gamma0: field(gamma0[0], gamma0[1]),
-        };
-        let data = two_bodies::Data { share, ..required.into() };
+        let required = two_bodies::data()
+            .lambda(field(LAMBDA, 100.0 * LAMBDA))
+            .mu(field(MU, 100.0 * MU))
+            .gamma0(field(gamma0[0], gamma0[1]));
+        let data = required.share(share);
         let regions = two_bodies::Regions::default().touch(pairing).gamma_n("upper top");
         let held = Constraints::new(&space);
         let law = two_bodies::Model { data, regions };

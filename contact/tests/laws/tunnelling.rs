@@ -3,7 +3,7 @@
 
 use forms_contact::ContactProblem;
 use forms_contact::laws::sliding_bodies as law;
-use forms_contact::laws::two_bodies::Required;
+use forms_contact::laws::two_bodies::data;
 use forms_fem::pairs::PairError;
 use forms_fem::prelude::*;
 use forms_fem::solve::LoadPath;
@@ -21,7 +21,7 @@ fn bodies() -> Arc<Space<2>> {
     let bottom = PLATE + GAP;
     let block = rectangle([0.8, bottom], [1.2, bottom + BLOCK], [5, 2], CellShape::Quadrilateral, 1).unwrap();
     let mesh = Mesh::of_bodies(&[("plate", &plate), ("block", &block)]).unwrap();
-    Space::vector(&Arc::new(mesh), 2).unwrap()
+    Space::vector(&mesh, 2).unwrap()
 }
 
 fn touch() -> Pairing {
@@ -34,8 +34,8 @@ fn problem(space: &Arc<Space<2>>, way: f64) -> ContactProblem<2, law::Model<2>> 
         constraints.fix(end, |_| [0.0, 0.0]).unwrap();
     }
     constraints.fix("block", |_| [0.0, -way]).unwrap();
-    let required = Required { lambda: LAMBDA.into(), mu: MU.into(), gamma0: (10.0 * YOUNG).into() };
-    let data = law::Data { share: 1.0, ..required.into() };
+    let required = data().lambda(LAMBDA).mu(MU).gamma0(10.0 * YOUNG);
+    let data = required.share(1.0);
     let regions = law::Regions::default().touch(touch()).gamma_n("block top");
     let assembler = Assembler::new(space.mesh()).with_quadrature(Quadrature::Degree(4));
     ContactProblem::new(assembler, space, law::Model { data, regions }, constraints).unwrap()

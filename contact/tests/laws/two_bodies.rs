@@ -15,7 +15,7 @@ use crate::setting::{LAMBDA, MU, POISSON, THETAS, YOUNG, along};
 pub const WIDTH: f64 = 1.5;
 
 /// Two layers of height ½ with the given number of cells sideways, the upper one `apart` above the lower one.
-pub fn layers<const D: usize>(shape: CellShape, cells: [usize; 2], apart: f64) -> Arc<Mesh<D>> {
+pub fn layers<const D: usize>(shape: CellShape, cells: [usize; 2], apart: f64) -> Mesh<D> {
     let body = |count: usize, bottom: f64| {
         let mut divisions = [count; D];
         divisions[D - 1] = 2;
@@ -25,7 +25,7 @@ pub fn layers<const D: usize>(shape: CellShape, cells: [usize; 2], apart: f64) -
         structured(divisions, shape, 1, place).unwrap()
     };
     let (lower, upper) = (body(cells[0], 0.0), body(cells[1], 0.5 + apart));
-    Arc::new(Mesh::of_bodies(&[("lower", &lower), ("upper", &upper)]).unwrap())
+    Mesh::of_bodies(&[("lower", &lower), ("upper", &upper)]).unwrap()
 }
 
 /// The lowest side held, the highest moved by (U, .., −δ), the others periodic.
@@ -46,15 +46,14 @@ pub fn constraints<const D: usize>(space: &Arc<Space<D>>, aside: f64, down: f64)
 }
 
 fn data<const D: usize>(friction: f64, theta: f64, share: f64) -> law::Data<D> {
-    law::Data {
-        theta,
-        share,
-        friction,
-        criterion_force: Given::function(|x: &[f64; D]| {
-            std::array::from_fn(|k| 0.3 + x[k] - 0.5 * x[0] * x[D - 1])
-        }),
-        ..law::Required { lambda: LAMBDA.into(), mu: MU.into(), gamma0: (20.0 * YOUNG).into() }.into()
-    }
+    law::data()
+        .lambda(LAMBDA)
+        .mu(MU)
+        .gamma0(20.0 * YOUNG)
+        .theta(theta)
+        .share(share)
+        .friction(friction)
+        .criterion_force(|x: &[f64; D]| std::array::from_fn(|k| 0.3 + x[k] - 0.5 * x[0] * x[D - 1]))
 }
 
 pub fn pairings() -> [(Pairing, f64); 3] {
@@ -183,7 +182,7 @@ fn a_uniform_stress_goes_through_a_sloped_interface() {
     };
     let interface: fn(f64) -> f64 = |x| 0.25 * (x - 0.5 * WIDTH);
     let (lower, upper) = (body([3, 2], [|_| -0.5, interface]), body([4, 2], [interface, |_| 0.5]));
-    let mesh = Arc::new(Mesh::of_bodies(&[("lower", &lower), ("upper", &upper)]).unwrap());
+    let mesh = Mesh::of_bodies(&[("lower", &lower), ("upper", &upper)]).unwrap();
     let space = Space::vector(&mesh, 1).unwrap();
     let down = 0.01;
     let mut held = Constraints::new(&space);
@@ -195,7 +194,7 @@ fn a_uniform_stress_goes_through_a_sloped_interface() {
     let pressure = YOUNG / (1.0 - POISSON * POISSON) * down;
     for (pairing, share) in pairings() {
         for theta in THETAS {
-            let sticks = law::Data { slip_stress: 1e6, ..data::<2>(0.0, theta, share) };
+            let sticks = data::<2>(0.0, theta, share).slip_stress(1e6);
             let regions = law::Regions::default().touch(pairing.clone()).gamma_n("upper right");
             let model = law::Model { data: sticks, regions };
             let problem = ContactProblem::new(Assembler::new(&mesh), &space, model, held.clone()).unwrap();

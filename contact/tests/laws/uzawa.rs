@@ -12,7 +12,7 @@ use crate::layer::{Answer, Inside, Layer, plane_layers, solid_layers};
 use crate::setting::{Friction, LAMBDA, MU, YOUNG, close, data};
 
 fn model<const D: usize>(base: flat::Data<D>, multiplier: History<[f64; D], D>) -> law::Model<D> {
-    let data = law::Rest { multiplier }.with(base);
+    let data = law::data_from(base).multiplier(multiplier);
     law::Model { data, regions: law::Regions::default().gamma_n("right").gamma_c("bottom") }
 }
 
@@ -67,7 +67,6 @@ fn layers_come_out_exactly() {
 #[test]
 fn a_block_comes_to_the_augmented_lagrangian() {
     let mesh = rectangle([0.0; 2], [2.0, 1.0], [12, 6], CellShape::Triangle, 1).unwrap();
-    let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 1).unwrap();
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(1));
     let mut constraints = Constraints::new(&space);

@@ -17,7 +17,7 @@ const DOWN: f64 = 0.01;
 const STIFFNESS: f64 = LAMBDA + 2.0 * MU;
 
 fn model<const D: usize>(base: flat::Data<D>, worn: History<f64, D>) -> law::Model<D> {
-    let data = law::Rest { wear_rate: RATE, worn }.with(base);
+    let data = law::data_from(base).wear_rate(RATE).worn(worn);
     law::Model { data, regions: law::Regions::default().gamma_n("right").gamma_c("bottom") }
 }
 

@@ -29,23 +29,19 @@ pub fn ball_on_flat(divisions: usize, theta: f64) -> Result<ContactProblem<3>, B
     let mut mesh = structured([divisions; 3], CellShape::Hexahedron, 2, map)?;
     mesh.name_facets("contact", "bottom", |centre| centre[0].max(centre[1]) < REACH)?;
     mesh.name_cells_of_facets("contact cells", "contact")?;
-    let space = Space::vector(&Arc::new(mesh), 2)?;
+    let space = Space::vector(&mesh, 2)?;
     let mut constraints = Constraints::new(&space);
     constraints.fix_component("left", 0, |_| 0.0)?;
     constraints.fix_component("front", 1, |_| 0.0)?;
     constraints.fix_component("top", 2, |_| -PRESSED)?;
-    let data = forms::Data {
-        criterion_force: Given::constant([0.0, 0.0, -1.0]),
-        ..forms::Required {
-            lambda: YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)),
-            mu: YOUNG / (2.0 * (1.0 + POISSON)),
-            theta: 1.0,
-            gamma0: YOUNG,
-            obstacle_normal: Given::constant([0.0, 0.0, -1.0]),
-            gap: Given::function(|x: &[f64; 3]| x[2] + RADIUS),
-        }
-        .into()
-    };
+    let data = forms::data()
+        .lambda(YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
+        .mu(YOUNG / (2.0 * (1.0 + POISSON)))
+        .gamma0(YOUNG)
+        .obstacle_normal([0.0, 0.0, -1.0])
+        .gap(|x: &[f64; 3]| x[2] + RADIUS)
+        .theta(1.0)
+        .criterion_force([0.0, 0.0, -1.0]);
     let assembler = Assembler::new(space.mesh()).with_quadrature(Quadrature::Degree(6));
     let regions = forms::Regions::default().gamma_n("right").gamma_c("contact");
     let assembler = assembler.with_threads(Threads::new(1));

@@ -33,7 +33,7 @@ impl DrawnBlock {
     pub fn new(cells: usize) -> Result<Self, Box<dyn Error>> {
         let slab = rectangle([0.0; 2], [3.0, 0.6], [4 * cells - 1, cells], CellShape::Quadrilateral, 1)?;
         let block = rectangle([0.3, 0.61], [1.3, 1.21], [cells, cells], CellShape::Triangle, 1)?;
-        let mesh = Arc::new(Mesh::of_bodies(&[("slab", &slab), ("block", &block)])?);
+        let mesh = Mesh::of_bodies(&[("slab", &slab), ("block", &block)])?;
         let space = Space::vector(&mesh, 2)?;
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));
         Ok(DrawnBlock { space, assembler: assembler.with_threads(Threads::new(1)) })
@@ -56,13 +56,14 @@ impl DrawnBlock {
     /// # Errors
     /// Data that do not fit.
     pub fn step(&self, part: f64, before: &Field<2>) -> Result<ContactProblem<2, Law>, Box<dyn Error>> {
-        let data = two_bodies::Data {
-            friction: FRICTION,
-            displacement_before: Given::field(before),
-            force_direction: Given::constant([1.0, 0.0]),
-            criterion_force: Given::function(|x: &[f64; 2]| [0.3 + x[0], 0.5 * x[1]]),
-            ..two_bodies::Required { lambda: 15.0.into(), mu: 10.0.into(), gamma0: 300.0.into() }.into()
-        };
+        let data = two_bodies::data()
+            .lambda(15.0)
+            .mu(10.0)
+            .gamma0(300.0)
+            .friction(FRICTION)
+            .displacement_before(before)
+            .force_direction([1.0, 0.0])
+            .criterion_force(|x: &[f64; 2]| [0.3 + x[0], 0.5 * x[1]]);
         let touch = Pairing::between("slab top", "block bottom");
         let regions = sliding_bodies::Regions::default().touch(touch).gamma_n("block right");
         let law = sliding_bodies::Model { data, regions };

@@ -43,11 +43,11 @@ impl HangingBlock {
     /// # Errors
     /// Too many cells, or none.
     pub fn new(divisions: usize, weight: Given<[f64; 3], 3>) -> Result<Self, Box<dyn std::error::Error>> {
-        let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [divisions; 3], CellShape::Hexahedron, 1)?);
+        let mesh = cuboid([0.0; 3], [1.0; 3], [divisions; 3], CellShape::Hexahedron, 1)?;
         let space = Space::vector(&mesh, 2)?;
         let mut constraints = Constraints::new(&space);
         constraints.fix("top", |_| [0.0; 3])?;
-        let data = equilibrium::Data { lambda: 0.3 / (1.3 * 0.4), mu: 0.5 / 1.3, weight };
+        let data = equilibrium::data().lambda(0.3 / (1.3 * 0.4)).mu(0.5 / 1.3).weight(weight);
         let form = equilibrium::balance(&data, &equilibrium::Omega::on(EVERYWHERE));
         Ok(HangingBlock { form, space, constraints })
     }

@@ -77,10 +77,10 @@ impl Poisson {
     /// # Errors
     /// A region that does not exist.
     pub fn on(mesh: Mesh<2>, given: Given) -> Result<Self, Box<dyn Error>> {
-        let space = Space::scalar(&Arc::new(mesh), given.degree)?;
+        let space = Space::scalar(&mesh, given.degree)?;
         let mut constraints = Constraints::new(&space);
         constraints.fix(given.region, |_| given.boundary)?;
-        let form = forms::balance(&forms::Data { load: given.load }, &forms::Omega::on(EVERYWHERE));
+        let form = forms::balance(&forms::data().load(given.load), &forms::Omega::on(EVERYWHERE));
         Ok(Poisson { load: given.load, form, space, constraints })
     }
 
@@ -104,7 +104,7 @@ impl Poisson {
     /// Those of [`Solved::functional`].
     pub fn total(&self, solved: &Solved<2>) -> Result<f64, AssemblyError> {
         solved.functional(&forms::total(
-            &forms::Data { load: self.load },
+            &forms::data().load(self.load),
             &forms::Omega::on(EVERYWHERE),
             solved.field(),
         ))

@@ -12,8 +12,6 @@ pub use self::boxes::{BoxGrid, Corners, box_around};
 #[doc(hidden)]
 pub use self::project::nearest_on_facet;
 
-use std::sync::Arc;
-
 use crate::instantiate;
 use crate::mesh::Mesh;
 use crate::mesh::geometry::inverse;
@@ -29,7 +27,7 @@ const GROWTH: f64 = 8.0;
 /// A search for cells by position.
 #[derive(Clone, Debug)]
 pub struct Locator<const D: usize> {
-    mesh: Arc<Mesh<D>>,
+    mesh: Mesh<D>,
     /// A box around each cell.
     grid: BoxGrid<D>,
 }
@@ -51,13 +49,13 @@ pub struct Nearest<const D: usize> {
 impl<const D: usize> Locator<D> {
     /// A locator for a mesh; linear in the number of cells.
     #[inline(never)]
-    pub fn new(mesh: &Arc<Mesh<D>>) -> Self {
+    pub fn new(mesh: &Mesh<D>) -> Self {
         let grid = BoxGrid::new(mesh.body_cells().map(|cell| cell_box(mesh, cell)).collect());
-        Locator { mesh: Arc::clone(mesh), grid }
+        Locator { mesh: mesh.clone(), grid }
     }
 
     /// The mesh.
-    pub fn mesh(&self) -> &Arc<Mesh<D>> {
+    pub fn mesh(&self) -> &Mesh<D> {
         &self.mesh
     }
 
@@ -236,7 +234,6 @@ mod tests {
 
     // Every point of every cell is found, at its own place.
     fn check_all<const D: usize>(mesh: Mesh<D>) {
-        let mesh = Arc::new(mesh);
         let locator = Locator::new(&mesh);
         let mut points = cell_rule::<D>(mesh.cell_shape(0), 6).expect("degree 6 exists").points;
         let interior = points.len();
@@ -284,14 +281,14 @@ mod tests {
         let mesh = structured([3, 3], CellShape::Quadrilateral, 2, |[s, t]| {
             [shift + 3.0 * s + 0.1 * t * t, shift + 3.0 * t]
         })?;
-        let locator = Locator::new(&Arc::new(mesh));
+        let locator = Locator::new(&mesh);
         assert_eq!(locator.find(&[shift + 1.4, shift + 1.6]).map(|(cell, _)| cell), Some(4));
         Ok(())
     }
 
     #[test]
     fn the_boundary_belongs_to_the_mesh() -> Result<(), MeshError> {
-        let mesh = Arc::new(annulus(20.0, 25.0, 2, 16, CellShape::Quadrilateral, 2)?);
+        let mesh = annulus(20.0, 25.0, 2, 16, CellShape::Quadrilateral, 2)?;
         let locator = Locator::new(&mesh);
         assert!(locator.find(&[25.0, 0.0]).is_some());
         // The radial size of a cell is 2.5.
@@ -307,7 +304,7 @@ mod tests {
     // Between the parabola through three points of the circle and the circle itself.
     #[test]
     fn nested_curved_meshes_find_each_other() -> Result<(), MeshError> {
-        let coarse = Arc::new(annulus(20.0, 25.0, 2, 16, CellShape::Quadrilateral, 2)?);
+        let coarse = annulus(20.0, 25.0, 2, 16, CellShape::Quadrilateral, 2)?;
         let fine = annulus(20.0, 25.0, 8, 64, CellShape::Quadrilateral, 2)?;
         let locator = Locator::new(&coarse);
         let mut outside = 0;
@@ -336,7 +333,7 @@ mod tests {
             let (radius, angle) = (1.0 + 0.05 * s + s.powi(6), 0.01 * t + t.powi(5));
             [radius * angle.cos(), radius * angle.sin()]
         };
-        let mesh = Arc::new(structured([6, 24], CellShape::Triangle, 2, graded)?);
+        let mesh = structured([6, 24], CellShape::Triangle, 2, graded)?;
         let locator = Locator::new(&mesh);
         let (mut near, mut far) = (0, 0);
         for step in 0..400 {
@@ -363,7 +360,7 @@ mod tests {
     #[test]
     fn distances_are_those_to_the_cell() -> Result<(), MeshError> {
         for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
-            let mesh = Arc::new(cuboid([0.0; 3], [1.0, 2.0, 30.0], [2, 3, 2], shape, 1)?);
+            let mesh = cuboid([0.0; 3], [1.0, 2.0, 30.0], [2, 3, 2], shape, 1)?;
             let locator = Locator::new(&mesh);
             for (point, distance) in
                 [([1.5, 1.0, 7.0], 0.5), ([0.3, 2.25, 30.0], 0.25), ([-0.3, -0.4, 3.0], 0.5)]

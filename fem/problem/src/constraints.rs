@@ -335,7 +335,7 @@ mod tests {
     type Outcome = Result<(), Box<dyn std::error::Error>>;
 
     fn space() -> Result<Arc<Space<2>>, Box<dyn std::error::Error>> {
-        let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1)?);
+        let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1)?;
         Ok(Space::vector(&mesh, 2)?)
     }
 

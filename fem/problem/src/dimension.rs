@@ -24,7 +24,7 @@ use forms_core::contract::Dimension as Compiled;
 ///     let content = assembler.functional(&heat::content(&heat::Omega::on("all"), u))?;
 ///     Ok([content, norms::l2_norm(assembler, u)?])
 /// }
-/// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [2, 1], CellShape::Triangle, 1).unwrap());
+/// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [2, 1], CellShape::Triangle, 1).unwrap();
 /// # let space = Space::scalar(&mesh, 1).unwrap();
 /// # let one = Field::from_values(&space, vec![1.0; 6]).unwrap();
 /// # let found = content_and_norm(&Assembler::new(space.mesh()), &one).unwrap();

@@ -7,7 +7,7 @@ mod transfer;
 use std::any::Any;
 use std::sync::{Arc, OnceLock};
 
-use forms_core::contract::{DiscreteField, FieldHandle, FieldValue, Source};
+use forms_core::contract::{Datum, DiscreteField, FieldHandle, FieldValue, Given, Source};
 use thiserror::Error;
 
 use crate::element::Elements;
@@ -220,7 +220,7 @@ impl<const D: usize> Field<D> {
     /// ```
     /// use forms_fem::prelude::*;
     ///
-    /// let mesh = Arc::new(rectangle([0.0; 2], [3.0, 2.0], [3, 2], CellShape::Quadrilateral, 1)?);
+    /// let mesh = rectangle([0.0; 2], [3.0, 2.0], [3, 2], CellShape::Quadrilateral, 1)?;
     /// let stiffness = [10.0, 20.0, 30.0, 40.0, 50.0, 60.0];
     /// let space = Space::discontinuous_scalar(&mesh, 0)?;
     /// let k = Field::from_cell_values(&space, &stiffness)?;
@@ -245,7 +245,7 @@ impl<const D: usize> Field<D> {
     /// ```
     /// use forms_fem::prelude::*;
     ///
-    /// let mesh = Arc::new(rectangle([0.0; 2], [3.0, 2.0], [3, 2], CellShape::Quadrilateral, 1)?);
+    /// let mesh = rectangle([0.0; 2], [3.0, 2.0], [3, 2], CellShape::Quadrilateral, 1)?;
     /// let space = Space::on_facets(&mesh, "top", 0)?;
     /// let pressure = Field::from_facet_values(&space, &[1.0, 2.0, 3.0])?;
     /// let first = mesh.facet_centre(mesh.facet_region("top")?[0]);
@@ -461,6 +461,18 @@ impl<const D: usize> From<Field<D>> for FieldHandle {
 impl<const D: usize> From<&Field<D>> for FieldHandle {
     fn from(field: &Field<D>) -> Self {
         Arc::new(field.clone())
+    }
+}
+
+impl<V: FieldValue, const D: usize> Datum<V, D> for Field<D> {
+    fn given(self) -> Given<V, D> {
+        Given::field(self)
+    }
+}
+
+impl<V: FieldValue, const D: usize> Datum<V, D> for &Field<D> {
+    fn given(self) -> Given<V, D> {
+        Given::field(self)
     }
 }
 

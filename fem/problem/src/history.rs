@@ -88,7 +88,7 @@ pub enum HistoryMismatch {
 
 /// Values at the quadrature points of a region.
 pub(crate) struct PointStorage<const D: usize> {
-    mesh: Arc<Mesh<D>>,
+    mesh: Mesh<D>,
     entity: Entity,
     region: String,
     degree: usize,
@@ -182,8 +182,8 @@ impl<const D: usize> PointStorage<D> {
     /// # Errors
     /// [`HistoryMismatch::Mesh`]: a history of another mesh.
     #[inline(never)]
-    pub fn snapshot(&self, mesh: &Arc<Mesh<D>>) -> Result<Snapshot<'_, D>, HistoryMismatch> {
-        if !Arc::ptr_eq(&self.mesh, mesh) {
+    pub fn snapshot(&self, mesh: &Mesh<D>) -> Result<Snapshot<'_, D>, HistoryMismatch> {
+        if !self.mesh.is_same(mesh) {
             return Err(HistoryMismatch::Mesh);
         }
         Ok(Snapshot { storage: self, values: self.committed() })

@@ -63,7 +63,7 @@ impl<const D: usize> Space<D> {
     ///
     /// # Errors
     /// As [`Space::vector`].
-    pub fn of_geometry(mesh: &Arc<Mesh<D>>) -> Result<Arc<Self>, SpaceError> {
+    pub fn of_geometry(mesh: &Mesh<D>) -> Result<Arc<Self>, SpaceError> {
         Space::vector(mesh, mesh.degree())
     }
 }
@@ -74,7 +74,7 @@ impl<const D: usize> Field<D> {
     ///
     /// # Errors
     /// [`MovementError`]: a field on another space; a cell that is inverted afterwards, by its number.
-    pub fn move_mesh(&self, step: f64) -> Result<Arc<Mesh<D>>, MovementError> {
+    pub fn move_mesh(&self, step: f64) -> Result<Mesh<D>, MovementError> {
         let mesh = self.space().mesh();
         check(self)?;
         let mut nodes = mesh.nodes().to_vec();
@@ -84,7 +84,7 @@ impl<const D: usize> Field<D> {
                 nodes[node as usize] = std::array::from_fn(|k| start[k] + step * by[k]);
             }
         }
-        mesh.with_nodes(nodes).map(Arc::new).map_err(|source| MovementError::Mesh { step, source })
+        mesh.with_nodes(nodes).map_err(|source| MovementError::Mesh { step, source })
     }
 
     /// These coefficients on a mesh that has moved: the field keeps its nodal values.
@@ -155,7 +155,7 @@ pub fn diameters_to_movements<const D: usize>(
     Ok(result)
 }
 
-fn cellwise<const D: usize>(mesh: &Arc<Mesh<D>>) -> Result<Arc<Space<D>>, MovementError> {
+fn cellwise<const D: usize>(mesh: &Mesh<D>) -> Result<Arc<Space<D>>, MovementError> {
     Ok(Space::discontinuous_scalar(mesh, 0)?)
 }
 

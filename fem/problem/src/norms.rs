@@ -13,7 +13,7 @@
 //!
 //! let mut fields = vec![];
 //! for cells in [4, 8] {
-//!     let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [cells; 2], CellShape::Quadrilateral, 1)?);
+//!     let mesh = rectangle([0.0; 2], [1.0; 2], [cells; 2], CellShape::Quadrilateral, 1)?;
 //!     let space = Space::scalar(&mesh, 2)?;
 //!     fields.push((Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8)), Field::interpolate(&space, exact)?));
 //! }

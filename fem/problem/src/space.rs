@@ -28,7 +28,7 @@ use crate::mesh::{CellLists, Facet, Mesh, MeshError};
 /// [`CellOrder`](crate::mesh::CellOrder): nodes of near numbers lie near each other, however the mesh was numbered.
 #[derive(Debug)]
 pub struct Space<const D: usize> {
-    pub(crate) mesh: Arc<Mesh<D>>,
+    pub(crate) mesh: Mesh<D>,
     pub(crate) degree: usize,
     pub(crate) elements: Elements,
     /// The elements on the mesh's shapes.
@@ -143,7 +143,7 @@ impl<const D: usize> Space<D> {
     /// ```
     /// use forms_fem::prelude::*;
     ///
-    /// let mesh = Arc::new(rectangle([0.0; 2], [3.0, 1.0], [3, 1], CellShape::Triangle, 1)?);
+    /// let mesh = rectangle([0.0; 2], [3.0, 1.0], [3, 1], CellShape::Triangle, 1)?;
     /// assert_eq!(Space::on_facets(&mesh, "bottom", 1)?.node_count(), 4);
     /// assert_eq!(Space::discontinuous_on_facets(&mesh, "bottom", 1)?.node_count(), 6);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -152,7 +152,7 @@ impl<const D: usize> Space<D> {
     /// # Errors
     /// As [`Space::on_facets`].
     pub fn discontinuous_on_facets(
-        mesh: &Arc<Mesh<D>>,
+        mesh: &Mesh<D>,
         region: &str,
         degree: usize,
     ) -> Result<Arc<Self>, SpaceError> {
@@ -164,7 +164,7 @@ impl<const D: usize> Space<D> {
     /// # Errors
     /// As [`Space::on_facets`].
     pub fn discontinuous_vector_on_facets(
-        mesh: &Arc<Mesh<D>>,
+        mesh: &Mesh<D>,
         region: &str,
         degree: usize,
     ) -> Result<Arc<Self>, SpaceError> {
@@ -175,7 +175,7 @@ impl<const D: usize> Space<D> {
     #[inline(never)]
     pub(crate) fn scalar_nodes(&self) -> Arc<Self> {
         Arc::new(Space {
-            mesh: Arc::clone(&self.mesh),
+            mesh: self.mesh.clone(),
             degree: self.degree,
             elements: self.elements.clone(),
             on_shapes: Arc::clone(&self.on_shapes),
@@ -192,7 +192,7 @@ impl<const D: usize> Space<D> {
     }
 
     /// The mesh.
-    pub fn mesh(&self) -> &Arc<Mesh<D>> {
+    pub fn mesh(&self) -> &Mesh<D> {
         &self.mesh
     }
 

@@ -1,7 +1,6 @@
 //! The cycle of adaptivity: solve, estimate, mark, refine.
 
 use std::fmt;
-use std::sync::Arc;
 
 use thiserror::Error;
 
@@ -47,7 +46,7 @@ enum Aim {
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let coarse = rectangle([0.0; 2], [1.0; 2], [4, 4], CellShape::Triangle, 1)?;
-/// let solve = |mesh: &Arc<Mesh<2>>, before: Option<&Field<2>>| -> Result<_, Box<dyn std::error::Error>> {
+/// let solve = |mesh: &Mesh<2>, before: Option<&Field<2>>| -> Result<_, Box<dyn std::error::Error>> {
 ///     let space = Space::scalar(mesh, 1)?;
 ///     let mut constraints = Constraints::new(&space);
 ///     constraints.fix("boundary", |_| 0.0)?;
@@ -232,8 +231,8 @@ impl<'a, const D: usize> Adaptation<'a, D> {
     /// [`AdaptationError`]: what `solve` reports, with the mesh; a tolerance that was not reached.
     pub fn run<E: fmt::Display>(
         &self,
-        coarse: impl Into<Arc<Mesh<D>>>,
-        mut solve: impl FnMut(&Arc<Mesh<D>>, Option<&Field<D>>) -> Result<AdaptiveSolution<D>, E>,
+        coarse: Mesh<D>,
+        mut solve: impl FnMut(&Mesh<D>, Option<&Field<D>>) -> Result<AdaptiveSolution<D>, E>,
         mut progress: impl FnMut(&AdaptiveStep),
     ) -> Result<Adapted<D>, AdaptationError<E>> {
         if let Aim::Tolerance { tolerance, .. } = self.aim
@@ -249,7 +248,7 @@ impl<'a, const D: usize> Adaptation<'a, D> {
             let solution = solve(mesh.mesh(), before.as_ref())
                 .map_err(|reason| AdaptationError::Solution { number, cells, reason: Box::new(reason) })?;
             let estimate = solution.estimate.value();
-            let own_mesh = Arc::ptr_eq(solution.field.space().mesh(), mesh.mesh());
+            let own_mesh = solution.field.space().mesh().is_same(mesh.mesh());
             if !own_mesh || solution.estimate.indicators().len() != cells {
                 return Err(AdaptationError::OtherMesh { number, cells });
             }

@@ -182,7 +182,7 @@ fn interpolated_and_weight<const D: usize>(
     space: &Arc<Space<D>>,
 ) -> Result<[Field<D>; 2], EstimateError> {
     let higher = p.space();
-    if !Arc::ptr_eq(higher.mesh(), space.mesh()) {
+    if !higher.mesh().is_same(space.mesh()) {
         return Err(SpaceError::OtherMesh.into());
     }
     if higher.degree() <= space.degree() {

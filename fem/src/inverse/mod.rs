@@ -49,12 +49,12 @@
 //! }
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [4, 4], CellShape::Quadrilateral, 1)?);
+//! let mesh = rectangle([0.0; 2], [1.0; 2], [4, 4], CellShape::Quadrilateral, 1)?;
 //! let space = Space::scalar(&mesh, 1)?;
 //! let mut held = Constraints::new(&space);
 //! held.fix("left", |_| 0.0)?;
 //! let controls = Controls::new().number("conductivity", 0.3);
-//! let model = |conductivity| creep::Model::new(creep::Data { conductivity, source: 1.0 });
+//! let model = |conductivity| creep::Model::new(creep::data().conductivity(conductivity).source(1.0));
 //! let mut history = LoadHistory::new(&space, 10, controls)
 //!     .step(|at| Ok(model(at.number("conductivity")?).step(at.before()?)))
 //!     .sensitivities(|at, u, p| Ok(model(at.number("conductivity")?).sensitivities(u, at.before()?, p)))

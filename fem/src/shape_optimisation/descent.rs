@@ -31,7 +31,7 @@ pub struct Descent<'a, P, const D: usize> {
     /// The problem to optimise.
     pub problem: &'a P,
     /// The shape at the start; its cells, numbers and regions are those of all shapes until the mesh is made again.
-    pub initial: Arc<Mesh<D>>,
+    pub initial: Mesh<D>,
     /// The options.
     pub options: DescentOptions,
     /// The pattern that is kept, if any.
@@ -47,7 +47,7 @@ pub struct Report<'a, S, const D: usize> {
     /// All that it needs to go on.
     pub state: &'a DescentState,
     /// The shape.
-    pub mesh: &'a Arc<Mesh<D>>,
+    pub mesh: &'a Mesh<D>,
     /// The state on it.
     pub solved: &'a S,
 }
@@ -57,14 +57,14 @@ pub struct Optimised<S, const D: usize> {
     /// The history, and why it stopped.
     pub state: DescentState,
     /// The shape.
-    pub mesh: Arc<Mesh<D>>,
+    pub mesh: Mesh<D>,
     /// The values on it.
     pub values: Values<S>,
 }
 
 /// A shape with its values.
 pub(super) struct Shape<S, const D: usize> {
-    pub mesh: Arc<Mesh<D>>,
+    pub mesh: Mesh<D>,
     pub values: Values<S>,
     pub quality: f64,
 }
@@ -133,7 +133,7 @@ where
             return Err(ShapeOptimisationError::OtherMesh { expected, found });
         }
         let nodes = state.nodes.chunks(D).map(|node| std::array::from_fn(|k| node[k])).collect();
-        let mesh = Arc::new(base.mesh.with_nodes(nodes)?);
+        let mesh = base.mesh.with_nodes(nodes)?;
         let iteration = state.iterations();
         let values = self
             .problem

@@ -104,13 +104,12 @@ impl InnerProduct {
         Dim: Dimension<D>,
     {
         let movements: &Arc<Space<D>> = held.space();
-        let data = movement_product::Data {
-            value: self.value,
-            slope: self.slope,
-            shear: self.shear,
-            dilation: self.dilation,
-            tangential: self.tangential,
-        };
+        let data = movement_product::data()
+            .value(self.value)
+            .slope(self.slope)
+            .shear(self.shear)
+            .dilation(self.dilation)
+            .tangential(self.tangential);
         let (omega, boundary) =
             (movement_product::Omega::on(EVERYWHERE), movement_product::Boundary::on(BOUNDARY));
         let form = movement_product::product(&data, &omega, &boundary);

@@ -2,7 +2,6 @@
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use serde_json::Value;
 
@@ -113,7 +112,7 @@ impl Logbook {
     ///
     /// # Errors
     /// A file that is not what was written.
-    pub fn shapes<const D: usize>(&self, initial: &Mesh<D>) -> Result<Vec<(usize, Arc<Mesh<D>>)>, Failure> {
+    pub fn shapes<const D: usize>(&self, initial: &Mesh<D>) -> Result<Vec<(usize, Mesh<D>)>, Failure> {
         let mut shapes = Vec::new();
         for &number in &self.shapes {
             let path = self.shape(number, "json");
@@ -130,7 +129,7 @@ impl Logbook {
                 None => initial.with_nodes(nodes),
             };
             let mesh = mesh.map_err(|error| named(error.to_string()))?;
-            shapes.push((number, Arc::new(mesh)));
+            shapes.push((number, mesh));
         }
         Ok(shapes)
     }

@@ -29,7 +29,7 @@ pub mod perimeter_form {
 
 /// On curved facets the integrand is a root of a polynomial; both integrals take the same points, so that the second is the
 /// derivative of the first.
-fn assembler<const D: usize>(mesh: &Arc<Mesh<D>>) -> Assembler<D> {
+fn assembler<const D: usize>(mesh: &Mesh<D>) -> Assembler<D> {
     Assembler::new(mesh).with_quadrature(Quadrature::Degree(4 * mesh.degree()))
 }
 
@@ -37,7 +37,7 @@ fn assembler<const D: usize>(mesh: &Arc<Mesh<D>>) -> Assembler<D> {
 ///
 /// # Errors
 /// A region that does not exist.
-pub fn perimeter<const D: usize>(mesh: &Arc<Mesh<D>>, region: &str) -> Result<f64, AssemblyError>
+pub fn perimeter<const D: usize>(mesh: &Mesh<D>, region: &str) -> Result<f64, AssemblyError>
 where
     Dim: Dimension<D>,
 {

@@ -1,7 +1,5 @@
 //! Pictures of a descent: how numbers went, and how the shape did.
 
-use std::sync::Arc;
-
 use super::history::DescentState;
 use crate::mesh::Mesh;
 use crate::output::picture::{Curve, LinePlot, MeshDrawing, Panel, PictureError, Scale};
@@ -47,7 +45,7 @@ pub fn history_picture(state: &DescentState, criterion: &str) -> Result<Panel, P
 /// # Errors
 /// No shapes.
 pub fn strip(
-    shapes: &[(usize, Arc<Mesh<2>>)],
+    shapes: &[(usize, Mesh<2>)],
     columns: usize,
     window: Option<[[f64; 2]; 2]>,
 ) -> Result<Panel, PictureError> {

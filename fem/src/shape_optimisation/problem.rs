@@ -17,7 +17,7 @@ pub trait ShapeProblem<const D: usize> {
     ///
     /// # Errors
     /// The reason why there is no solution; within a line search a shorter step is tried then.
-    fn solve(&self, mesh: &Arc<Mesh<D>>) -> Result<Values<Self::State>, Failure>;
+    fn solve(&self, mesh: &Mesh<D>) -> Result<Values<Self::State>, Failure>;
 
     /// The derivatives by the movements of the mesh's nodes at a shape that was solved for.
     ///

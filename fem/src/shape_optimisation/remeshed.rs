@@ -1,7 +1,5 @@
 //! New meshes on the way of a descent: the cells that its steps move, and when they make place for others.
 
-use std::sync::Arc;
-
 use serde::{Deserialize, Serialize};
 
 use super::descent::{Descent, Shape, coordinates};
@@ -47,7 +45,7 @@ pub struct Remeshed {
 
 /// The mesh whose cells are moved, where its nodes were when it was made, with the pattern that its nodes have.
 pub(super) struct Base<const D: usize> {
-    pub mesh: Arc<Mesh<D>>,
+    pub mesh: Mesh<D>,
     pub pattern: Option<Rotations<D>>,
 }
 
@@ -61,13 +59,13 @@ where
     /// Those of a stored mesh that cannot be made again.
     pub fn of(
         state: &DescentState,
-        initial: &Arc<Mesh<D>>,
+        initial: &Mesh<D>,
         pattern: Option<&Rotations<D>>,
     ) -> Result<Self, ShapeOptimisationError> {
         match &state.mesh {
             None => Ok(Base { mesh: initial.clone(), pattern: pattern.cloned() }),
             Some(stored) => {
-                let mesh = Arc::new(stored.mesh()?);
+                let mesh = stored.mesh()?;
                 let movements = Space::of_geometry(&mesh)?;
                 let pattern = pattern.map(|pattern| pattern.on(&movements)).transpose()?;
                 Ok(Base { mesh, pattern })
@@ -81,11 +79,11 @@ impl<const D: usize> Remesh<'_, D> {
     pub(super) fn meshes<'b>(
         &'b self,
         mesh: &'b Mesh<D>,
-    ) -> impl Iterator<Item = Result<(StoredMesh, Arc<Mesh<D>>), Failure>> + 'b {
+    ) -> impl Iterator<Item = Result<(StoredMesh, Mesh<D>), Failure>> + 'b {
         FINER.into_iter().map(move |factor| {
             let stored = StoredMesh::of(&(self.with)(mesh, factor)?)?;
             // From what is stored, so that one that was read has the same order of everything.
-            let mesh = Arc::new(stored.mesh()?);
+            let mesh = stored.mesh()?;
             Ok((stored, mesh))
         })
     }

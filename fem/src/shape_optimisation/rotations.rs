@@ -128,7 +128,7 @@ mod tests {
             shape: CellShape::Quadrilateral,
             degree: 2,
         };
-        Space::of_geometry(&Arc::new(ring.mesh().unwrap())).unwrap()
+        Space::of_geometry(&ring.mesh().unwrap()).unwrap()
     }
 
     #[test]
@@ -158,7 +158,7 @@ mod tests {
     fn a_mesh_without_the_pattern_is_refused() {
         let message = Rotations::new(&ring(), [0.0; 2], 5).unwrap_err().to_string();
         assert!(message.starts_with("turned by 1/5 of a full circle about [0.0, 0.0], the node at ["));
-        let square = Arc::new(rectangle([-1.0; 2], [1.0; 2], [4, 4], CellShape::Quadrilateral, 1).unwrap());
+        let square = rectangle([-1.0; 2], [1.0; 2], [4, 4], CellShape::Quadrilateral, 1).unwrap();
         let square = Space::of_geometry(&square).unwrap();
         // The centre is a node that stays, whose mean movement is none.
         let quarters = Rotations::new(&square, [0.0; 2], 4).unwrap();

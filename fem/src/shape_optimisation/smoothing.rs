@@ -1,7 +1,5 @@
 //! Mesh smoothing: inner nodes are repositioned, the boundary is kept.
 
-use std::sync::Arc;
-
 use super::error::ShapeOptimisationError;
 use super::inner_product::InnerProduct;
 use crate::dimension::{Dim, Dimension};
@@ -14,10 +12,10 @@ use crate::space::Space;
 /// # Errors
 /// The error that names an inverted cell, if the boundary has moved too far for one movement; the system's.
 pub fn smoothed<const D: usize>(
-    initial: &Arc<Mesh<D>>,
-    present: &Arc<Mesh<D>>,
+    initial: &Mesh<D>,
+    present: &Mesh<D>,
     product: &InnerProduct,
-) -> Result<Arc<Mesh<D>>, ShapeOptimisationError>
+) -> Result<Mesh<D>, ShapeOptimisationError>
 where
     Dim: Dimension<D>,
 {
@@ -42,5 +40,5 @@ where
             nodes[node] = present.nodes()[node];
         }
     }
-    Ok(Arc::new(initial.with_nodes(nodes)?))
+    Ok(initial.with_nodes(nodes)?)
 }

@@ -23,7 +23,7 @@ struct Isoperimetric {
 impl ShapeProblem<2> for Isoperimetric {
     type State = ();
 
-    fn solve(&self, mesh: &Arc<Mesh<2>>) -> Result<Values<()>, Failure> {
+    fn solve(&self, mesh: &Mesh<2>) -> Result<Values<()>, Failure> {
         if mesh.nodes().iter().any(|x| x[0] > self.no_farther_than) {
             return Err("too far to the right".into());
         }
@@ -43,16 +43,16 @@ impl ShapeProblem<2> for Isoperimetric {
 }
 
 /// An oblong plate with unequal edges, with a twelve-cornered hole.
-fn plate() -> Arc<Mesh<2>> {
+fn plate() -> Mesh<2> {
     let mesh = annulus(1.0, 2.0, 3, CORNERS, CellShape::Quadrilateral, 1).unwrap();
     let nodes = mesh.nodes().iter().map(|[x, y]| {
         let outwards = x.hypot(*y) - 1.0;
         [x * (1.0 + 0.3 * outwards) + 0.1 * outwards * y, y * (1.0 - 0.15 * outwards)]
     });
-    Arc::new(mesh.with_nodes(nodes.collect()).unwrap())
+    mesh.with_nodes(nodes.collect()).unwrap()
 }
 
-fn problem(mesh: &Arc<Mesh<2>>) -> Isoperimetric {
+fn problem(mesh: &Mesh<2>) -> Isoperimetric {
     let area = Volume { target: measured_volume(mesh).unwrap() };
     Isoperimetric { area, sign: 1.0, no_farther_than: f64::INFINITY }
 }
@@ -206,7 +206,7 @@ fn cells_are_laid_out_anew_inside_the_same_boundary() {
         let by = if (1.1..1.6).contains(&radius) { 0.06 * (7.0 * node as f64).sin() } else { 0.0 };
         [x[0] * 1.05 + by, x[1] * 0.97 - by]
     });
-    let shaken = Arc::new(initial.with_nodes(shaken.collect()).unwrap());
+    let shaken = initial.with_nodes(shaken.collect()).unwrap();
     let laid = smoothed(&initial, &shaken, &InnerProduct::elasticity(0.0)).unwrap();
     assert!(laid.quality().scaled_jacobian()[0] > shaken.quality().scaled_jacobian()[0]);
     // An affine movement of the boundary takes the inside along.

@@ -30,7 +30,7 @@ pub mod volume_form {
 ///
 /// # Errors
 /// As [`Assembler::functional`].
-pub fn measured_volume<const D: usize>(mesh: &Arc<Mesh<D>>) -> Result<f64, AssemblyError>
+pub fn measured_volume<const D: usize>(mesh: &Mesh<D>) -> Result<f64, AssemblyError>
 where
     Dim: Dimension<D>,
 {
@@ -38,7 +38,7 @@ where
 }
 
 /// det J of cells of degree k has degree k D in each direction, at most.
-fn exact<const D: usize>(mesh: &Arc<Mesh<D>>) -> Assembler<D> {
+fn exact<const D: usize>(mesh: &Mesh<D>) -> Assembler<D> {
     Assembler::new(mesh).with_quadrature(Quadrature::Degree(D * mesh.degree()))
 }
 
@@ -54,7 +54,7 @@ impl Volume {
     ///
     /// # Errors
     /// As [`measured_volume`].
-    pub fn value<const D: usize>(&self, mesh: &Arc<Mesh<D>>) -> Result<f64, AssemblyError>
+    pub fn value<const D: usize>(&self, mesh: &Mesh<D>) -> Result<f64, AssemblyError>
     where
         Dim: Dimension<D>,
     {

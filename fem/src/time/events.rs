@@ -36,10 +36,10 @@ use crate::output::Crossing;
 /// }
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Quadrilateral, 1)?);
+/// # let mesh = rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Quadrilateral, 1)?;
 /// # let space = Space::scalar(&mesh, 1)?;
 /// let height = Field::interpolate(&space, |_| 9.0)?;
-/// let form = |step: &Step<2>| fall::Model::new(fall::Rest {}.with(step)).motion();
+/// let form = |step: &Step<2>| fall::Model::new(fall::data_from(step)).motion();
 /// let mut motion = TimeLoop::new(form, GeneralisedAlpha::trapezoidal(), State::at_rest(0.0, height));
 /// let mut events = Events::new().of("height", |state: &State<2>| Ok(state.value.values()[0])).located(1e-10)?;
 /// loop {

@@ -25,14 +25,14 @@
 //! }
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let mesh = Arc::new(rectangle([0.0; 2], [1.0, 0.1], [20, 1], CellShape::Quadrilateral, 1)?);
+//! let mesh = rectangle([0.0; 2], [1.0, 0.1], [20, 1], CellShape::Quadrilateral, 1)?;
 //! let space = Space::vector(&mesh, 1)?;
 //! let mut held = Constraints::new(&space);
 //! held.fix("left", |_| [0.0; 2])?;
 //! let pulled = Field::interpolate(&space, |x| [0.01 * x[0], 0.0])?;
 //!
 //! let form = |step: &Step<2>| {
-//!     bar::Model::new(bar::Rest { rho: 1.0, mu: 0.5 }.with(step)).motion()
+//!     bar::Model::new(bar::data_from(step).rho(1.0).mu(0.5)).motion()
 //! };
 //! let start = State::new(0.0, pulled, Field::zero(&space))?;
 //! let mut motion = TimeLoop::new(form, GeneralisedAlpha::trapezoidal(), start).constrained(&held);

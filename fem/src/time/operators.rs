@@ -80,13 +80,12 @@ pub mod scalar {
 impl<const D: usize> Default for vector::Data<D> {
     fn default() -> Self {
         let none = || Given::constant([0.0; D]);
-        vector::Data {
-            value_weight: 0.0,
-            rate_weight: 0.0,
-            second_rate_weight: 0.0,
-            known_value: none(),
-            known_rate: none(),
-            known_second_rate: none(),
-        }
+        vector::data()
+            .value_weight(0.0)
+            .rate_weight(0.0)
+            .second_rate_weight(0.0)
+            .known_value(none())
+            .known_rate(none())
+            .known_second_rate(none())
     }
 }

@@ -12,7 +12,6 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use crate::assemble::{Assembler, AssemblyError};
-use crate::contract::Given;
 use crate::dimension::{Dim, Dimension};
 use crate::element::Elements;
 use crate::field::{Field, FieldError};
@@ -99,7 +98,7 @@ pub enum RedistributionError {
 /// use forms_fem::time::redistributed_mass;
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [32, 16], CellShape::Quadrilateral, 1)?);
+/// let mesh = rectangle([0.0; 2], [2.0, 1.0], [32, 16], CellShape::Quadrilateral, 1)?;
 /// let even = Field::interpolate(&Space::discontinuous_scalar(&mesh, 0)?, |_| 3.0)?;
 /// let density = redistributed_mass(&even, "bottom", &Assembler::new(&mesh))?;
 /// // In the data of a form of motion:
@@ -138,7 +137,7 @@ struct Powers<const D: usize> {
 
 /// A density and where it is to vanish.
 struct Before<'a, const D: usize> {
-    mesh: &'a Arc<Mesh<D>>,
+    mesh: &'a Mesh<D>,
     region: &'a str,
     /// Of each cell.
     density: Vec<f64>,
@@ -180,11 +179,8 @@ impl<const D: usize> Powers<D> {
             unit[axis] = 1.0 / self.extents[axis];
             unit
         };
-        let data = |constant: f64, linear: [f64; D], quadratic: [[f64; D]; D]| moments::Data {
-            constant,
-            linear: Given::constant(linear),
-            quadratic: Given::constant(quadratic),
-            centre: Given::constant(self.centre),
+        let data = |constant: f64, linear: [f64; D], quadratic: [[f64; D]; D]| {
+            moments::data().constant(constant).linear(linear).quadratic(quadratic).centre(self.centre)
         };
         let mut all = vec![data(1.0, [0.0; D], [[0.0; D]; D])];
         all.extend((0..D).map(|axis| data(0.0, unit(axis), [[0.0; D]; D])));

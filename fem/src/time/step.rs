@@ -104,14 +104,13 @@ impl<const D: usize> From<&Step<D>> for vector::Data<D> {
     fn from(step: &Step<D>) -> Self {
         let [value_weight, rate_weight, second_rate_weight] = step.weights;
         let [known_value, known_rate, known_second_rate] = step.known.each_ref().map(Given::field);
-        vector::Data {
-            value_weight,
-            rate_weight,
-            second_rate_weight,
-            known_value,
-            known_rate,
-            known_second_rate,
-        }
+        vector::data()
+            .value_weight(value_weight)
+            .rate_weight(rate_weight)
+            .second_rate_weight(second_rate_weight)
+            .known_value(known_value)
+            .known_rate(known_rate)
+            .known_second_rate(known_second_rate)
     }
 }
 
@@ -119,14 +118,13 @@ impl<const D: usize> From<&Step<D>> for scalar::Data<D> {
     fn from(step: &Step<D>) -> Self {
         let [value_weight, rate_weight, second_rate_weight] = step.weights;
         let [known_value, known_rate, known_second_rate] = step.known.each_ref().map(Given::field);
-        scalar::Data {
-            value_weight,
-            rate_weight,
-            second_rate_weight,
-            known_value,
-            known_rate,
-            known_second_rate,
-        }
+        scalar::data()
+            .value_weight(value_weight)
+            .rate_weight(rate_weight)
+            .second_rate_weight(second_rate_weight)
+            .known_value(known_value)
+            .known_rate(known_rate)
+            .known_second_rate(known_second_rate)
     }
 }
 

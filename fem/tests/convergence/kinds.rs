@@ -26,10 +26,10 @@ pub const ALL: [(&str, Kind); 10] = [
     ("contact", contact),
 ];
 
-fn mesh(numbers: &mut Numbers) -> (Arc<Mesh<2>>, CellShape) {
+fn mesh(numbers: &mut Numbers) -> (Mesh<2>, CellShape) {
     let shape = [CellShape::Quadrilateral, CellShape::Triangle][numbers.choice(2)];
     let cells = [2 + 2 * numbers.choice(3), 1 + numbers.choice(3)];
-    (Arc::new(rectangle([0.0; 2], [1.0; 2], cells, shape, 1).unwrap()), shape)
+    (rectangle([0.0; 2], [1.0; 2], cells, shape, 1).unwrap(), shape)
 }
 
 /// A contrast between the left half and the right one.
@@ -71,15 +71,15 @@ macro_rules! solve_and_judge {
 
 fn plain_data() -> scalar::Data<2> {
     let one = || Given::constant(1.0);
-    scalar::Data { k: one(), c: one(), f: one(), wall: one(), penalty: 1.0, power: 0.0 }
+    scalar::data().k(one()).c(one()).f(one()).wall(one()).penalty(1.0).power(0.0)
 }
 
 fn apart(numbers: &mut Numbers) -> (String, Outcome) {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 1], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [2, 1], CellShape::Quadrilateral, 1).unwrap();
     let space = Space::discontinuous_scalar(&mesh, 0).unwrap();
     let (k, c) = ((numbers.power(-16.0, 16.0), 0.0), (0.0, numbers.power(-3.0, 3.0)));
     let far = if numbers.choice(2) == 0 { 0.0 } else { numbers.power(0.0, 12.0) };
-    let data = scalar::Data { k: by_half(k), c: by_half(c), ..plain_data() };
+    let data = plain_data().k(by_half(k)).c(by_half(c));
     let form = scalar::Model { data, regions: scalar::Regions::default() }.apart();
     let (constraints, start) = (Constraints::new(&space), Field::interpolate(&space, |_| far).unwrap());
     let exact = Some(vec![1.0; space.unknowns()]);
@@ -99,12 +99,11 @@ fn root(f: impl Fn(f64) -> f64) -> f64 {
 }
 
 fn kinked(numbers: &mut Numbers) -> (String, Outcome) {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Quadrilateral, 1).unwrap();
     let space = Space::discontinuous_scalar(&mesh, 0).unwrap();
     let (k, at, c) = (numbers.power(0.0, 12.0), numbers.power(1.0, 8.0), numbers.within(0.1, 0.9));
     let far = at * numbers.power(0.0, 6.0);
-    let data =
-        scalar::Data { k: Given::constant(k), f: Given::constant(at), c: Given::constant(c), ..plain_data() };
+    let data = plain_data().k(k).f(at).c(c);
     let form = scalar::Model { data, regions: scalar::Regions::default() }.kinked();
     let (constraints, start) = (Constraints::new(&space), Field::interpolate(&space, |_| far).unwrap());
     let exact = Some(vec![root(|u| u + k * (u - at).max(0.0) + 0.1 * u.tanh() - c)]);
@@ -114,11 +113,11 @@ fn kinked(numbers: &mut Numbers) -> (String, Outcome) {
 }
 
 fn hardening(numbers: &mut Numbers) -> (String, Outcome) {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Quadrilateral, 1).unwrap();
     let space = Space::discontinuous_scalar(&mesh, 0).unwrap();
     let (k, c) = (numbers.power(-24.0, 0.0), numbers.within(0.1, 0.9));
     let far = numbers.power(0.0, 12.0) * if numbers.choice(2) == 0 { 1.0 } else { -1.0 };
-    let data = scalar::Data { k: Given::constant(k), c: Given::constant(c), ..plain_data() };
+    let data = plain_data().k(k).c(c);
     let form = scalar::Model { data, regions: scalar::Regions::default() }.hardening();
     let (constraints, start) = (Constraints::new(&space), Field::interpolate(&space, |_| far).unwrap());
     let exact = Some(vec![root(|u| u + k * u.powi(3) + 0.1 * u.tanh() - c)]);
@@ -145,7 +144,7 @@ fn conduction(numbers: &mut Numbers) -> (String, Outcome) {
     let soft = if numbers.choice(2) == 0 { (0.0, 1.0) } else { (1.0, 1.0) };
     let offset = if numbers.choice(3) == 0 { numbers.power(0.0, 8.0) } else { 0.0 };
     let with = |(left, right): (f64, f64)| by_half((unit * left, unit * right));
-    let data = scalar::Data { k: with(k), c: with(soft), f: Given::constant(unit), ..plain_data() };
+    let data = plain_data().k(with(k)).c(with(soft)).f(unit);
     let form = scalar::Model { data, regions: scalar::Regions::default() }.conduction();
     let mut constraints = Constraints::new(&space);
     constraints.fix("left", |_| offset).unwrap();
@@ -174,14 +173,8 @@ fn walled(numbers: &mut Numbers) -> (String, Outcome) {
     let (far, unit) = start_and_unit(numbers);
     let penalty = numbers.power(2.0, 30.0);
     let offset = if numbers.choice(3) == 0 { numbers.power(0.0, 8.0) } else { 0.0 };
-    let data = scalar::Data {
-        k: Given::constant(unit),
-        c: Given::constant(unit),
-        f: Given::constant(unit),
-        wall: Given::function(move |x: &[f64; 2]| offset + x[0]),
-        penalty: unit * penalty,
-        ..plain_data()
-    };
+    let data =
+        plain_data().k(unit).c(unit).f(unit).wall(move |x: &[f64; 2]| offset + x[0]).penalty(unit * penalty);
     let form = scalar::Model { data, regions: scalar::Regions::default().wall("boundary") }.walled();
     let (constraints, start) =
         (Constraints::new(&space), Field::interpolate(&space, |x| far * x[1]).unwrap());
@@ -195,13 +188,7 @@ fn p_laplace(numbers: &mut Numbers) -> (String, Outcome) {
     let space = Space::scalar(&mesh, 1).unwrap();
     let (penalty, power) = (numbers.power(2.0, 16.0), numbers.within(0.0, 1.0));
     let offset = if numbers.choice(2) == 0 { numbers.power(0.0, 8.0) } else { 0.0 };
-    let data = scalar::Data {
-        f: Given::constant(1.0),
-        wall: Given::constant(offset),
-        penalty,
-        power,
-        ..plain_data()
-    };
+    let data = plain_data().f(1.0).wall(offset).penalty(penalty).power(power);
     let form = scalar::Model { data, regions: scalar::Regions::default().wall("boundary") }.p_laplace();
     let (constraints, start) = (Constraints::new(&space), Field::interpolate(&space, |_| offset).unwrap());
     let case = ScalarCase { space: &space, constraints, start, exact: None };
@@ -216,13 +203,7 @@ fn membrane(numbers: &mut Numbers) -> (String, Outcome) {
     // Where a switch cuts a cell its penalty has a low rank, and what holds the rest of the cell must not vanish next to it.
     let weakest = k.0.min(k.1) / k.0.max(k.1);
     let penalty = numbers.power(1.0, 14.0).min(1e15 * weakest).max(1.0);
-    let data = scalar::Data {
-        k: by_half((unit * k.0, unit * k.1)),
-        f: Given::constant(-unit),
-        wall: Given::constant(-0.01),
-        penalty: unit * penalty,
-        ..plain_data()
-    };
+    let data = plain_data().k(by_half((unit * k.0, unit * k.1))).f(-unit).wall(-0.01).penalty(unit * penalty);
     let form = scalar::Model { data, regions: scalar::Regions::default() }.membrane();
     let mut constraints = Constraints::new(&space);
     constraints.fix("boundary", |_| 0.0).unwrap();
@@ -239,7 +220,7 @@ fn components(numbers: &mut Numbers) -> (String, Outcome) {
     let coupling = numbers.within(-1.0, 1.0);
     let far = if numbers.choice(3) == 0 { numbers.power(0.0, 8.0) } else { 0.0 };
     let load = Given::function(|x: &[f64; 2]| 1.0 + x[0]);
-    let data = coupled::Data { first, second, third: 1.0, coupling, load };
+    let data = coupled::data().first(first).second(second).third(1.0).coupling(coupling).load(load);
     let form = coupled::Model { data, regions: coupled::Regions::default() }.components();
     let mut constraints = Constraints::new(&space);
     constraints.fix("left", |_| [0.0; 2]).unwrap();
@@ -255,7 +236,7 @@ fn three_fields(numbers: &mut Numbers) -> (String, Outcome) {
     let [first, second, third] = [(); 3].map(|()| numbers.power(-16.0, 16.0));
     let coupling = numbers.within(-1.0, 1.0);
     let load = Given::function(|x: &[f64; 2]| 1.0 + x[0]);
-    let data = coupled::Data { first, second, third, coupling, load };
+    let data = coupled::data().first(first).second(second).third(third).coupling(coupling).load(load);
     let form = coupled::Model { data, regions: coupled::Regions::default() }.three();
     let mut held = Constraints::new(&bodies);
     held.fix("bottom", |_| [0.0; 2]).unwrap();
@@ -282,7 +263,6 @@ fn contact(numbers: &mut Numbers) -> (String, Outcome) {
     // A block on a pad: the lower cells are the pad.
     let rows = 2 + 2 * numbers.choice(2);
     let mesh = rectangle([0.0; 2], [1.0; 2], [3, rows], CellShape::Quadrilateral, 1).unwrap();
-    let mesh = Arc::new(mesh);
     let space = Space::vector(&mesh, 1).unwrap();
     let stiff = match numbers.choice(3) {
         0 => 1.0,
@@ -293,8 +273,7 @@ fn contact(numbers: &mut Numbers) -> (String, Outcome) {
     let (press, rubber) = (numbers.power(-3.0, -0.8), numbers.choice(2) == 0);
     let penalty = numbers.power(2.0, 12.0);
     let theta = [-1.0, 0.0, 1.0][numbers.choice(3)];
-    let data =
-        solid::Data { mu: Given::function(of), gap: 0.0, penalty, theta, gamma0: Given::constant(100.0) };
+    let data = solid::data().mu(of).gap(0.0).penalty(penalty).theta(theta).gamma0(100.0);
     let model = solid::Model { data, regions: solid::Regions::default().contact("bottom") };
     let mut constraints = Constraints::new(&space);
     constraints.fix("top", |_| [0.0, -press]).unwrap();

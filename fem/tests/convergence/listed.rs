@@ -7,17 +7,17 @@ use super::solvers::{COUNT, solver};
 
 fn data() -> scalar::Data<2> {
     let one = || Given::constant(1.0);
-    scalar::Data { k: one(), c: one(), f: one(), wall: one(), penalty: 1.0, power: 0.0 }
+    scalar::data().k(one()).c(one()).f(one()).wall(one()).penalty(1.0).power(0.0)
 }
 
 /// Two cells that know nothing of each other, one 10¹¹ times as stiff: both are solved.
 #[test]
 fn a_stiff_cell_does_not_hide_a_soft_one() {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 1], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [2, 1], CellShape::Quadrilateral, 1).unwrap();
     let space = Space::discontinuous_scalar(&mesh, 0).unwrap();
     let of =
         |left: f64, right: f64| Given::function(move |x: &[f64; 2]| if x[0] < 0.5 { left } else { right });
-    let data = scalar::Data { k: of(1e11, 0.0), c: of(0.0, 1.0), ..data() };
+    let data = data().k(of(1e11, 0.0)).c(of(0.0, 1.0));
     let form = scalar::Model { data, regions: scalar::Regions::default() }.apart();
     for number in 0..COUNT {
         let (name, mut linear) = solver(number);
@@ -31,10 +31,9 @@ fn a_stiff_cell_does_not_hide_a_soft_one() {
 /// A guess beyond a stiff switch does not end the iteration where the switch is left.
 #[test]
 fn a_far_guess_does_not_decide_when_to_stop() {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Quadrilateral, 1).unwrap();
     let space = Space::discontinuous_scalar(&mesh, 0).unwrap();
-    let data =
-        scalar::Data { k: Given::constant(1e6), f: Given::constant(1e5), c: Given::constant(0.5), ..data() };
+    let data = data().k(1e6).f(1e5).c(0.5);
     let form = scalar::Model { data, regions: scalar::Regions::default() }.kinked();
     let far = Field::interpolate(&space, |_| 1e6).unwrap();
     let solved = Problem::new(&form, &space).start(&far).solve().unwrap();
@@ -44,15 +43,10 @@ fn a_far_guess_does_not_decide_when_to_stop() {
 /// Forces of 10⁻³⁰² are forces.
 #[test]
 fn tiny_units_do_not_converge_at_once() {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1).unwrap();
     let space = Space::scalar(&mesh, 1).unwrap();
     let solved = [1.0, 1e-302].map(|unit| {
-        let data = scalar::Data {
-            k: Given::constant(unit),
-            c: Given::constant(unit),
-            f: Given::constant(unit),
-            ..data()
-        };
+        let data = data().k(unit).c(unit).f(unit);
         let form = scalar::Model { data, regions: scalar::Regions::default() }.conduction();
         let mut constraints = Constraints::new(&space);
         constraints.fix("left", |_| 0.0).unwrap();
@@ -101,11 +95,11 @@ mod multiplier {
 fn an_open_contact_has_no_pressure() {
     let even = rectangle([0.0; 2], [1.0; 2], [4, 2], CellShape::Quadrilateral, 1).unwrap();
     let nodes = even.nodes().iter().map(|x| [x[0].powi(3), 1.0 - (1.0 - x[1]).powf(1.5)]).collect();
-    let mesh = Arc::new(even.with_nodes(nodes).unwrap());
+    let mesh = even.with_nodes(nodes).unwrap();
     let (bodies, pressures) = (Space::vector(&mesh, 1).unwrap(), Space::on_facets(&mesh, "top", 1).unwrap());
     for switch in [1e-3, 1.0, 200.0, 1e6] {
         for lowered in [0.0, 0.05] {
-            let data = multiplier::Data { switch, gap: Given::constant(1.0) };
+            let data = multiplier::data().switch(switch).gap(1.0);
             let regions = multiplier::Regions::default().top("top");
             let form = multiplier::Model { data, regions }.contact();
             let mut held = Constraints::new(&bodies);
@@ -125,11 +119,11 @@ fn an_open_contact_has_no_pressure() {
 /// A saddle point is judged by the scale of its rows, not by its diagonal.
 #[test]
 fn a_fading_block_does_not_make_a_saddle_point_singular() {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Quadrilateral, 1).unwrap();
     let space = Space::scalar(&mesh, 1).unwrap();
     for decades in [1.0, 10.0, 30.0, 60.0] {
         let gap = Given::function(move |x: &[f64; 2]| 10_f64.powf(-decades * x[0]));
-        let data = multiplier::Data { switch: 1.0, gap };
+        let data = multiplier::data().switch(1.0).gap(gap);
         let form = multiplier::Model { data, regions: multiplier::Regions::default() }.fading();
         let solved = [0, 1].map(|number| {
             let (name, mut linear) = solver(number);
@@ -148,12 +142,12 @@ fn a_fading_block_does_not_make_a_saddle_point_singular() {
 /// A coupling in one direction, however strong, is no null vector.
 #[test]
 fn a_strong_one_way_coupling_is_regular() {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [4, 4], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [4, 4], CellShape::Quadrilateral, 1).unwrap();
     let space = Space::scalar(&mesh, 1).unwrap();
     let mut held = Constraints::new(&space);
     held.fix("boundary", |_| 0.0).unwrap();
     let centre = |switch: f64, number: usize| {
-        let data = multiplier::Data { switch, gap: Given::constant(0.0) };
+        let data = multiplier::data().switch(switch).gap(0.0);
         let form = multiplier::Model { data, regions: multiplier::Regions::default() }.one_way();
         let (name, mut linear) = solver(number);
         let problem = Problem::new(&form, [&space, &space]).constrained(&held).constrained(&held);
@@ -176,11 +170,10 @@ fn units_and_long_cells_do_not_make_a_cantilever_singular() {
     // Cells of 1 : 4, and of 1 : 1000 and more.
     for (unit, layers) in [(1.0, 4), (1e60, 4), (1e-60, 4), (1.0, 200), (1.0, 800)] {
         let mesh = rectangle([0.0; 2], [10.0, 1.0], [2, layers], CellShape::Quadrilateral, 1).unwrap();
-        let mesh = Arc::new(mesh);
         let space = Space::vector(&mesh, 2).unwrap();
         let mut held = Constraints::new(&space);
         held.fix("left", |_| [0.0; 2]).unwrap();
-        let data = multiplier::Data { switch: unit, gap: Given::constant(0.0) };
+        let data = multiplier::data().switch(unit).gap(0.0);
         let form = multiplier::Model { data, regions: multiplier::Regions::default() }.elastic();
         let ends = [0, 1].map(|number| {
             let (name, mut linear) = solver(number);

@@ -80,7 +80,7 @@ macro_rules! fits {
         let (mesh, pairing) = ($mesh, $pairing);
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(3));
         let space = Space::vector(&mesh, $degree).unwrap();
-        let data = loaded::Data { wanted: Given::function(|x| 1.0 + x[0]) };
+        let data = loaded::data().wanted(Given::function(|x| 1.0 + x[0]));
         let form = loaded::adhesion(&data, &loaded::Touch::on(pairing));
         let (u, w) = (irregular(&space, 0.1), irregular(&space, 1.0));
         let report = verification::tangent(&assembler, &form, &[&u], &[&w], 0.1).unwrap();
@@ -151,10 +151,9 @@ fn matching_meshes_give_the_matrix_of_interior_facets() {
         let whole = rectangle([0.0; 2], [1.0, 2.0], [3, 2], shape, 1).unwrap();
         let lower = rectangle([0.0; 2], [1.0, 1.0], [3, 1], shape, 1).unwrap();
         let upper = rectangle([0.0, 1.0], [1.0, 2.0], [3, 1], shape, 1).unwrap();
-        let halves = Arc::new(together([&lower, &upper], ["top", "bottom"], [&|x| x, &|x| x]));
+        let halves = together([&lower, &upper], ["top", "bottom"], [&|x| x, &|x| x]);
         let mut whole = whole;
         whole.name_interior_facets("middle", "interior", |x| x[1] == 1.0).unwrap();
-        let whole = Arc::new(whole);
         // A pair adds up over both own surfaces; an interior facet counts once.
         let touch = springs::Touch::on(Pairing::onto("below", "above"));
         let skeleton = skeleton::Skeleton::on("middle");
@@ -181,10 +180,10 @@ fn threads_and_parts_change_nothing() {
     let (still, apart) = (|x| x, |[x, y]: [f64; 2]| [x + 0.05, y + 0.04]);
     let lower = rectangle([0.0; 2], [1.0, 1.0], [700, 1], CellShape::Triangle, 1).unwrap();
     let upper = rectangle([0.0, 1.0], [1.0, 2.0], [613, 1], CellShape::Triangle, 1).unwrap();
-    let mesh = Arc::new(together([&lower, &upper], ["top", "bottom"], [&still, &apart]));
+    let mesh = together([&lower, &upper], ["top", "bottom"], [&still, &apart]);
     let space = Space::vector(&mesh, 2).unwrap();
     let u = irregular(&space, 0.1);
-    let data = loaded::Data { wanted: 1.0.into() };
+    let data = loaded::data().wanted(1.0);
     let form =
         loaded::adhesion(&data, &loaded::Touch::on(Pairing::between("below", "above").within_reach(0.1)));
     let run = |threads: usize| {
@@ -229,7 +228,7 @@ fn energies_functions_of_position_and_multipliers() {
     let mesh = squares([CellShape::Triangle; 2], 1, [&still, &apart]);
     let assembler = Assembler::new(&mesh);
     let touch = springs::Touch::on(Pairing::onto("below", "above"));
-    let data = loaded::Data { wanted: Given::function(|x| 3.0 * x[1] + x[0]) };
+    let data = loaded::data().wanted(Given::function(|x| 3.0 * x[1] + x[0]));
     let given = loaded::Touch::on(Pairing::onto("below", "above"));
     let found = assembler.functional(&loaded::given_jump(&data, &given)).unwrap();
     assert!((found - 0.3).abs() < 1e-14, "{found}");
@@ -328,7 +327,6 @@ fn arms_of_one_body_face_each_other() {
         .unwrap();
     let inner = bar.facet_region("bottom").unwrap().to_vec();
     mesh.name_listed_facets("inner", &inner).unwrap();
-    let mesh = Arc::new(mesh);
     let assembler = Assembler::new(&mesh);
     let report = assembler.pairs(&Pairing::within("inner").within_reach(2.5), 2).unwrap();
     // Both arms, each of length 3, a distance of 2 apart; of the four edges between them, whose normals are turned by π/8 and

@@ -39,7 +39,7 @@ fn message<T>(found: Result<T, impl ToString>) -> String {
 fn surfaces_that_cannot_be_paired() {
     let mut mesh = Mesh::clone(&squares([CellShape::Quadrilateral; 2], 1, [&|x| x, &|[x, y]| [x, y + 0.1]]));
     mesh.name_facets("corner", "below", |x| x[0] < 0.3).unwrap();
-    let assembler = Assembler::new(&Arc::new(mesh));
+    let assembler = Assembler::new(&mesh);
     let pairs = |pairing: Pairing| assembler.pairs(&pairing, 2);
     let of_form =
         |pairing: Pairing| message(assembler.functional(&touching::area(&touching::Touch::on(pairing))));
@@ -73,7 +73,7 @@ fn what_pairs_do_not_have() {
     let mesh = squares([CellShape::Quadrilateral; 2], 1, [&|x| x, &|[x, y]| [x, y + 0.1]]);
     let assembler = Assembler::new(&mesh);
     let worn: History<f64, 2> = assembler.history(Entity::Facets, "below", 2, 0.0).unwrap();
-    let data = remembering::Data { worn };
+    let data = remembering::data().worn(worn);
     let touch = remembering::Touch::on(Pairing::onto("below", "above"));
     assert_eq!(
         message(assembler.functional(&remembering::remembered(&data, &touch))),

@@ -166,7 +166,7 @@ fn a_surface_hides_what_is_behind_it() {
     let facets = |name: &str| mesh.facet_region(name).unwrap().to_vec();
     let shells = [facets("second first bottom"), facets("second second bottom")].concat();
     mesh.name_listed_facets("shells", &shells).unwrap();
-    let report = Assembler::new(&Arc::new(mesh)).pairs(&Pairing::onto("below", "shells"), 2).unwrap();
+    let report = Assembler::new(&mesh).pairs(&Pairing::onto("below", "shells"), 2).unwrap();
     close(report.paired_measure, 1.0, 1e-12);
     close(report.largest_gap, 0.1, 1e-12);
 
@@ -178,7 +178,7 @@ fn a_surface_hides_what_is_behind_it() {
     let facets = |name: &str| mesh.facet_region(name).unwrap().to_vec();
     let shells = [facets("second first bottom"), facets("second second bottom")].concat();
     mesh.name_listed_facets("shells", &shells).unwrap();
-    let report = Assembler::new(&Arc::new(mesh)).pairs(&Pairing::onto("below", "shells"), 2).unwrap();
+    let report = Assembler::new(&mesh).pairs(&Pairing::onto("below", "shells"), 2).unwrap();
     close(report.paired_measure, 1.0, 1e-12);
     close(report.largest_gap, 0.1, 1e-12);
 }
@@ -248,7 +248,7 @@ fn gaps_between_concentric_circles() {
     let error = |around: usize, projection: Projection| {
         let inner = annulus(1.0, 2.0, 1, around, CellShape::Triangle, 2).unwrap();
         let outer = annulus(2.1, 3.0, 1, around * 4 / 3, CellShape::Quadrilateral, 2).unwrap();
-        let mesh = Arc::new(together([&inner, &outer], ["outer", "inner"], [&|x| x, &|x| x]));
+        let mesh = together([&inner, &outer], ["outer", "inner"], [&|x| x, &|x| x]);
         let assembler = Assembler::new(&mesh);
         let mut worst = 0.0_f64;
         for pairing in [Pairing::onto("below", "above"), Pairing::onto("above", "below")] {
@@ -285,7 +285,7 @@ fn gaps_between_coaxial_cylinders() {
     for projection in [Projection::Ray, Projection::Nearest] {
         let inner = hollow_cylinder(1.0, 2.0, 1.0, [1, 16, 2], CellShape::Tetrahedron, 2).unwrap();
         let outer = hollow_cylinder(2.1, 3.0, 1.0, [1, 24, 3], CellShape::Tetrahedron, 2).unwrap();
-        let mesh = Arc::new(together([&inner, &outer], ["outer", "inner"], [&|x| x, &|x| x]));
+        let mesh = together([&inner, &outer], ["outer", "inner"], [&|x| x, &|x| x]);
         let assembler = Assembler::new(&mesh);
         let pairing = Pairing::onto("below", "above").by(projection);
         let gaps = assembler.at_pairs(&pairs::distance(), &pairing, 4).unwrap();

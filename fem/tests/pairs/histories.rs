@@ -32,7 +32,7 @@ mod wearing {
 }
 
 /// Squares below y = 1 and above y = 1.1, in unlike cells.
-fn bodies() -> Arc<Mesh<2>> {
+fn bodies() -> Mesh<2> {
     squares([CellShape::Quadrilateral; 2], 1, [&|x| x, &|[x, y]| [x, y + 0.1]])
 }
 
@@ -47,7 +47,7 @@ fn values_stay_at_their_points() {
         for (degree, quadrature) in [(2, Quadrature::Estimated), (3, Quadrature::Degree(6))] {
             let assembler = Assembler::new(&mesh).with_quadrature(quadrature);
             let worn = assembler.history_on_pairs(&pairing, degree, 0.5).unwrap();
-            let data = wearing::Data { worn, rate: 3.0 };
+            let data = wearing::data().worn(worn).rate(3.0);
             let amount = || {
                 let touch = wearing::Touch::on(pairing.clone());
                 assembler.functional(&wearing::amount(&data, &touch)).unwrap()
@@ -75,7 +75,7 @@ fn each_point_reads_its_own_value() {
     let pairing = Pairing::onto("below", "above");
     let assembler = Assembler::new(&mesh);
     let worn = assembler.history_on_pairs(&pairing, 4, 0.0).unwrap();
-    let data = wearing::Data { worn, rate: 1.0 };
+    let data = wearing::data().worn(worn).rate(1.0);
     assembler.update_history(&wearing::after(&data), &data.worn).unwrap();
     data.worn.commit();
     let space = Space::scalar(&mesh, 1).unwrap();
@@ -96,7 +96,7 @@ fn histories_of_other_points_are_refused() {
     let mesh = bodies();
     let assembler = Assembler::new(&mesh);
     let pairing = Pairing::onto("below", "above");
-    let data = wearing::Data { worn: assembler.history_on_pairs(&pairing, 2, 0.0).unwrap(), rate: 1.0 };
+    let data = wearing::data().worn(assembler.history_on_pairs(&pairing, 2, 0.0).unwrap()).rate(1.0);
     let touch = |pairing: &Pairing| wearing::Touch::on(pairing.clone());
     let back = Pairing::onto("above", "below");
     let message = |found: Result<f64, AssemblyError>| found.unwrap_err().to_string();

@@ -34,14 +34,14 @@ mod springs {
 
 /// The errors of each door through which this modulus is read, on the own side and last on the opposite one; empty where there is none.
 fn told<const D: usize>(
-    mesh: &Arc<Mesh<D>>,
+    mesh: &Mesh<D>,
     modulus: impl Fn(&[f64; D]) -> f64 + Send + Sync + 'static,
 ) -> [String; 8]
 where
     Dim: Dimension<D>,
 {
     let space = Space::vector(mesh, 1).unwrap();
-    let data = springs::Data { modulus: Given::function(modulus) };
+    let data = springs::data().modulus(modulus);
     let pairing = Pairing::onto("below", "above");
     let touch = springs::Touch::on(pairing.clone());
     let (own, opposite) = (springs::own(&data, &touch), springs::opposite(&data, &touch));

@@ -51,7 +51,7 @@ pub(crate) fn squares(
 ) -> Arc<Mesh<2>> {
     let first = rectangle([0.0; 2], [1.0, 1.0], [3, 2], shapes[0], degree).unwrap();
     let second = rectangle([0.0, 1.0], [1.0, 2.0], [4, 3], shapes[1], degree).unwrap();
-    Arc::new(together([&first, &second], ["top", "bottom"], maps))
+    together([&first, &second], ["top", "bottom"], maps)
 }
 
 /// Unit cubes of 2 × 3 and 3 × 2 cells on their common side, at z = 1.
@@ -62,5 +62,5 @@ pub(crate) fn cubes(
 ) -> Arc<Mesh<3>> {
     let first = cuboid([0.0; 3], [1.0; 3], [2, 3, 1], shape, degree).unwrap();
     let second = cuboid([0.0, 0.0, 1.0], [1.0, 1.0, 2.0], [3, 2, 1], shape, degree).unwrap();
-    Arc::new(together([&first, &second], ["top", "bottom"], maps))
+    together([&first, &second], ["top", "bottom"], maps)
 }

@@ -73,13 +73,12 @@ macro_rules! patch {
         };
         let (lambda, mu) =
             (POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)), 1.0 / (2.0 * (1.0 + POISSON)));
-        let data = blocks::Data {
-            lambda: scaled(lambda),
-            mu: scaled(mu),
-            gamma0: 20.0,
-            theta: case.theta,
-            share: if case.pairing.surfaces.len() == 2 { 0.5 } else { 1.0 },
-        };
+        let data = blocks::data()
+            .lambda(scaled(lambda))
+            .mu(scaled(mu))
+            .gamma0(20.0)
+            .theta(case.theta)
+            .share(if case.pairing.surfaces.len() == 2 { 0.5 } else { 1.0 });
         let form =
             blocks::balance(&data, &blocks::Omega::on("all"), &blocks::Touch::on(case.pairing.clone()));
         let mut constraints = Constraints::new(&space);

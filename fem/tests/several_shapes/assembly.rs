@@ -70,7 +70,7 @@ fn regions() -> (Omega, Wall, Skeleton) {
 #[test]
 fn tangents_are_derivatives() {
     for (geometry, degree) in [(1, 1), (1, 3), (2, 2)] {
-        let mesh = Arc::new(patchwork(4, geometry));
+        let mesh = patchwork(4, geometry);
         let assembler = Assembler::new(&mesh);
         for space in
             [Space::vector(&mesh, degree).unwrap(), Space::discontinuous_vector(&mesh, degree).unwrap()]
@@ -87,7 +87,7 @@ fn tangents_are_derivatives() {
 
 #[test]
 fn matrices_are_sums_of_element_matrices() {
-    let mesh = Arc::new(patchwork(4, 1));
+    let mesh = patchwork(4, 1);
     let assembler = Assembler::new(&mesh);
     let space = Space::vector(&mesh, 2).unwrap();
     let (u, spaces) = (rough(&space), [&space]);
@@ -121,7 +121,7 @@ fn matrices_are_sums_of_element_matrices() {
 
 #[test]
 fn results_do_not_depend_on_threads() {
-    let mesh = Arc::new(patchwork(30, 1));
+    let mesh = patchwork(30, 1);
     let one = Assembler::new(&mesh).with_threads(Threads::new(1));
     let (omega, wall, skeleton) = regions();
     let form = everything::balance(&omega, &wall, &skeleton);
@@ -139,7 +139,7 @@ fn results_do_not_depend_on_threads() {
 // What quadrilaterals alone and triangles alone give adds up, whatever ways of summation are chosen for each.
 #[test]
 fn regions_of_one_shape_add_up() {
-    let mesh = Arc::new(patchwork(5, 1));
+    let mesh = patchwork(5, 1);
     let assembler = Assembler::new(&mesh);
     for degree in 1..=4 {
         let space = Space::scalar(&mesh, degree).unwrap();
@@ -165,7 +165,7 @@ fn regions_of_one_shape_add_up() {
 
 #[test]
 fn a_rule_on_cells_serves_one_shape() {
-    let mesh = Arc::new(patchwork(3, 1));
+    let mesh = patchwork(3, 1);
     let cell = QuadratureRule { points: vec![[1.0 / 3.0; 2]], weights: vec![0.5] };
     let facet = QuadratureRule::on_segment(&[(0.5, 1.0)]);
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Explicit { cell, facet });
@@ -177,22 +177,22 @@ fn a_rule_on_cells_serves_one_shape() {
     // Facets have one shape: there it is exact for linear functions.
     let linear = Field::interpolate(&Space::scalar(&mesh, 1).unwrap(), |x| x[0] + 1.0).unwrap();
     let wall = kept::Wall::on("boundary");
-    let form = kept::length_above(&kept::Data { a: assembler_history(&mesh), level: 0.0 }, &wall, &linear);
+    let form = kept::length_above(&kept::data().a(assembler_history(&mesh)).level(0.0), &wall, &linear);
     assert!((assembler.functional(&form).unwrap() - 4.0).abs() < 1e-13);
 }
 
-fn assembler_history(mesh: &Arc<Mesh<2>>) -> History<f64, 2> {
+fn assembler_history(mesh: &Mesh<2>) -> History<f64, 2> {
     Assembler::new(mesh).history(Entity::Cells, "all", 3, 2.0).unwrap()
 }
 
 #[test]
 fn histories_live_on_both_shapes() {
-    let mesh = Arc::new(patchwork(4, 1));
+    let mesh = patchwork(4, 1);
     let assembler = Assembler::new(&mesh);
     let u = Field::interpolate(&Space::scalar(&mesh, 2).unwrap(), |x| x[0] * x[0] + x[1]).unwrap();
     for (region, degree) in [("all", 3), ("every other", 4)] {
         let history = assembler.history(Entity::Cells, region, degree, 2.0).unwrap();
-        let data = kept::Data { a: history, level: 0.0 };
+        let data = kept::data().a(history).level(0.0);
         let on = kept::Omega::on(region);
         let total = || assembler.functional(&kept::total(&data, &on)).unwrap();
         let before = total();
@@ -212,14 +212,14 @@ fn histories_live_on_both_shapes() {
             assert!((value[0] - 2.0 - x[0] * x[0] - x[1]).abs() < 1e-13);
         }
     }
-    let data = kept::Data { a: assembler.history(Entity::Facets, "left", 3, 5.0).unwrap(), level: 0.0 };
+    let data = kept::data().a(assembler.history(Entity::Facets, "left", 3, 5.0).unwrap()).level(0.0);
     let wall = assembler.functional(&kept::on_facets(&data, &kept::Wall::on("left"))).unwrap();
     assert!((wall - 5.0).abs() < 1e-13);
 }
 
 #[test]
 fn facets_are_split_on_both_shapes() {
-    let mesh = Arc::new(patchwork(6, 1));
+    let mesh = patchwork(6, 1);
     let owners =
         mesh.facet_region("bottom").unwrap().iter().map(|facet| mesh.cell_shape(facet.cell as usize));
     let owners: Vec<CellShape> = owners.collect();
@@ -227,7 +227,7 @@ fn facets_are_split_on_both_shapes() {
     let u = Field::interpolate(&Space::scalar(&mesh, 1).unwrap(), |x| x[0] - 0.13).unwrap();
     let assembler = Assembler::new(&mesh);
     for level in [0.0, 0.1, 0.3, 0.7] {
-        let data = kept::Data { a: assembler_history(&mesh), level };
+        let data = kept::data().a(assembler_history(&mesh)).level(level);
         let split = assembler.split_at_zeros(&kept::above(&data, &u), "bottom", 1).unwrap();
         let form = kept::length_above(&data, &kept::Wall::on("bottom"), &u);
         let found = split.functional(&form).unwrap();
@@ -240,7 +240,7 @@ fn facets_are_split_on_both_shapes() {
 
 #[test]
 fn affine_forms_need_one_assembly() {
-    let mesh = Arc::new(patchwork(4, 1));
+    let mesh = patchwork(4, 1);
     let assembler = Assembler::new(&mesh);
     let (omega, wall, _) = regions();
     let form = everything::linear(&omega, &wall);

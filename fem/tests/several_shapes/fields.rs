@@ -30,7 +30,7 @@ fn points() -> Vec<[f64; 2]> {
 #[test]
 fn every_point_is_found_in_its_cell() {
     for geometry in 1..=2 {
-        let mesh = Arc::new(patchwork(7, geometry));
+        let mesh = patchwork(7, geometry);
         let locator = Locator::new(&mesh);
         let mut shapes = Vec::new();
         for point in points() {
@@ -49,7 +49,7 @@ fn every_point_is_found_in_its_cell() {
 
 #[test]
 fn values_and_gradients_are_those_of_the_function() {
-    let mesh = Arc::new(patchwork(6, 1));
+    let mesh = patchwork(6, 1);
     let assembler = Assembler::new(&mesh);
     let value = |x: &[f64; 2]| x[0] * x[0] - 3.0 * x[0] * x[1] + x[1];
     let slope = |x: &[f64; 2]| [2.0 * x[0] - 3.0 * x[1], 1.0 - 3.0 * x[0]];
@@ -89,7 +89,7 @@ fn values_and_gradients_are_those_of_the_function() {
 
 #[test]
 fn normals_point_outward() {
-    let mesh = Arc::new(patchwork(6, 2));
+    let mesh = patchwork(6, 2);
     let assembler = Assembler::new(&mesh);
     for (region, expected) in
         [("left", [-1.0, 0.0]), ("right", [1.0, 0.0]), ("bottom", [0.0, -1.0]), ("top", [0.0, 1.0])]
@@ -102,10 +102,10 @@ fn normals_point_outward() {
 
 #[test]
 fn norms_and_comparisons_between_meshes() {
-    let coarse = Arc::new(patchwork(3, 1));
-    let fine = Arc::new(coarse.refined().unwrap());
+    let coarse = patchwork(3, 1);
+    let fine = coarse.refined().unwrap();
     let value = |x: &[f64; 2]| x[0] * x[0] - x[1];
-    let on = |mesh: &Arc<Mesh<2>>| Field::interpolate(&Space::scalar(mesh, 2).unwrap(), value).unwrap();
+    let on = |mesh: &Mesh<2>| Field::interpolate(&Space::scalar(mesh, 2).unwrap(), value).unwrap();
     let (a, b) = (on(&fine), on(&coarse));
     let assembler = Assembler::new(&fine);
     assert!(errors_between(&assembler, &a, &b).unwrap().h1 < 1e-12);
@@ -120,7 +120,7 @@ fn norms_and_comparisons_between_meshes() {
 #[test]
 fn meshes_move_along_fields() {
     for geometry in 1..=2 {
-        let mesh = Arc::new(patchwork(5, geometry));
+        let mesh = patchwork(5, geometry);
         let along = Field::interpolate(&Space::of_geometry(&mesh).unwrap(), |x| [0.5 * x[1], x[0]]).unwrap();
         let moved = along.move_mesh(0.5).unwrap();
         assert_eq!((moved.blocks(), moved.cells()), (mesh.blocks(), mesh.cells()));
@@ -147,7 +147,7 @@ fn meshes_move_along_fields() {
 #[test]
 fn bodies_slide_along_facets_of_both_shapes() {
     for degree in 1..=3 {
-        let mesh = Arc::new(patchwork(6, 1));
+        let mesh = patchwork(6, 1);
         let space = Space::vector(&mesh, degree).unwrap();
         let mut constraints = Constraints::new(&space);
         constraints.slide_along("bottom", |x| 2.0 * x[0]).unwrap();

@@ -38,22 +38,22 @@ fn close(found: f64, expected: f64) {
 }
 
 // On curved cells the estimated degree is not that of the Jacobian.
-fn assembler(mesh: &Arc<Mesh<2>>) -> Assembler<2> {
+fn assembler(mesh: &Mesh<2>) -> Assembler<2> {
     Assembler::new(mesh).with_quadrature(Quadrature::Degree(8))
 }
 
-fn area(mesh: &Arc<Mesh<2>>, region: &str) -> f64 {
+fn area(mesh: &Mesh<2>, region: &str) -> f64 {
     assembler(mesh).functional(&measures::area(&measures::Omega::on(region))).unwrap()
 }
 
-fn length(mesh: &Arc<Mesh<2>>, region: &str) -> f64 {
+fn length(mesh: &Mesh<2>, region: &str) -> f64 {
     assembler(mesh).functional(&measures::length(&measures::Gamma::on(region))).unwrap()
 }
 
 #[test]
 fn areas_and_lengths() {
     for degree in 1..=2 {
-        let mesh = Arc::new(patchwork(6, degree));
+        let mesh = patchwork(6, degree);
         assert_eq!(mesh.shapes(), [CellShape::Quadrilateral, CellShape::Triangle]);
         assert_eq!((mesh.blocks()[0].cells.clone(), mesh.blocks()[1].cells.clone()), (0..24, 24..48));
         close(area(&mesh, "all"), 1.0);
@@ -106,7 +106,7 @@ fn sizes_are_those_of_each_side() {
     for (first, expected) in
         [(0, narrow + 10.0 * wide + 100.0 + 1000.0), (1, wide + 10.0 * narrow + 100.0 + 1000.0)]
     {
-        let mesh = Arc::new(Mesh::from_blocks(1, nodes.clone(), blocks(first)).unwrap());
+        let mesh = Mesh::from_blocks(1, nodes.clone(), blocks(first)).unwrap();
         let form = measures::sizes(&measures::Skeleton::on(INTERIOR));
         close(assembler(&mesh).functional(&form).unwrap(), expected);
     }
@@ -126,7 +126,6 @@ fn the_order_of_blocks_is_the_users() {
     let mesh = with_names(Mesh::from_blocks(1, points.clone(), blocks).unwrap()).unwrap();
     assert_eq!(mesh.blocks().len(), 3);
     assert_eq!(mesh.shapes(), [CellShape::Triangle, CellShape::Quadrilateral]);
-    let mesh = Arc::new(mesh);
     assert_eq!(
         (mesh.cell(0), mesh.cell(2), mesh.cell(mesh.cell_count() - 1)),
         (&before[..3], &squares[..4], &after[after.len() - 3..])
@@ -211,15 +210,14 @@ fn cells_divide_and_regions_follow() {
         let count = |shape| (0..coarse.cell_count()).filter(|cell| coarse.cell_shape(*cell) == shape).count();
         let expected = 2 * count(CellShape::Quadrilateral) + count(CellShape::Triangle);
         assert_eq!((simplices.shapes(), simplices.cell_count()), (vec![CellShape::Triangle], expected));
-        let [coarse, fine, simplices] = [coarse, fine, simplices].map(Arc::new);
         for mesh in [&fine, &simplices] {
             close(area(mesh, "all"), 1.0);
             close(length(mesh, "top"), 1.0);
             let sides = |mesh: &Mesh<2>| mesh.interior_facet_region("seam").unwrap().len();
-            assert_eq!(sides(mesh), sides(&coarse) * if Arc::ptr_eq(mesh, &fine) { 2 } else { 1 });
+            assert_eq!(sides(mesh), sides(&coarse) * if mesh.is_same(&fine) { 2 } else { 1 });
             for region in ["squares", "triangles", "every other"] {
                 // The parts of a curved square are bounded by other parabolas inside.
-                let tolerance = if degree == 2 && Arc::ptr_eq(mesh, &simplices) { 0.05 } else { 1e-12 };
+                let tolerance = if degree == 2 && mesh.is_same(&simplices) { 0.05 } else { 1e-12 };
                 assert!((area(mesh, region) - area(&coarse, region)).abs() < tolerance, "{region}");
             }
         }

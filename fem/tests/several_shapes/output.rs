@@ -43,7 +43,7 @@ fn cells_of_a_vtu_file_have_their_own_types() {
         (1, [CellType::Quad, CellType::Triangle]),
         (2, [CellType::BiquadraticQuad, CellType::QuadraticTriangle]),
     ] {
-        let mesh = Arc::new(patchwork(6, geometry));
+        let mesh = patchwork(6, geometry);
         let linear = |x: &[f64; 2]| 2.0 * x[0] - x[1];
         let u = Field::interpolate(&Space::scalar(&mesh, 3).unwrap(), linear).unwrap();
         let broken = Field::interpolate(&Space::discontinuous_scalar(&mesh, 2).unwrap(), linear).unwrap();
@@ -79,7 +79,7 @@ fn cells_of_a_vtu_file_have_their_own_types() {
 
 #[test]
 fn pictures_show_both_shapes() {
-    let mesh = Arc::new(patchwork(6, 2));
+    let mesh = patchwork(6, 2);
     let u = Field::interpolate(&Space::scalar(&mesh, 3).unwrap(), |x| (3.0 * x[0]).sin() * x[1]).unwrap();
     let displacement =
         Field::interpolate(&Space::vector(&mesh, 2).unwrap(), |x| [0.2 * x[1] * x[1], 0.0]).unwrap();

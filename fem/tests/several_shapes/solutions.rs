@@ -50,14 +50,14 @@ fn data(
     wanted: impl Fn(&[f64; 2]) -> f64 + Send + Sync + 'static,
 ) -> problems::Data<2> {
     let (source, wanted) = (Given::function(source), Given::function(wanted));
-    problems::Data { lambda: 1.2, mu: 0.8, source, wanted, gamma: 40.0 }
+    problems::data().lambda(1.2).mu(0.8).source(source).wanted(wanted).gamma(40.0)
 }
 
 #[test]
 fn linear_displacements_are_exact() {
     let exact = |x: &[f64; 2]| [0.1 + 0.3 * x[0] - 0.2 * x[1], 0.05 * x[0] + 0.4 * x[1] - 0.3];
     for (geometry, degree) in [(1, 1), (1, 2), (1, 3), (1, 4), (2, 2)] {
-        let mesh = Arc::new(patchwork(6, geometry));
+        let mesh = patchwork(6, geometry);
         let (assembler, space) = (Assembler::new(&mesh), Space::vector(&mesh, degree).unwrap());
         let data = data(|_| 0.0, |_| 0.0);
         let form = problems::elasticity(&data, &Omega::on("all"));
@@ -73,7 +73,7 @@ fn linear_displacements_are_exact() {
     }
 }
 
-fn solve(mesh: &Arc<Mesh<2>>, degree: usize, solver: &mut dyn LinearSolver) -> f64 {
+fn solve(mesh: &Mesh<2>, degree: usize, solver: &mut dyn LinearSolver) -> f64 {
     let exact = |x: &[f64; 2]| (PI * x[0]).sin() * (PI * x[1] + 0.3).sin();
     let data = data(move |x| 2.0 * PI * PI * exact(x), exact);
     let (assembler, space) = (
@@ -88,7 +88,7 @@ fn solve(mesh: &Arc<Mesh<2>>, degree: usize, solver: &mut dyn LinearSolver) -> f
     error(mesh, &u, exact)
 }
 
-fn error(mesh: &Arc<Mesh<2>>, u: &Field<2>, exact: fn(&[f64; 2]) -> f64) -> f64 {
+fn error(mesh: &Mesh<2>, u: &Field<2>, exact: fn(&[f64; 2]) -> f64) -> f64 {
     let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(12));
     let value = move |x: &[f64; 2], out: &mut [f64]| out[0] = exact(x);
     norms::errors(&assembler, u, value, |_, slope| slope.fill(0.0)).unwrap().l2
@@ -99,7 +99,7 @@ fn errors_fall_with_the_full_order() {
     for geometry in 1..=2 {
         for degree in 1..=3 {
             let errors = [6, 12, 24].map(|n| {
-                let mesh = Arc::new(patchwork(n, geometry));
+                let mesh = patchwork(n, geometry);
                 solve(&mesh, degree, &mut TangentSolver::default())
             });
             let orders = [(errors[0] / errors[1]).log2(), (errors[1] / errors[2]).log2()];
@@ -111,7 +111,7 @@ fn errors_fall_with_the_full_order() {
 
 #[test]
 fn solvers_agree() {
-    let mesh = Arc::new(patchwork(16, 1));
+    let mesh = patchwork(16, 1);
     for degree in [1, 2] {
         let space = Space::scalar(&mesh, degree).unwrap();
         let mut constraints = Constraints::new(&space);
@@ -131,7 +131,7 @@ fn interior_penalties_couple_the_shapes() {
     let linear: fn(&[f64; 2]) -> f64 = |x| 1.0 + 2.0 * x[0] - 3.0 * x[1];
     let quadratic: fn(&[f64; 2]) -> f64 = |x| x[0] * x[0] - 2.0 * x[0] * x[1] + 0.5 * x[1];
     for (degree, exact, source) in [(1, linear, 0.0), (2, quadratic, -2.0), (3, quadratic, -2.0)] {
-        let mesh = Arc::new(patchwork(5, 1));
+        let mesh = patchwork(5, 1);
         let (assembler, space) = (
             Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8)),
             Space::discontinuous_scalar(&mesh, degree).unwrap(),

@@ -27,7 +27,7 @@ mod skeleton {
 
 #[test]
 fn counts_follow_from_euler() {
-    let mesh = Arc::new(patchwork(6, 1));
+    let mesh = patchwork(6, 1);
     let (vertices, edges) = (7 * 7, mesh.facet_count());
     for degree in 1..=4_usize {
         let inside = [(degree - 1) * (degree - 1), (degree - 1) * degree.saturating_sub(2) / 2];
@@ -50,7 +50,7 @@ fn counts_follow_from_euler() {
 #[test]
 fn nodes_are_shared_where_they_coincide() {
     for geometry in 1..=2 {
-        let mesh = Arc::new(patchwork(5, geometry));
+        let mesh = patchwork(5, geometry);
         for degree in 1..=4 {
             let space = Space::scalar(&mesh, degree).unwrap();
             for cell in 0..mesh.cell_count() {
@@ -73,7 +73,7 @@ fn nodes_are_shared_where_they_coincide() {
 #[test]
 fn continuous_fields_do_not_jump_between_shapes() {
     for geometry in 1..=2 {
-        let mesh = Arc::new(patchwork(6, geometry));
+        let mesh = patchwork(6, geometry);
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
         for degree in 1..=4 {
             let u = rough(&Space::scalar(&mesh, degree).unwrap());
@@ -90,7 +90,7 @@ fn continuous_fields_do_not_jump_between_shapes() {
 #[test]
 fn the_divergence_theorem_holds_across_shapes() {
     for (geometry, tolerance) in [(1, 1e-13), (2, 1e-12)] {
-        let mesh = Arc::new(patchwork(6, geometry));
+        let mesh = patchwork(6, geometry);
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(16));
         let (omega, wall, inside) =
             (skeleton::Omega::on("all"), skeleton::Wall::on("boundary"), skeleton::Skeleton::on("interior"));
@@ -105,7 +105,7 @@ fn the_divergence_theorem_holds_across_shapes() {
 // P_k is held by both elements on straight cells: Q_k with bilinear coordinates contains it.
 #[test]
 fn polynomials_are_held() {
-    let mesh = Arc::new(patchwork(4, 1));
+    let mesh = patchwork(4, 1);
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(10));
     for degree in 1..=4 {
         let k = degree as i32;
@@ -142,7 +142,7 @@ fn polynomials_are_held() {
 
 #[test]
 fn degrees_that_do_not_exist_are_refused() {
-    let mesh = Arc::new(patchwork(3, 1));
+    let mesh = patchwork(3, 1);
     let message = |space: Result<Arc<Space<2>>, _>| {
         space.map(|_| ()).map_err(|error: forms_fem::space::SpaceError| error.to_string())
     };

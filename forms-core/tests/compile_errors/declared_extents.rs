@@ -27,14 +27,7 @@ pub mod elastic {
 
 /// A use of the module: it gives no further errors.
 fn main() {
-    let data = elastic::Data::<2> {
-        mu: 1.0,
-        gap: 0.0.into(),
-        f: [0.0; 2].into(),
-        a: [0.0; 2],
-        b: [0.0; 2],
-        c: [[0.0; 2]; 2].into(),
-    };
+    let data = elastic::data::<2>().mu(1.0).gap(0.0).f([0.0; 2]).a([0.0; 2]).b([0.0; 2]).c([[0.0; 2]; 2]);
     let omega = elastic::Omega::on("all");
     let right = elastic::right(&data, &omega);
     drop(right);

@@ -26,24 +26,24 @@ pub mod heat {
         twice: Param,
     }
     #[cells]
-    pub struct Required;
+    pub struct Omega;
 
-    pub fn stiffness(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
-        integral(Required, k * l * m * g * dot(grad(u), grad(v)) - dot(f, grad(v)))
+    pub fn data(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, k * l * m * g * dot(grad(u), grad(v)) - dot(f, grad(v)))
     }
 }
 
-/// Without defaults the name is free.
+/// Without data the name is free.
 #[forms(crate = forms_core)]
 pub mod free {
     #[cells]
-    pub struct Required;
+    pub struct Omega;
 
-    pub fn area() -> Functional {
-        integral(Required, 1)
+    pub fn data() -> Functional {
+        integral(Omega, 1)
     }
 }
 
 fn main() {
-    drop(free::area::<2>(&free::Required::on("all")));
+    drop(free::data::<2>(&free::Omega::on("all")));
 }

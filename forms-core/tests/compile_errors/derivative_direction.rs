@@ -26,7 +26,7 @@ pub mod elastic {
 
 /// A use of the module: it gives no further errors.
 fn main() {
-    let data = elastic::Data::<2> { mu: 1.0, gap: 0.0.into(), f: [0.0; 2].into() };
+    let data = elastic::data::<2>().mu(1.0).gap(0.0).f([0.0; 2]);
     let (omega, gamma_c) = (elastic::Omega::on("all"), elastic::GammaC::on("contact"));
     let right = elastic::right(&data, &omega);
     let wrong = elastic::wrong(&data, &omega, &gamma_c);

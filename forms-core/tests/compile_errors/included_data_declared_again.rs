@@ -32,7 +32,7 @@ pub mod contact {
     }
 }
 
-/// As those of the struct that takes the members from a value.
+/// As that of the function that takes the members from a value.
 #[forms(crate = forms_core)]
 pub mod thick {
     #[includes(super::elasticity::Data)]
@@ -40,18 +40,18 @@ pub mod thick {
         pub thickness: Param,
     }
     #[cells]
-    pub struct Rest;
+    pub struct Omega;
     #[facets]
     pub struct mu;
 
-    pub fn volume() -> Functional {
-        integral(Rest, thickness)
+    pub fn data_from() -> Functional {
+        integral(Omega, thickness)
     }
 }
 
 fn main() {
-    let elastic = elasticity::Data::<2> { lambda: 1.0, mu: 1.0 };
-    let data = contact::Rest { mu: forms_core::contract::Given::constant(1.0), gap: 1.0 }.with(elastic);
+    let elastic = elasticity::data::<2>().lambda(1.0).mu(1.0);
+    let data = contact::data_from(elastic).mu(forms_core::contract::Given::constant(1.0)).gap(1.0);
     let form = contact::direct(&data, &contact::Omega::on("all"));
     drop(form);
 }

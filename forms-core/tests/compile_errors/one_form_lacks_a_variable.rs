@@ -10,5 +10,5 @@ fn main() {
         dimension = 2,
     );
     drop(laplace);
-    let _: Given<f64, 2> = 1.0.into();
+    let _: Given<f64, 2> = Given::constant(1.0);
 }

@@ -1,4 +1,3 @@
-use forms_core::contract::Given;
 use forms_core::forms;
 
 #[forms(crate = forms_core)]
@@ -12,7 +11,9 @@ pub mod heat {
 }
 
 fn main() {
-    let data: heat::Data<2> = heat::Required { k: 1.0 }.into();
-    let data = heat::Data { f: Given::constant(1.0), ..heat::Required { gap: data.gap }.into() };
-    drop(heat::Data { f: data.f, k: 1.0 });
+    let _: heat::Data<2> = heat::data().k(1.0);
+    let _: heat::Data<2> = heat::data().gap(0.1);
+    let _: heat::Data<2> = heat::data().k(1).gap("0.1").f(1);
+    let _: heat::Data<2> = heat::data().k(1.0).gap([0.1, 0.2]).f(|x: &[f64; 2]| *x);
+    let _: heat::Data<2> = heat::data().k(1.0).gap(0.1).f(|x: &[f64; 3]| x[2]);
 }

@@ -28,7 +28,7 @@ pub mod poisson {
 
 /// A use of the module: it gives no further errors.
 fn main() {
-    let data = poisson::Data::<2> { gamma: 1.0, k: 1.0.into() };
+    let data = poisson::data::<2>().gamma(1.0).k(1.0);
     let skeleton = poisson::Skeleton::on("all");
     let right = poisson::right(&data, &skeleton);
     let wrong = poisson::field(&data, &skeleton);

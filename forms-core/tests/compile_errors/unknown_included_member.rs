@@ -44,8 +44,8 @@ pub mod importing {
 }
 
 fn main() {
-    let elastic = elasticity::Data::<2> { lambda: 1.0, shear: 1.0, density: 1.0 };
-    let data = contact::Rest { gap: 1.0 }.with(elastic.clone());
+    let elastic = elasticity::data::<2>().lambda(1.0).shear(1.0).density(1.0);
+    let data = contact::data_from(elastic.clone()).gap(1.0);
     drop(contact::direct(&data, &contact::Omega::on("all")));
-    drop(importing::Rest { bulk: 1.0 }.with(elastic));
+    drop(importing::data_from(elastic).bulk(1.0));
 }

@@ -203,7 +203,7 @@ where
     let touch = || laws::Touch::on(Pairing::within("boundary"));
     let (omega, wall) = (laws::Omega::on("all"), laws::Wall::on("boundary"));
     // Bodies overlap in this mesh: with a negative γ₀ they are apart.
-    let data = laws::Data::<D> { lambda: 1.3, mu: 0.7, gamma0: -5.0, m: 0.95, zero: 0.0 };
+    let data = laws::data::<D>().lambda(1.3).mu(0.7).gamma0(-5.0).m(0.95).zero(0.0);
     macro_rules! check {
         ($($name:ident)*) => { $( is_nothing(stringify!($name), &mesh, &laws::$name(&data, &touch())); )* };
     }
@@ -228,7 +228,7 @@ fn the_branch_that_is_taken_counts() {
     let mut random = Random(62);
     let mesh = Mesh::<2>::cube(&mut random).broken();
     let nodes = mesh.nodes.len();
-    let data = laws::Data::<2> { lambda: 1.3, mu: 0.7, gamma0: 5.0, m: 0.95, zero: 0.0 };
+    let data = laws::data::<2>().lambda(1.3).mu(0.7).gamma0(5.0).m(0.95).zero(0.0);
     let form = products::pow_on_pairs(&data, &laws::Touch::on(Pairing::within("boundary")));
     let unknowns = [random.field(nodes, 2, 0.0, 0.1), random.field(nodes, 1, 1.0, 0.5)];
     let matrix = tangent::<f64, 2>(&mesh, &form, &unknowns);

@@ -55,7 +55,7 @@ const LAMBDA: f64 = 1.7;
 const MU: f64 = 0.6;
 
 fn data<const D: usize>() -> hyperelastic::Data<D> {
-    hyperelastic::Data { lambda: LAMBDA, mu: MU }
+    hyperelastic::data().lambda(LAMBDA).mu(MU)
 }
 
 fn omega() -> hyperelastic::Omega {

@@ -43,7 +43,7 @@ chain! {
 fn forty_levels() {
     let a = -0.5;
     let mesh = Mesh::<2>::cube(&mut Random(5));
-    let data = deep::Data::<2> { a };
+    let data = deep::data::<2>().a(a);
     let value = deep::value(&data, Source::Constant(vec![3.0]));
     let expected = 3.0 * (1.0_f64 + a).powi(40);
     assert!((expression(&mesh, &value, (Entity::Cells, "all"))[0][0] / expected - 1.0).abs() < 1e-13);
@@ -98,8 +98,7 @@ fn functions_in_parts() {
     let mesh = Mesh::<3>::cube(&mut random);
     let nodes = mesh.nodes.len();
     let (u, direction) = (random.field(nodes, 3, 0.1, 0.2), random.field(nodes, 3, 0.0, 1.0));
-    let form =
-        ogden::energy(&ogden::Data { mu: 0.7, a: 1.3, b: -2.0, lambda: 1.9 }, &ogden::Omega::on("all"));
+    let form = ogden::energy(&ogden::data().mu(0.7).a(1.3).b(-2.0).lambda(1.9), &ogden::Omega::on("all"));
     let matrix = tangent::<f64, 3>(&mesh, &form, std::slice::from_ref(&u));
     let by_four = tangent::<toy_backend::lanes::Four, 3>(&mesh, &form, std::slice::from_ref(&u));
     let largest = matrix.concat().iter().fold(0.0_f64, |most, entry| most.max(entry.abs()));

@@ -111,7 +111,7 @@ mod private {
 fn private_data_are_included() {
     use private::doubled;
     let mesh = Mesh::<2>::cube(&mut Random(3));
-    let value = |mu| functional(&mesh, &doubled::twice(&doubled::Data { mu }, &doubled::Rest::on("all")));
+    let value = |mu| functional(&mesh, &doubled::twice(&doubled::data().mu(mu), &doubled::Rest::on("all")));
     assert!(value(1.0) > 0.0 && (value(3.0) - 3.0 * value(1.0)).abs() < 1e-13);
 }
 
@@ -119,8 +119,8 @@ fn lambda<const D: usize>() -> Given<f64, D> {
     Given::function(|x: &[f64; D]| 1.0 + x[0])
 }
 
-fn required<const D: usize>() -> flat::Required<D> {
-    flat::Required { lambda: lambda(), mu: 0.7, gap: 1.5 }
+fn required<const D: usize>() -> flat::Data<D> {
+    flat::data().lambda(lambda()).mu(0.7).gap(1.5)
 }
 
 #[test]
@@ -128,14 +128,15 @@ fn members_are_the_structs_own() {
     let mut random = Random(17);
     let mesh = Mesh::<3>::cube(&mut random);
     let u = random.field(mesh.nodes.len(), 3, 0.2, 0.3);
-    let data = flat::Data::<3> { drift: [0.1, -0.2, 0.3], ..required().into() };
+    let data = required().drift([0.1, -0.2, 0.3]);
     let coefficient = Given::constant(0.25);
-    let whole = typed_out::Data { lambda: lambda(), mu: 0.7, gap: 1.5, coefficient, drift: data.drift };
+    let whole =
+        typed_out::data().lambda(lambda()).mu(0.7).gap(1.5).coefficient(coefficient).drift(data.drift);
     let model = flat::Model::new(data.clone());
     let mine = functional(&mesh, &model.work(u.source()));
     let theirs = functional(&mesh, &typed_out::Model::new(whole).work(u.source()));
     assert!(theirs.abs() > 1e-3 && (mine - theirs).abs() < 1e-14 * theirs.abs(), "{mine} {theirs}");
-    let onward = loaded::Model::new(loaded::Rest { load: 1.0 }.with(data.clone()));
+    let onward = loaded::Model::new(loaded::data_from(data.clone()).load(1.0));
     assert_eq!(functional(&mesh, &onward.work(u.source())), mine);
     // By an included parameter: gap coefficient u·u.
     let slopes = expression(&mesh, &model.slope(u.source()), (Entity::Cells, "all"));
@@ -144,7 +145,7 @@ fn members_are_the_structs_own() {
 
 #[test]
 fn defaults_come_along() {
-    let data: flat::Data<2> = required().into();
+    let data: flat::Data<2> = required();
     let Source::Constant(coefficient) = data.coefficient.source() else { panic!("no constant") };
     assert_eq!((coefficient.as_slice(), data.drift), (&[0.25][..], [0.0; 2]));
 }

@@ -88,7 +88,7 @@ pub mod discontinuous {
 }
 
 fn data<const D: usize>() -> discontinuous::Data<D> {
-    discontinuous::Data { gamma: 3.0, k: 1.0.into() }
+    discontinuous::data().gamma(3.0).k(1.0)
 }
 
 fn regions() -> (discontinuous::Omega, discontinuous::Gamma, discontinuous::Skeleton) {
@@ -341,7 +341,7 @@ fn data_from_functions_are_the_same_on_both_sides() {
     let mesh = Mesh::<2>::cube(&mut random).broken();
     let u = [random.field(mesh.nodes.len(), 1, 0.0, 1.0)];
     let matrix = |k: Given<f64, 2>| {
-        let data = discontinuous::Data { gamma: 1.0, k };
+        let data = discontinuous::data().gamma(1.0).k(k);
         tangent::<f64, 2>(&mesh, &discontinuous::jump_of_data(&data, &regions().2), &u)
     };
     let linear = |x: &[f64; 2]| 1.0 + x[0] - 0.3 * x[1];

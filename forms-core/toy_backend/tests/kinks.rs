@@ -172,7 +172,7 @@ where
         Nodal { components: 1, values: vec![s; nodes] },
         Nodal { components: D, values: vec![0.0; nodes * D] },
     ];
-    let (data, omega) = (branches::Data::<D> { p: 1.3 }, branches::Omega::on("all"));
+    let (data, omega) = (branches::data::<D>().p(1.3), branches::Omega::on("all"));
     let (form, reference) = (branches::form(&data, &omega), branches::reference(&data, &omega));
     let found = residual::<L, D>(&mesh, &form, &unknowns);
     let expected = residual::<f64, D>(&mesh, &reference, &unknowns);
@@ -204,7 +204,7 @@ fn branches_not_taken_poison_nothing() {
 fn the_dangerous_branch_is_dangerous() {
     // So that the test above shows something: where the branch is taken, 1 / s is seen.
     let mesh = Mesh::<2>::cube(&mut Random(3));
-    let data = branches::Data { p: 1.3 };
+    let data = branches::data().p(1.3);
     let value = branches::value(
         &data,
         Source::Constant(vec![f64::MIN_POSITIVE / 4.0]),
@@ -215,7 +215,7 @@ fn the_dangerous_branch_is_dangerous() {
 
 #[test]
 fn a_comparison_is_one_switch() {
-    let data = branches::Data::<2> { p: 1.3 };
+    let data = branches::data::<2>().p(1.3);
     let omega = branches::Omega::on("all");
     let form = branches::reference(&data, &omega);
     let switches =

@@ -274,13 +274,13 @@ fn one_dimension_only() {
     assert_eq!(expression(&mesh, &trace, (Entity::Cells, "all"))[0], [6.0]);
     let volume = one_dimension::volume(&data, &one_dimension::Volume::on("all"));
     assert!(functional(&mesh, &volume) > 0.0);
-    let _ = (only_data::Data::<2> {}, one_dimension::NeverUsed::on("nowhere"));
+    let _ = (only_data::data::<2>(), one_dimension::NeverUsed::on("nowhere"));
 }
 
 #[test]
 fn arguments_may_have_names_of_the_emitted_code() {
     let mesh = Mesh::<2>::cube(&mut Random(5));
-    let data = names::Data { form: 2.0, parameters: 3.0, cell: 5.0.into() };
+    let data = names::data().form(2.0).parameters(3.0).cell(5.0);
     let [a, b, c] = [7.0, 11.0, 13.0].map(|value| Source::Constant(vec![value]));
     let form = names::point::<2>(&data, &names::Form::on("all"), a, b, c);
     let fields: Vec<_> = form.fields().iter().map(|field| field.name).collect();
@@ -296,7 +296,7 @@ fn arguments_may_have_names_of_the_emitted_code() {
 fn names_of_the_prelude_and_of_primitive_types_are_names_like_others() {
     let constant = |value: f64| Source::Constant(vec![value]);
     let law = || Table::linear(&[[0.0, 0.0], [10.0, 10.0]]).expect("a table");
-    let data = functions_named::Data { k: 2.0, g: 3.0.into(), law: law() };
+    let data = functions_named::data().k(2.0).g(3.0).law(law());
     let form = functions_named::Some::<2>(&data, &functions_named::Omega::on("all"), constant(5.0));
     let mesh = Mesh::<2>::cube(&mut Random(6));
     let volume: f64 = mesh.elements(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
@@ -304,7 +304,7 @@ fn names_of_the_prelude_and_of_primitive_types_are_names_like_others() {
     let energy = toy_backend::energy(&mesh, &form, std::slice::from_ref(&one));
     assert!((energy - 30.0 * volume).abs() < 1e-12, "{energy}");
 
-    let data = data_into::Into { u8: 2.0, r#move: [3.0, 0.0].into(), bool: law(), f64: 0.5.into() };
+    let data = data_into::data().u8(2.0).r#move([3.0, 0.0]).bool(law()).f64(0.5);
     let form = data_into::energy::<2>(
         &data,
         &data_into::Omega::on("all"),
@@ -314,7 +314,7 @@ fn names_of_the_prelude_and_of_primitive_types_are_names_like_others() {
     );
     let names: Vec<_> = form.fields().iter().map(|field| field.name).collect();
     assert_eq!(&names[..4], ["u", "None", "Ok", "r#type"]);
-    assert!(attributes::Data { k: 1.0 } == attributes::Data::<2> { k: 1.0 }.clone());
+    assert!(attributes::data().k(1.0) == attributes::data::<2>().k(1.0).clone());
     assert!(format!("{:?}", attributes::Omega::on("all")).starts_with("Omega(Region"));
 }
 
@@ -362,7 +362,7 @@ pub mod zeros {
 fn zeros_are_linear_in_the_test_function() {
     let mesh = Mesh::<2>::cube(&mut Random(7));
     let u = [Random(8).field(4, 2, 0.0, 1.0)];
-    let (data, omega) = (zeros::Data { lambda: 1.3, mu: 0.7 }, zeros::Omega::on("all"));
+    let (data, omega) = (zeros::data().lambda(1.3).mu(0.7), zeros::Omega::on("all"));
     let gamma = zeros::Gamma::on("boundary");
     let same = |first: Vec<f64>, second: Vec<f64>| {
         assert!(first.iter().any(|entry| entry.abs() > 1e-3));

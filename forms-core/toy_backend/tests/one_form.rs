@@ -33,7 +33,7 @@ pub mod module {
 }
 
 fn data() -> module::Data<2> {
-    module::Data { k: 2.0, f: Given::function(|x: &[f64; 2]| x[0] - x[1]), b: [1.0, -2.0] }
+    module::data().k(2.0).f(|x: &[f64; 2]| x[0] - x[1]).b([1.0, -2.0])
 }
 
 fn regions() -> (module::Omega, module::Wall) {

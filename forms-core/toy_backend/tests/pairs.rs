@@ -77,7 +77,7 @@ pub mod blocks {
 
 fn data<const D: usize>(old: Nodal) -> blocks::Data<D> {
     let old = Given::field(std::sync::Arc::new(old) as FieldHandle);
-    blocks::Data { lambda: 1.3, mu: 0.7, gamma0: 5.0, theta: -1.0, kappa: 0.4, old }
+    blocks::data().lambda(1.3).mu(0.7).gamma0(5.0).theta(-1.0).kappa(0.4).old(old)
 }
 
 fn touch() -> blocks::Touch {

@@ -171,8 +171,8 @@ where
     let u = random.field(mesh.nodes.len(), D, 0.0, 0.3);
     let (mu, gamma0) = (0.7, 3.0);
     let (lambda, gap) = (Given::function(|x: &[f64; D]| 1.0 + x[0]), Given::constant(0.05));
-    let imported = contact::Data { mu, gamma0, lambda: lambda.clone(), gap: gap.clone() };
-    let typed = typed_out::Data { mu, gamma0, lambda, gap };
+    let imported = contact::data().mu(mu).lambda(lambda.clone()).gamma0(gamma0).gap(gap.clone());
+    let typed = typed_out::data().mu(mu).lambda(lambda).gamma0(gamma0).gap(gap);
     let form = contact::direct(&imported, &contact::Omega::on("all"), &contact::GammaC::on("boundary"));
     let other = typed_out::direct(&typed, &typed_out::Omega::on("all"), &typed_out::GammaC::on("boundary"));
     let unknowns = [u.clone()];
@@ -208,7 +208,7 @@ fn a_function_on_two_ways_is_one_function_and_pub_use_makes_it_the_modules_own()
     let mut random = Random(3);
     let mesh = Mesh::<2>::cube(&mut random);
     let u = random.field(mesh.nodes.len(), 2, 0.0, 0.3);
-    let data = both_ways::Data::<2> { lambda: 1.3, mu: 0.7 };
+    let data = both_ways::data::<2>().lambda(1.3).mu(0.7);
     let zero = expression(&mesh, &both_ways::difference(&data, u.source()), (Entity::Cells, "all"));
     assert!(zero.concat().iter().all(|entry| *entry == 0.0));
     let mine = tangent::<f64, 2>(
@@ -216,7 +216,7 @@ fn a_function_on_two_ways_is_one_function_and_pub_use_makes_it_the_modules_own()
         &both_ways::elasticity(&data, &both_ways::Omega::on("all")),
         std::slice::from_ref(&u),
     );
-    let original = elasticity::Data::<2> { lambda: 1.3, mu: 0.7 };
+    let original = elasticity::data::<2>().lambda(1.3).mu(0.7);
     let theirs = tangent::<f64, 2>(
         &mesh,
         &elasticity::elasticity(&original, &elasticity::Omega::on("all")),
@@ -232,7 +232,7 @@ fn data_and_regions_are_imported_as_the_types_that_they_are() {
     let mut random = Random(3);
     let mesh = Mesh::<2>::cube(&mut random);
     let u = random.field(mesh.nodes.len(), 2, 0.0, 0.3);
-    let (data, omega) = (elasticity::Data::<2> { lambda: 1.3, mu: 0.7 }, elasticity::Omega::on("all"));
+    let (data, omega) = (elasticity::data::<2>().lambda(1.3).mu(0.7), elasticity::Omega::on("all"));
     let unknowns = [u];
     let sum = tangent::<f64, 2>(&mesh, &dynamics::momentum(&data, &omega), &unknowns);
     let stiffness = tangent::<f64, 2>(&mesh, &elasticity::elasticity(&data, &omega), &unknowns);
@@ -305,10 +305,10 @@ fn names_that_are_keywords_travel() {
     let volume: f64 = mesh.elements(Entity::Cells, "all").iter().map(|cell| cell.cell.cell_volume).sum();
     let two = || Source::<2>::Constant(vec![2.0]);
     let value = |form: &dyn Fn() -> f64, expected: f64| assert!((form() / volume - expected).abs() < 1e-12);
-    let data = keywords::Data::<2> { r#type: 3.0, r#as: 10.0 };
+    let data = keywords::data::<2>().r#type(3.0).r#as(10.0);
     value(&|| functional(&mesh, &keywords::r#struct(&data, &r#loop::r#match::on("all"), two())), 7.0);
     value(&|| functional(&mesh, &keywords::r#dyn(&data, &r#loop::r#match::on("all"), two())), 77.0);
-    let included = again::Rest {}.with(data.clone());
+    let included = again::data_from(data.clone());
     value(&|| functional(&mesh, &again::r#enum(&included, &r#loop::r#match::on("all"), two())), 77.0);
     let model = keywords::Model { data, regions: keywords::Regions::default().r#match("all") };
     value(&|| functional(&mesh, &model.r#dyn(two())), 77.0);

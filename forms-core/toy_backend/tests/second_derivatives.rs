@@ -200,7 +200,7 @@ pub mod plates {
 }
 
 fn data<const D: usize>() -> plates::Data<D> {
-    plates::Data { a: A, b: std::array::from_fn(|i| 0.3 - 0.2 * i as f64), known: 0.0.into() }
+    plates::data().a(A).b(std::array::from_fn(|i| 0.3 - 0.2 * i as f64)).known(0.0)
 }
 
 fn omega() -> plates::Omega {

@@ -37,16 +37,15 @@ pub mod shapes {
 }
 
 fn data<const D: usize>() -> shapes::Data<D> {
-    shapes::Data {
-        r: [1.0, -2.0, 0.5],
-        m: [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]],
-        E: std::array::from_fn(|i| {
+    shapes::data()
+        .r([1.0, -2.0, 0.5])
+        .m([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
+        .E(std::array::from_fn(|i| {
             std::array::from_fn(|j| {
                 std::array::from_fn(|k| std::array::from_fn(|l| (1000 * i + 100 * j + 10 * k + l) as f64))
             })
-        }),
-        g: Given::function(|x: &[f64; D]| std::array::from_fn(|i| [x[i], 1.0, i as f64])),
-    }
+        }))
+        .g(|x: &[f64; D]| std::array::from_fn(|i| [x[i], 1.0, i as f64]))
 }
 
 fn check<const D: usize>()

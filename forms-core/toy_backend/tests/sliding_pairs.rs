@@ -79,7 +79,7 @@ pub mod rubber {
 
 fn data<const D: usize>(old: Nodal) -> rubber::Data<D> {
     let old = Given::field(std::sync::Arc::new(old) as FieldHandle);
-    rubber::Data { lambda: 1.3, mu: 0.7, gamma0: 5.0, kappa: 0.4, old }
+    rubber::data().lambda(1.3).mu(0.7).gamma0(5.0).kappa(0.4).old(old)
 }
 
 fn touch() -> rubber::Touch {

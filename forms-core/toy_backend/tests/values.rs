@@ -59,7 +59,7 @@ fn state() -> State {
 }
 
 fn data() -> membrane::Data<2> {
-    membrane::Data { k: 1.7, load: Given::function(|x: &[f64; 2]| 1.0 + x[0]) }
+    membrane::data().k(1.7).load(|x: &[f64; 2]| 1.0 + x[0])
 }
 
 fn omega() -> membrane::Omega {

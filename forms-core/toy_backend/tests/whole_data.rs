@@ -162,25 +162,24 @@ fn lambda<const D: usize>() -> Given<f64, D> {
 }
 
 fn contact<const D: usize>(mu: f64, gap: Given<f64, D>) -> library::contact::Data<D> {
-    let elastic = elasticity::Data { lambda: lambda(), mu, law: law() };
-    library::contact::Rest { gap, gamma0: GAMMA0 }.with(elastic)
+    let elastic = elasticity::data().lambda(lambda()).mu(mu).law(law());
+    library::contact::data_from(elastic).gap(gap).gamma0(GAMMA0)
 }
 
 fn loaded<const D: usize>(mu: f64, gap: Given<f64, D>) -> loaded::Data<D> {
-    loaded::Data { force: [0.3; D], ..loaded::Rest {}.with(contact(mu, gap)) }
+    loaded::data_from(contact(mu, gap)).force([0.3; D])
 }
 
 fn whole<const D: usize>(mu: f64, gap: Given<f64, D>) -> typed_out::Data<D> {
-    typed_out::Data {
-        weight: -2.5,
-        force: [0.3; D],
-        gamma0: GAMMA0,
-        law: law(),
-        gap,
-        mu,
-        friction: Given::constant(0.25),
-        lambda: lambda(),
-    }
+    typed_out::data()
+        .weight(-2.5)
+        .force([0.3; D])
+        .gamma0(GAMMA0)
+        .law(law())
+        .gap(gap)
+        .mu(mu)
+        .friction(0.25)
+        .lambda(lambda())
 }
 
 /// Sums are ordered differently, so the last bits may differ.
@@ -256,7 +255,7 @@ fn data_that_include_others_are_imported_as_they_are() {
     let Body { mesh, change, .. } = Body::<2>::new();
     let omega = library::contact::Omega::on("all");
     let mine = imported::mass(&contact(0.7, Given::constant(GAP)), &omega);
-    let theirs = all_by_default::mass(&all_by_default::Required::<2> {}.into(), &omega);
+    let theirs = all_by_default::mass(&all_by_default::data::<2>(), &omega);
     let unknowns = [change];
     let [mine, theirs] =
         [tangent::<f64, 2>(&mesh, &mine, &unknowns), tangent::<f64, 2>(&mesh, &theirs, &unknowns)];
@@ -314,13 +313,7 @@ fn defaults_stand_where_nothing_was_given() {
     };
     assert_eq!(constant(data.friction.source()), [0.25]);
     assert_eq!(constant(data.drift.source()), [0.0; 3]);
-    let flat = loaded::Required {
-        lambda: data.lambda.clone(),
-        mu: 0.7,
-        law: law(),
-        gap: Given::constant(GAP),
-        gamma0: GAMMA0,
-    };
+    let flat = loaded::data().lambda(data.lambda.clone()).mu(0.7).law(law()).gap(GAP).gamma0(GAMMA0);
     let data: loaded::Data<3> = flat.into();
     assert_eq!(constant(data.friction.source()), [0.25]);
     assert_eq!((data.force, data.weight, data.twist), ([0.0; 3], -2.5, [[0.0; 3]; 2]));
@@ -358,12 +351,8 @@ fn a_value_is_differentiated_by_an_included_member() {
 /// What a value of the first included data has comes along, members with a default among it; the others have their defaults.
 #[test]
 fn a_value_of_the_first_included_data_is_handed_over() {
-    let given = library::contact::Data {
-        friction: Given::constant(0.5),
-        drift: Given::constant([0.1, 0.2]),
-        ..contact::<2>(0.7, Given::constant(GAP))
-    };
-    let data = loaded::Data { weight: 2.0, ..loaded::Rest {}.with(given) };
+    let given = contact::<2>(0.7, Given::constant(GAP)).friction(0.5).drift([0.1, 0.2]);
+    let data = loaded::data_from(given).weight(2.0);
     let constant = |source: &Source<2>| match source {
         Source::Constant(values) => values.clone(),
         _ => panic!("no constant"),
@@ -373,16 +362,10 @@ fn a_value_of_the_first_included_data_is_handed_over() {
     assert_eq!(constant(data.gap.source()), [GAP]);
     assert_eq!((data.mu, data.gamma0, data.force, data.weight), (0.7, GAMMA0, [0.0; 2], 2.0));
     // `Into` takes the required members as well.
-    let elastic = elasticity::Data::<2> { lambda: lambda(), mu: 0.9, law: law() };
-    let required = library::contact::Required {
-        lambda: lambda(),
-        mu: 0.9,
-        law: law(),
-        gap: Given::constant(GAP),
-        gamma0: GAMMA0,
-    };
-    let data: loaded::Data<2> = loaded::Rest {}.with(required);
-    let other = library::contact::Rest { gap: Given::constant(GAP), gamma0: GAMMA0 }.with(elastic);
+    let elastic = elasticity::data::<2>().lambda(lambda()).mu(0.9).law(law());
+    let required = library::contact::data().lambda(lambda()).mu(0.9).law(law()).gap(GAP).gamma0(GAMMA0);
+    let data: loaded::Data<2> = loaded::data_from(required);
+    let other = library::contact::data_from(elastic).gap(GAP).gamma0(GAMMA0);
     assert_eq!((data.mu, constant(data.friction.source())), (other.mu, vec![0.25]));
 }
 

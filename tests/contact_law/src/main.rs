@@ -11,7 +11,7 @@ use forms_fem::verification;
 use tresca::tresca as law;
 
 /// The driver.
-fn drag<const D: usize>(mesh: &Arc<Mesh<D>>, slip_stress: f64) -> Result<Dragged<D>, Box<dyn Error>>
+fn drag<const D: usize>(mesh: &Mesh<D>, slip_stress: f64) -> Result<Dragged<D>, Box<dyn Error>>
 where
     Dim: Dimension<D>,
 {
@@ -20,7 +20,7 @@ where
     constraints.fix("top", |_| along::<D>(0.4, -0.05))?;
     let (obstacle_normal, gap) = (Given::constant(along::<D>(0.0, -1.0)), Given::constant(0.0));
     let (lambda, mu, gamma0, theta) = (1.0, 1.0, 20.0, 0.0);
-    let data = law::Data { lambda, mu, obstacle_normal, gap, gamma0, theta, slip_stress };
+    let data = law::data().lambda(lambda).mu(mu).gamma0(gamma0).obstacle_normal(obstacle_normal).gap(gap).theta(theta).slip_stress(slip_stress);
     let model = law::Model { data, regions: law::Regions::default().gamma_c("bottom") };
     let problem = ContactProblem::new(Assembler::new(mesh), &space, model, constraints)?;
     let solved = problem.direct()?.solve()?;
@@ -46,7 +46,7 @@ fn check<const D: usize>(mesh: Mesh<D>) -> Result<(), Box<dyn Error>>
 where
     Dim: Dimension<D>,
 {
-    let (mesh, slip_stress) = (Arc::new(mesh), 0.05);
+    let slip_stress = 0.05;
     let (problem, solved) = drag(&mesh, slip_stress)?;
     // All of the unit face slides: the support at the top holds against the slip stress. In space the direction of slip
     // varies a little along the sides.

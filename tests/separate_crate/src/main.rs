@@ -17,9 +17,9 @@ mod reaction {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [16, 2], CellShape::Quadrilateral, 1)?);
+    let mesh = rectangle([0.0; 2], [1.0; 2], [16, 2], CellShape::Quadrilateral, 1)?;
     let space = Space::scalar(&mesh, 2)?;
-    let form = reaction::Model::<2>::new(reaction::Data { rate: 1.0 }).equation();
+    let form = reaction::Model::<2>::new(reaction::data().rate(1.0)).equation();
     let u = Problem::new(&form, &space).solve()?.into_field();
     let end = u.evaluate(&[0.0, 0.5])?[0];
     assert!((end - 1.0).abs() < 1e-4, "u(0) = {end}, the exact solution has 1");

@@ -35,31 +35,27 @@ pub fn signorini_transition() -> HalfPlaneField {
 }
 
 /// The mesh with `divisions` cells along Γ_C: x = 0 is a node when it is even, else the middle of a facet.
-pub fn mesh(shape: CellShape, divisions: usize) -> Arc<Mesh<2>> {
+pub fn mesh(shape: CellShape, divisions: usize) -> Mesh<2> {
     let mut mesh = rectangle([-1.0, 0.0], [1.0, 1.0], [divisions, divisions.div_ceil(2)], shape, 1).unwrap();
     mesh.name_facets(SIDES, "boundary", |centre| centre[0].abs() > 1.0 - 1e-9).unwrap();
     mesh.name_cells_of_facets(CONTACT_CELLS, "bottom").unwrap();
-    Arc::new(mesh)
+    mesh
 }
 
 /// Problem A with γ₀ = [`MARGIN`] times what θ = 1 asks for.
-pub fn direct_problem(mesh: &Arc<Mesh<2>>, degree: usize, theta: f64) -> ContactProblem<2> {
+pub fn direct_problem(mesh: &Mesh<2>, degree: usize, theta: f64) -> ContactProblem<2> {
     let exact = signorini_transition();
     let space = Space::vector(mesh, degree).unwrap();
     let mut constraints = Constraints::new(&space);
     constraints.fix("top", |x| exact.displacement(x)).unwrap();
-    let data = forms::Data {
-        traction: Given::function(move |x| exact.side_traction(x)),
-        ..forms::Required {
-            lambda: exact.material.lambda,
-            mu: exact.material.mu,
-            theta: 1.0,
-            gamma0: 1.0,
-            obstacle_normal: Given::constant([0.0, -1.0]),
-            gap: Given::constant(0.0),
-        }
-        .into()
-    };
+    let data = forms::data()
+        .lambda(exact.material.lambda)
+        .mu(exact.material.mu)
+        .gamma0(1.0)
+        .obstacle_normal([0.0, -1.0])
+        .gap(0.0)
+        .theta(1.0)
+        .traction(Given::function(move |x| exact.side_traction(x)));
     let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(DEGREE));
     let regions = forms::Regions::default().gamma_n(SIDES).gamma_c("bottom");
     let mut problem =

@@ -66,12 +66,10 @@ impl Law {
             Friction::Tresca(bound) => (bound, 0.0),
             Friction::Coulomb(coefficient) => (0.0, coefficient),
         };
-        let data = frictional::Data {
-            slip_stress,
-            friction,
-            force_direction: Given::constant([1.0, 0.0]),
-            ..frictional::Rest {}.with(problem.law.data.clone())
-        };
+        let data = frictional::data_from(problem.law.data.clone())
+            .slip_stress(slip_stress)
+            .friction(friction)
+            .force_direction([1.0, 0.0]);
         let forms::Regions { gamma_n, gamma_c, .. } = problem.law.regions.clone();
         let regions = frictional::Regions::default().gamma_n(gamma_n.0.name).gamma_c(gamma_c.0.name);
         let (assembler, model) = (problem.assembler.clone(), frictional::Model { data, regions });

@@ -4,7 +4,7 @@
 use forms_contact::ContactProblem;
 use forms_contact::law::ContactLaw;
 use forms_contact::laws::sliding_bodies;
-use forms_contact::laws::two_bodies::{self, Data, Required};
+use forms_contact::laws::two_bodies::{self, Data};
 use forms_fem::prelude::*;
 
 use super::layers::{answer, compare, to_rounding};
@@ -18,13 +18,14 @@ fn data(case: &Case, share: f64) -> Data<2> {
         Friction::Tresca(bound) => (bound, 0.0),
         Friction::Coulomb(coefficient) => (0.0, coefficient),
     };
-    Data {
-        theta: case.theta,
-        share,
-        slip_stress,
-        friction,
-        ..Required { lambda: LAMBDA.into(), mu: MU.into(), gamma0: case.gamma0.into() }.into()
-    }
+    two_bodies::data()
+        .lambda(LAMBDA)
+        .mu(MU)
+        .gamma0(case.gamma0)
+        .theta(case.theta)
+        .share(share)
+        .slip_stress(slip_stress)
+        .friction(friction)
 }
 
 fn pairing(random: &mut Random) -> (Pairing, f64) {

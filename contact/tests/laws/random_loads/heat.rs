@@ -30,19 +30,15 @@ fn heat_is_in_balance_for_any_displacement() {
         };
         let (conductivity, effusivity) = (varied(1.0), varied(1.0));
         let (conductance, hardness, duration) = (8.0 * number(3.0), 40.0 * number(2.0), number(2.0));
-        let required =
-            mechanics::Required { lambda: LAMBDA.into(), mu: MU.into(), gamma0: (20.0 * YOUNG).into() };
-        let base = mechanics::Data {
-            friction: random.between(0.0, 0.8),
-            displacement_before: Given::field(before),
-            ..required.into()
-        };
-        let data = law::Data {
-            effusivity,
-            duration,
-            exponent: random.between(0.0, 2.0),
-            ..law::Rest { conductivity, conductance, hardness }.with(base)
-        };
+        let required = mechanics::data().lambda(LAMBDA).mu(MU).gamma0(20.0 * YOUNG);
+        let base = required.friction(random.between(0.0, 0.8)).displacement_before(before);
+        let data = law::data_from(base)
+            .conductivity(conductivity)
+            .conductance(conductance)
+            .hardness(hardness)
+            .effusivity(effusivity)
+            .duration(duration)
+            .exponent(random.between(0.0, 2.0));
         let touch = Pairing::between("lower top", "upper bottom");
         let regions = law::Regions::default().touch(touch).gamma_n("upper right");
         let model = law::Model { data, regions };

@@ -52,10 +52,7 @@ fn a_layer_that_wears() {
         let sliding = random.between(-0.02, 0.02);
         let worn = assembler.history(Entity::Facets, "bottom", 4, depth).unwrap();
         let base = data(case.friction, case.theta, case.gamma0);
-        let data = wear::Data {
-            sliding: Given::constant([sliding, 0.0]),
-            ..wear::Rest { wear_rate: 1e-3, worn }.with(base)
-        };
+        let data = wear::data_from(base).wear_rate(1e-3).worn(worn).sliding([sliding, 0.0]);
         let regions = wear::Regions::default().gamma_n("right").gamma_c("bottom");
         let problem = layer.problem(wear::Model { data, regions }, case.aside, case.down);
         let start = random.start(&layer.space, 0.02);
@@ -83,7 +80,7 @@ fn uzawas_iteration() {
         // Any multiplier to begin with, also one that pulls.
         let first = [3.0 * random.next(), 3.0 * random.next()];
         let multiplier = assembler.history(Entity::Facets, "bottom", 4, first).unwrap();
-        let data = uzawa::Rest { multiplier }.with(data(case.friction, case.theta, case.gamma0));
+        let data = uzawa::data_from(data(case.friction, case.theta, case.gamma0)).multiplier(multiplier);
         let regions = uzawa::Regions::default().gamma_n("right").gamma_c("bottom");
         let problem = layer.problem(uzawa::Model { data, regions }, case.aside, case.down);
         let start = random.start(&layer.space, 0.02);

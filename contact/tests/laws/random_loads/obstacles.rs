@@ -3,7 +3,6 @@
 use forms_contact::laws::analytic_obstacle;
 use forms_contact::laws::capsule;
 use forms_contact::laws::moving_obstacle;
-use forms_fem::prelude::*;
 
 use super::{Case, Random, all, block, case, check};
 use crate::setting::{Friction, LAMBDA, MU, along};
@@ -17,20 +16,16 @@ fn obstacle(random: &mut Random, case: &Case) -> moving_obstacle::Data<2> {
         Friction::Tresca(bound) => (bound, 0.0),
         Friction::Coulomb(coefficient) => (0.0, coefficient),
     };
-    moving_obstacle::Data {
-        slip_stress,
-        friction,
-        ..moving_obstacle::Required {
-            lambda: LAMBDA,
-            mu: MU,
-            gamma0: case.gamma0,
-            centre: moved,
-            rotation: still,
-            centre_before: centre,
-            rotation_before: still,
-        }
-        .into()
-    }
+    moving_obstacle::data()
+        .lambda(LAMBDA)
+        .mu(MU)
+        .gamma0(case.gamma0)
+        .centre(moved)
+        .rotation(still)
+        .centre_before(centre)
+        .rotation_before(still)
+        .slip_stress(slip_stress)
+        .friction(friction)
 }
 
 #[test]
@@ -39,7 +34,7 @@ fn a_round_obstacle_at_finite_strains() {
     all(4, |random| {
         let case = case(random);
         let (obstacle, half_length) = (obstacle(random, &case), random.between(0.0, 0.4));
-        let data = capsule::Data { half_length, ..capsule::Rest { radius: 2.0 }.with(obstacle) };
+        let data = capsule::data_from(obstacle).radius(2.0).half_length(half_length);
         let law = capsule::Model { data, regions: capsule::Regions::default().gamma_c("bottom") };
         let problem = block.problem(law, 0.0, 0.0);
         let start = random.start(&block.space, 0.01);
@@ -63,12 +58,11 @@ fn a_round_obstacle_at_small_strains() {
         let case = case(random);
         let obstacle = obstacle(random, &case);
         let half_sizes = [random.between(0.0, 0.4), 0.0];
-        let data = analytic_obstacle::Data {
-            theta: case.theta,
-            half_sizes,
-            body_force: Given::constant(case.force),
-            ..analytic_obstacle::Rest { radius: 2.0 }.with(obstacle)
-        };
+        let data = analytic_obstacle::data_from(obstacle)
+            .radius(2.0)
+            .theta(case.theta)
+            .half_sizes(half_sizes)
+            .body_force(case.force);
         let regions = analytic_obstacle::Regions::default().gamma_n("right").gamma_c("bottom");
         let problem = block.problem(analytic_obstacle::Model { data, regions }, 0.0, 0.0);
         let start = random.start(&block.space, 0.01);

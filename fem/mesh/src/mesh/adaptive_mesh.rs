@@ -1,7 +1,5 @@
 //! Meshes that are refined and coarsened locally, of any shape of cells.
 
-use std::sync::Arc;
-
 use super::{BisectedMesh, Mesh, MeshError, Nesting, OctreeMesh, Surface};
 use crate::element::CellShape;
 use crate::instantiate;
@@ -33,12 +31,8 @@ impl<const D: usize> AdaptiveMesh<D> {
     ///
     /// # Errors
     /// Those of [`BisectedMesh::new`] and [`OctreeMesh::new`]; [`MeshError::NotSimplices`] for a mesh of quadrilaterals and triangles.
-    pub fn new(mesh: impl Into<Arc<Mesh<D>>>) -> Result<Self, MeshError> {
-        Self::of(mesh.into())
-    }
-
     #[inline(never)]
-    fn of(mesh: Arc<Mesh<D>>) -> Result<Self, MeshError> {
+    pub fn new(mesh: Mesh<D>) -> Result<Self, MeshError> {
         if mesh.shapes().into_iter().any(CellShape::is_simplex) {
             BisectedMesh::new(mesh).map(AdaptiveMesh::Bisected)
         } else {
@@ -47,7 +41,7 @@ impl<const D: usize> AdaptiveMesh<D> {
     }
 
     /// The mesh.
-    pub fn mesh(&self) -> &Arc<Mesh<D>> {
+    pub fn mesh(&self) -> &Mesh<D> {
         match self {
             AdaptiveMesh::Bisected(mesh) => mesh.mesh(),
             AdaptiveMesh::Octree(mesh) => mesh.mesh(),
@@ -96,4 +90,4 @@ impl<const D: usize> AdaptiveMesh<D> {
     }
 }
 
-instantiate!(adaptive_mesh: AdaptiveMesh::<D>::of, AdaptiveMesh::<D>::refined_onto, AdaptiveMesh::<D>::coarsened);
+instantiate!(adaptive_mesh: AdaptiveMesh::<D>::new, AdaptiveMesh::<D>::refined_onto, AdaptiveMesh::<D>::coarsened);

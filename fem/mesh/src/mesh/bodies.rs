@@ -76,7 +76,7 @@ impl<const D: usize> Mesh<D> {
                 let facets: Vec<_> = facets.iter().map(|sides| sides.each_ref().map(moved)).collect();
                 // A body of one cell has none, as its own mesh does.
                 mesh.check_name(&region(own), "interior facet", false)?;
-                mesh.interior_regions.insert(region(own), facets);
+                mesh.data_mut().interior_regions.insert(region(own), facets);
             }
             start += body.cell_count() as u32;
         }

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
-use std::sync::Arc;
 
 use super::point_tree::PointTree;
 use super::{Facet, Mesh, MeshError};
@@ -200,7 +199,7 @@ impl<const D: usize> Mesh<D> {
     }
 
     fn overlaps(&self) -> Vec<Overlap<D>> {
-        let locator = Locator::new(&Arc::new(self.clone()));
+        let locator = Locator::new(self);
         let mut found: BTreeMap<[u32; 2], [f64; D]> = BTreeMap::new();
         let mut look = |cell: u32, point: [f64; D]| {
             for other in locator.cells_around(&point, SAME_PLACE) {

@@ -91,16 +91,17 @@ impl<const D: usize> Mesh<D> {
         let mut joined: Vec<Facet> =
             parts.facets.iter().flat_map(|(small, large, _)| [*small, *large]).collect();
         joined.sort_unstable();
-        if let Some(facets) = self.facet_regions.get_mut(BOUNDARY) {
+        let data = self.data_mut();
+        if let Some(facets) = data.facet_regions.get_mut(BOUNDARY) {
             facets.retain(|facet| joined.binary_search(facet).is_err());
         }
         if !parts.is_empty() {
-            let interior = self.interior_regions.entry(INTERIOR.to_owned()).or_default();
+            let interior = data.interior_regions.entry(INTERIOR.to_owned()).or_default();
             interior
                 .extend(parts.facets.iter().map(|(small, large, _)| [*small.min(large), *small.max(large)]));
             interior.sort_unstable();
         }
-        self.parts = parts;
+        data.parts = parts;
     }
 
     /// Which of two sides is a part of the other, if one is.

@@ -110,7 +110,7 @@ impl<const D: usize> Mesh<D> {
     ) -> Result<(), MeshError> {
         self.check_name(name, "interior facet", facets.is_empty())?;
         facets.sort_unstable();
-        self.interior_regions.insert(name.to_owned(), facets);
+        self.data_mut().interior_regions.insert(name.to_owned(), facets);
         Ok(())
     }
 
@@ -252,7 +252,7 @@ mod tests {
         let mesh = cuboid([0.0; 3], [1.0, 1.0, 2.0], [1, 1, 2], CellShape::Hexahedron, 1)?;
         let mut cells = mesh.cells().to_vec();
         cells.swap(8, 9);
-        let crossed = Mesh { cells, ..mesh };
+        let crossed = Mesh(std::sync::Arc::new(super::super::MeshData { cells, ..(*mesh.0).clone() }));
         let sides = crossed.interior_facets()[0];
         assert!(matches!(crossed.facing(&sides), Err(MeshError::TwistedFacet { cells: [0, 1] })));
         Ok(())

@@ -48,6 +48,8 @@ mod structured;
 pub mod vtk;
 
 use std::collections::BTreeMap;
+use std::ops::Deref;
+use std::sync::Arc;
 
 use crate::element::{CellShape, Lagrange};
 use crate::instantiate;
@@ -91,8 +93,16 @@ pub use vtk::{VtkError, VtkMesh, VtkReader};
 ///
 /// The cell region "all", the facet region "boundary" and (where cells share facets) the region "interior" of
 /// interior facets always exist. Rigid surfaces ([`Mesh::with_rigid_surfaces`]) have further cells, which are in none of them.
+///
+/// A mesh is a handle: a clone costs nothing and is the same mesh, to spaces too. A region that is named afterwards belongs to the
+/// handle that names it, which is another mesh from then on: regions come before spaces.
 #[derive(Clone, Debug)]
-pub struct Mesh<const D: usize> {
+pub struct Mesh<const D: usize>(Arc<MeshData<D>>);
+
+/// The data that the handles of a mesh share.
+#[doc(hidden)]
+#[derive(Clone, Debug)]
+pub struct MeshData<const D: usize> {
     /// Which cells have which shape.
     blocks: Vec<CellBlock>,
     /// Places of each cell's nodes among those of all.
@@ -116,7 +126,44 @@ pub struct Mesh<const D: usize> {
     order: order::LazyOrder,
 }
 
+impl<const D: usize> Deref for Mesh<D> {
+    type Target = MeshData<D>;
+
+    #[inline]
+    fn deref(&self) -> &MeshData<D> {
+        &self.0
+    }
+}
+
 impl<const D: usize> Mesh<D> {
+    /// Whether both are handles of one mesh. Meshes that were made separately are two, however much they agree.
+    ///
+    /// ```
+    /// # use forms_mesh as forms_fem;
+    /// use forms_fem::{element::CellShape, mesh::rectangle};
+    ///
+    /// let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?;
+    /// let mut named = mesh.clone();
+    /// assert!(named.is_same(&mesh));
+    /// named.name_facets("half", "bottom", |x| x[0] < 0.5)?;
+    /// assert!(!named.is_same(&mesh) && mesh.facet_region("half").is_err());
+    /// # Ok::<(), forms_fem::mesh::MeshError>(())
+    /// ```
+    #[inline]
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+
+    /// The data to change: its own from now on, if other handles share it.
+    fn data_mut(&mut self) -> &mut MeshData<D> {
+        Arc::make_mut(&mut self.0)
+    }
+
+    /// The mesh with other nodes.
+    fn of_nodes(&self, nodes: Vec<[f64; D]>) -> Self {
+        Mesh(Arc::new(MeshData { nodes, ..(*self.0).clone() }))
+    }
+
     /// A mesh from node coordinates \[length\] and the node numbers of its cells, cell after cell, each
     /// cell's in the order of [`Lagrange`].
     ///
@@ -196,7 +243,7 @@ impl<const D: usize> Mesh<D> {
         connectivity::check_cells(&lists, nodes.len(), &cells)?;
         let (boundary, interior_facets) = connectivity::match_facets(&blocks, &lists, &cells)?;
         let all = (0..blocks.last().map_or(0, |last| last.cells.end) as u32).collect();
-        let mesh = Mesh {
+        let mesh = Mesh(Arc::new(MeshData {
             blocks,
             lists,
             degree,
@@ -208,7 +255,7 @@ impl<const D: usize> Mesh<D> {
             parts: facet_parts::FacetParts::default(),
             rigid: vec![],
             order: order::LazyOrder::new(),
-        };
+        }));
         mesh.check_jacobians()?;
         mesh.check_shared_facets()?;
         Ok(mesh)

@@ -25,15 +25,16 @@ impl<const D: usize> Mesh<D> {
         }
         // The walk of the cells, which numbers nodes, is kept.
         self.cell_order();
-        let moved = Mesh { nodes, ..self.clone() };
+        let moved = self.of_nodes(nodes);
         moved.check_places()?;
         Ok(moved)
     }
 
     /// Puts the nodes of a mesh that is being made to other places, before anything has been derived from them.
     pub(super) fn put_nodes(&mut self, nodes: Vec<[f64; D]>) {
-        self.nodes = nodes;
-        self.order = super::order::LazyOrder::new();
+        let data = self.data_mut();
+        data.nodes = nodes;
+        data.order = super::order::LazyOrder::new();
     }
 
     /// That nodes are at finite places, where no cell is inverted and none of those that hang leaves its facet.
@@ -47,7 +48,7 @@ impl<const D: usize> Mesh<D> {
     #[doc(hidden)]
     #[inline(never)]
     pub fn with_unchecked_nodes(&self, nodes: Vec<[f64; D]>) -> Self {
-        Mesh { nodes, ..self.clone() }
+        self.of_nodes(nodes)
     }
 }
 

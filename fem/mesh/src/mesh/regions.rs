@@ -80,7 +80,7 @@ impl<const D: usize> Mesh<D> {
         let cells = self.body_cells().filter(|&cell| condition(&self.cell_centre(cell)));
         let cells: Vec<u32> = cells.map(|cell| cell as u32).collect();
         self.check_name(name, "cell", cells.is_empty())?;
-        self.cell_regions.insert(name.to_owned(), cells);
+        self.data_mut().cell_regions.insert(name.to_owned(), cells);
         Ok(())
     }
 
@@ -100,7 +100,7 @@ impl<const D: usize> Mesh<D> {
         cells.sort_unstable();
         cells.dedup();
         self.check_name(name, "cell", cells.is_empty())?;
-        self.cell_regions.insert(name.to_owned(), cells);
+        self.data_mut().cell_regions.insert(name.to_owned(), cells);
         Ok(())
     }
 
@@ -115,7 +115,7 @@ impl<const D: usize> Mesh<D> {
         cells.sort_unstable();
         cells.dedup();
         self.check_name(name, "cell", cells.is_empty())?;
-        self.cell_regions.insert(name.to_owned(), cells);
+        self.data_mut().cell_regions.insert(name.to_owned(), cells);
         Ok(())
     }
 
@@ -209,7 +209,7 @@ impl<const D: usize> Mesh<D> {
     #[inline(never)]
     pub(super) fn insert_facets(&mut self, name: &str, facets: Vec<Facet>) -> Result<(), MeshError> {
         self.check_name(name, "facet", facets.is_empty())?;
-        self.facet_regions.insert(name.to_owned(), facets);
+        self.data_mut().facet_regions.insert(name.to_owned(), facets);
         Ok(())
     }
 

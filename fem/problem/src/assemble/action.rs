@@ -102,7 +102,7 @@ fn has_kernels<const D: usize>(form: &Form<D>) -> bool {
 /// }
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [4, 4], CellShape::Triangle, 1)?);
+/// let mesh = rectangle([0.0, 0.0], [1.0, 1.0], [4, 4], CellShape::Triangle, 1)?;
 /// let space = Space::scalar(&mesh, 2)?;
 /// let mut constraints = Constraints::new(&space);
 /// constraints.fix("boundary", |_: &[f64; 2]| 0.0)?;

@@ -116,7 +116,7 @@ impl<'a, const D: usize> Binding<'a, D> {
     #[inline(never)]
     pub fn new(
         form: &'a Function<D>,
-        mesh: &'a Arc<Mesh<D>>,
+        mesh: &'a Mesh<D>,
         unknowns: &[FieldView<'a, D>],
     ) -> Result<Self, AssemblyError> {
         let (name, fields, inputs) = (form.name(), form.fields(), form.inputs());
@@ -163,7 +163,7 @@ impl<'a, const D: usize> Binding<'a, D> {
     pub fn bind_directions(
         &mut self,
         directions: &[FieldView<'a, D>],
-        mesh: &Arc<Mesh<D>>,
+        mesh: &Mesh<D>,
     ) -> Result<(), AssemblyError> {
         let fields = self.fields;
         let expected = fields.iter().filter(|field| matches!(field.role, Role::Direction(_))).count();
@@ -217,7 +217,7 @@ impl<'a, const D: usize> Binding<'a, D> {
         &mut self,
         field: &FieldDescription,
         source: &'a Source<D>,
-        mesh: &Arc<Mesh<D>>,
+        mesh: &Mesh<D>,
     ) -> Result<Values<'a, D>, AssemblyError> {
         let (expected, found) = (field.components(), source.components());
         if expected != found {
@@ -247,14 +247,14 @@ impl<'a, const D: usize> Binding<'a, D> {
         &mut self,
         field: &FieldDescription,
         known: FieldView<'a, D>,
-        mesh: &Arc<Mesh<D>>,
+        mesh: &Mesh<D>,
     ) -> Result<Values<'a, D>, AssemblyError> {
         let FieldView { space, values, finite } = known;
         let (expected, found) = (field.components(), space.components());
         if expected != found {
             return Err(AssemblyError::Components { form: self.name, field: field.name, expected, found });
         }
-        if !Arc::ptr_eq(&space.mesh, mesh) {
+        if !space.mesh.is_same(mesh) {
             return Err(AssemblyError::OtherMesh { form: self.name, field: field.name });
         }
         if !finite {
@@ -299,7 +299,7 @@ impl<'a, const D: usize> Binding<'a, D> {
     /// # Errors
     /// [`AssemblyError`]: a space that does not fit its test function.
     #[inline(never)]
-    pub fn check_tests(&self, tests: &[&Arc<Space<D>>], mesh: &Arc<Mesh<D>>) -> Result<(), AssemblyError> {
+    pub fn check_tests(&self, tests: &[&Arc<Space<D>>], mesh: &Mesh<D>) -> Result<(), AssemblyError> {
         let declared: Vec<&FieldDescription> =
             self.fields.iter().filter(|field| matches!(field.role, Role::Test(_))).collect();
         if declared.len() != tests.len() {
@@ -312,7 +312,7 @@ impl<'a, const D: usize> Binding<'a, D> {
                 let (form, field) = (self.name, field.name);
                 return Err(AssemblyError::Components { form, field, expected, found });
             }
-            if !Arc::ptr_eq(&space.mesh, mesh) {
+            if !space.mesh.is_same(mesh) {
                 return Err(AssemblyError::OtherMesh { form: self.name, field: field.name });
             }
         }

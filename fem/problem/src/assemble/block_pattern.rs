@@ -180,7 +180,7 @@ impl<const D: usize> BlockPattern<D> {
                 Role::Unknown(number) => (trials[number], tests[0]),
                 _ => continue,
             };
-            if !Arc::ptr_eq(&space.mesh, &first.mesh) {
+            if !space.mesh.is_same(&first.mesh) {
                 return Err(AssemblyError::OtherMesh { form: name, field: field.name });
             }
         }

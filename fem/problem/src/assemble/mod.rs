@@ -78,7 +78,7 @@ use crate::threads::Threads;
 /// several unknowns have them one after the other.
 #[derive(Clone, Debug)]
 pub struct Assembler<const D: usize> {
-    mesh: Arc<Mesh<D>>,
+    mesh: Mesh<D>,
     quadrature: Quadrature<D>,
     instructions: InstructionSet,
     threads: Threads,
@@ -188,7 +188,7 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// The mesh.
-    pub fn mesh(&self) -> &Arc<Mesh<D>> {
+    pub fn mesh(&self) -> &Mesh<D> {
         &self.mesh
     }
 

@@ -56,7 +56,7 @@ impl<const D: usize> Constraints<D> {
     /// ```
     /// use forms_fem::prelude::*;
     ///
-    /// let mesh = Arc::new(rectangle([0.0, 0.0], [1.0, 1.0], [1, 1], CellShape::Quadrilateral, 1)?);
+    /// let mesh = rectangle([0.0, 0.0], [1.0, 1.0], [1, 1], CellShape::Quadrilateral, 1)?;
     /// let space = Space::scalar(&mesh, 1)?;
     /// let mut constraints = Constraints::new(&space);
     /// constraints.relate("the middle", 3, &[(0, 0.5), (2, 0.5)], 0.0)?;

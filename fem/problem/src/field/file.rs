@@ -105,7 +105,7 @@ impl<const D: usize> Field<D> {
     /// ```
     /// use forms_fem::prelude::*;
     ///
-    /// let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [4, 4], CellShape::Triangle, 1)?);
+    /// let mesh = rectangle([0.0; 2], [1.0; 2], [4, 4], CellShape::Triangle, 1)?;
     /// let space = Space::vector(&mesh, 2)?;
     /// let u = Field::interpolate(&space, |x| [x[0].sin(), x[1] / 3.0])?;
     /// let path = std::env::temp_dir().join(format!("field_{}.txt", std::process::id()));

@@ -10,7 +10,7 @@ impl<const D: usize> Field<D> {
     /// ```
     /// # use forms_fem::prelude::*;
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// # let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?);
+    /// # let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?;
     /// # let space = Space::scalar(&mesh, 1)?;
     /// let (old, new) = (Field::interpolate(&space, |x| x[0])?, Field::interpolate(&space, |x| x[1])?);
     /// let middle = Field::combination(&[(0.5, &old), (0.5, &new)])?;
@@ -84,15 +84,13 @@ instantiate!(sums: Field::<D>::combination, Field::<D>::plus, Field::<D>::minus,
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
     use crate::element::CellShape;
     use crate::mesh::rectangle;
 
     #[test]
     fn sums_are_those_of_functions_and_keep_to_one_space() -> Result<(), Box<dyn std::error::Error>> {
-        let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?);
+        let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?;
         let space = Space::vector(&mesh, 2)?;
         let a = Field::interpolate(&space, |x| [x[0] * x[1], 2.0])?;
         // Another space that numbers its nodes alike.
@@ -110,7 +108,7 @@ mod tests {
         }
         let message = |field: Result<Field<2>, FieldError>| field.err().map(|error| error.to_string());
         // As many coefficients, but others.
-        let same = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?);
+        let same = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?;
         assert_eq!(
             message(a.plus(&Field::zero(&Space::vector(&same, 2)?))).as_deref(),
             Some("the fields are not on one space: they lie on different meshes")

@@ -3,8 +3,8 @@
 //! ```
 //! use forms_fem::prelude::*;
 //!
-//! let triangles = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [7, 5], CellShape::Triangle, 1)?);
-//! let squares = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 3], CellShape::Quadrilateral, 1)?);
+//! let triangles = rectangle([0.0; 2], [2.0, 1.0], [7, 5], CellShape::Triangle, 1)?;
+//! let squares = rectangle([0.0; 2], [2.0, 1.0], [4, 3], CellShape::Quadrilateral, 1)?;
 //! let u = Field::interpolate(&Space::scalar(&triangles, 2)?, |x| x[0] * x[1])?;
 //! let space = Space::scalar(&squares, 2)?;
 //!

@@ -163,9 +163,9 @@ impl<const D: usize> Assembler<D> {
     ///     }
     /// }
     ///
-    /// let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 1], CellShape::Quadrilateral, 1)?);
+    /// let mesh = rectangle([0.0; 2], [1.0; 2], [2, 1], CellShape::Quadrilateral, 1)?;
     /// let assembler = Assembler::new(&mesh);
-    /// let data = largest::Data { before: assembler.history(Entity::Cells, "all", 3, 0.25)? };
+    /// let data = largest::data().before(assembler.history(Entity::Cells, "all", 3, 0.25)?);
     /// let u = Field::interpolate(&Space::scalar(&mesh, 1)?, |x: &[f64; 2]| x[0])?;
     /// assembler.update_history(&largest::after(&data, &u), &data.before)?;
     /// assert!(assembler.history_values(&data.before)?.iter().all(|value| *value == [0.25]));

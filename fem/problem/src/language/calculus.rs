@@ -36,7 +36,7 @@
 //!     pub fn laplacian(s: Scalar) -> Scalar { tr(hess(s)) }
 //!     pub fn averaged(u: Vector) -> Tensor { mean(grad(u)) }
 //! }
-//! # let mesh = Arc::new(rectangle([0.0; 2], [2.0; 2], [1, 1], CellShape::Triangle, 1)?);
+//! # let mesh = rectangle([0.0; 2], [2.0; 2], [1, 1], CellShape::Triangle, 1)?;
 //! # let assembler = Assembler::new(&mesh);
 //! let u = Field::interpolate(&Space::vector(&mesh, 2)?, |x| [3.0 * x[0] * x[1], x[0] * x[0]])?;
 //! let s = Field::interpolate(&Space::scalar(&mesh, 2)?, |x: &[f64; 2]| x[0] * x[0] + 4.0 * x[1] * x[1])?;

@@ -59,9 +59,9 @@
 //!     }
 //!     pub fn by_mu(u: State<Vector>) -> Functional { derivative(stored(u), mu, 1) }
 //! }
-//! let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?);
+//! let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?;
 //! let (assembler, space, omega) = (Assembler::new(&mesh), Space::vector(&mesh, 1)?, rubber::Omega::on("all"));
-//! let data = rubber::Data { mu: 2.0, lambda: 3.0 };
+//! let data = rubber::data().mu(2.0).lambda(3.0);
 //!
 //! // Uniaxial stretch F = diag(f, 1): P₀₀ = μ (f − 1/f) + λ (f − 1).
 //! let f = 1.5;
@@ -87,7 +87,7 @@
 //!     pub fn gradient(u: State<Scalar>, T: Test<Vector>) -> Form { derivative(work(u), shape, T) }
 //! }
 //! let load = Given::function_with_gradient(|x: &[f64; 2]| x[0], |_| [1.0, 0.0]);
-//! let (loaded, body) = (moving::Data { load }, moving::Omega::on("all"));
+//! let (loaded, body) = (moving::data().load(load), moving::Omega::on("all"));
 //! let height = Field::interpolate(&Space::scalar(&mesh, 1)?, |x| 2.0 * x[0])?;
 //! let movement = Field::interpolate(&Space::of_geometry(&mesh)?, |x| [x[0], 0.0])?;
 //! // On [0, s] × [0, 1] with the same nodal values ∫ |∇u|²/2 = 2/s, and u = 2x/s gives ∫ x u = 2s²/3.

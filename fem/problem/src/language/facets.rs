@@ -32,7 +32,7 @@
 //!     pub fn length() -> Functional { integral(Skeleton, avg(h) / this(h) * this(cell_volume) / other(cell_volume)) }
 //! }
 //! // Two triangles and their common facet, of length √2.
-//! let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Triangle, 1)?);
+//! let mesh = rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Triangle, 1)?;
 //! let (assembler, facet) = (Assembler::new(&mesh), skeleton::Skeleton::on("interior"));
 //! let broken = Space::discontinuous_scalar(&mesh, 0)?;
 //! let u = Field::interpolate(&broken, |x: &[f64; 2]| if x[0] > x[1] { 3.0 } else { 1.0 })?;

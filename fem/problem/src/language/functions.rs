@@ -35,7 +35,7 @@
 //!         if s > 0 && !(s >= 1) { inside } else { 0 }
 //!     }
 //! }
-//! # let square = Assembler::new(&Arc::new(rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Triangle, 1)?));
+//! # let square = Assembler::new(&rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Triangle, 1)?);
 //! # macro_rules! at { ($form:expr) => { square.at_point(&$form, [0.3, 0.2])?[0] } }
 //! for s in [0.1, 0.4, 0.9] {
 //!     for zero in [

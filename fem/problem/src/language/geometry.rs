@@ -37,7 +37,7 @@
 //! }
 //! let close = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-10 * expected.abs().max(1.0), "{found} {expected}");
 //!
-//! let cube = Assembler::new(&Arc::new(cuboid([0.0; 3], [1.0, 2.0, 3.0], [2, 2, 2], CellShape::Hexahedron, 1)?));
+//! let cube = Assembler::new(&cuboid([0.0; 3], [1.0, 2.0, 3.0], [2, 2, 2], CellShape::Hexahedron, 1)?);
 //! close(cube.functional(&geometry::volume_by_cells(&geometry::Omega::on("all")))?, 18.0);
 //! close(cube.functional(&geometry::volume_by_facets(&geometry::Wall::on("boundary")))?, 18.0);
 //! close(cube.functional(&geometry::cells(&geometry::Omega::on("all")))?, 8.0);
@@ -46,7 +46,7 @@
 //! close(cube.functional(&geometry::trace(&geometry::Omega::on("all")))?, 6.0);
 //!
 //! // ∮ κ ds = 2π around the outer circle, −2π around the hole, whose outward normal points to its centre.
-//! let ring = Arc::new(annulus(1.0, 2.0, 1, 256, CellShape::Quadrilateral, 2)?);
+//! let ring = annulus(1.0, 2.0, 1, 256, CellShape::Quadrilateral, 2)?;
 //! let rule = Quadrature::Degree(8);
 //! let ring = Assembler::new(&ring).with_quadrature(rule);
 //! let total = ring.functional(&geometry::total_curvature(&geometry::Wall::on("outer")))?;

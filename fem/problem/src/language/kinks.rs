@@ -21,7 +21,7 @@
 //!     pub fn slope_of_negative(s: Scalar) -> Scalar { diff(neg_part(s), s) }
 //!     pub fn guarded(s: Scalar) -> Scalar { diff(if s > 0 { sqrt(s) } else { 0 * s }, s) }
 //! }
-//! # let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Triangle, 1)?);
+//! # let mesh = rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Triangle, 1)?;
 //! # let assembler = Assembler::new(&mesh);
 //! # macro_rules! at { ($form:expr) => { assembler.at_point(&$form, [0.3, 0.4])?[0] } }
 //! assert_eq!([at!(kinks::step(-2.0)), at!(kinks::step(0.0)), at!(kinks::step(2.0))], [0.0, 0.0, 1.0]);

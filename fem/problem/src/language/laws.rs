@@ -36,12 +36,10 @@
 //!     pub fn grown(u: Scalar) -> Scalar { max(largest, u) }
 //! }
 //! # pub fn run() -> Result<(), Box<dyn std::error::Error>> {
-//! let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?);
+//! let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?;
 //! let assembler = Assembler::new(&mesh);
-//! let data = laws::Data {
-//!     law: Table::linear(&[[0.0, 0.0], [1.0, 2.0], [2.0, 3.0]])?,
-//!     largest: assembler.history(Entity::Cells, "all", 2, 0.0)?,
-//! };
+//! let law = Table::linear(&[[0.0, 0.0], [1.0, 2.0], [2.0, 3.0]])?;
+//! let data = laws::data().law(law).largest(assembler.history(Entity::Cells, "all", 2, 0.0)?);
 //! let at = |form: &dyn Fn(f64) -> Result<Vec<f64>, AssemblyError>, s: f64| form(s).map(|value| value[0]);
 //! // r = 2 solves r + r³ = 10; its slope is 1/(1 + 3 r²).
 //! assert!((at(&|s| assembler.at_point(&laws::value(&data, s), [0.5; 2]), 10.0)? - 2.0).abs() < 1e-14);

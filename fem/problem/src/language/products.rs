@@ -36,13 +36,13 @@
 //!         ddot(C, E)
 //!     }
 //! }
-//! # let square = Assembler::new(&Arc::new(rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Triangle, 1)?));
-//! # let cube = Assembler::new(&Arc::new(cuboid([0.0; 3], [1.0; 3], [1, 1, 1], CellShape::Tetrahedron, 1)?));
+//! # let square = Assembler::new(&rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Triangle, 1)?);
+//! # let cube = Assembler::new(&cuboid([0.0; 3], [1.0; 3], [1, 1, 1], CellShape::Tetrahedron, 1)?);
 //! # macro_rules! at { ($form:expr) => { cube.at_point(&$form, [0.3, 0.2, 0.1])? } }
 //! # macro_rules! in_plane { ($form:expr) => { square.at_point(&$form, [0.3, 0.2])? } }
 //! let (a, b) = ([1.0, 2.0, 3.0], [4.0, 5.0, 6.0]);
 //! let (A, B) = ([[1.0, 2.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], [[1.0, 3.0, 0.0], [5.0, 0.0, 0.0], [0.0, 0.0, 2.0]]);
-//! let data = products::Data { lambda: 2.0, mu: 10.0 };
+//! let data = products::data().lambda(2.0).mu(10.0);
 //! assert_eq!(in_plane!(plane::angle([1.0, 2.0], [3.0, 4.0])), [-2.0]);
 //! assert_eq!(in_plane!(plane::turned([1.0, 2.0])), [0.0, 0.0]);
 //! assert_eq!(at!(products::work(&data, a, b)), [32.0]);

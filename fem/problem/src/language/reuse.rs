@@ -2,7 +2,7 @@
 //!
 //! `use path::name;` inside a forms module imports a function (a strain, a stress, a whole form) of another one, in the same crate
 //! or in another; it finds parameters and regions by their names in the importing module. `#[includes(path::Data)]` makes the members
-//! of another module's data members of this one's, `Rest { .. }.with(data)` takes them from a value, and `#[default(0)]` marks what is
+//! of another module's data members of this one's, `data_from(value)` takes them from a value, and `#[default(0)]` marks what is
 //! rarely given. `form!` compiles one expression in its place, by the same compiler.
 //!
 //! ```
@@ -24,11 +24,11 @@
 //!     }
 //! }
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?);
+//! let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?;
 //! let assembler = Assembler::new(&mesh);
 //! let u = Field::interpolate(&Space::vector(&mesh, 1)?, |x| [0.1 * x[0], 0.0])?;
-//! let elastic = elasticity::Data { lambda: 2.0, mu: 3.0 };
-//! let data: loaded::Data<2> = loaded::Rest { thickness: 1.0 }.with(elastic);
+//! let elastic = elasticity::data().lambda(2.0).mu(3.0);
+//! let data: loaded::Data<2> = loaded::data_from(elastic).thickness(1.0);
 //! let work = loaded::work(&data, &elasticity::Body::on("all"), &u);
 //! assert!((assembler.functional(&work)? - 0.5 * (2.0 + 2.0 * 3.0) * 0.01).abs() < 1e-14);
 //!

@@ -38,7 +38,7 @@
 //!     pub fn flat(A: Matrix<2, 3>) -> Vector<3> { A[1] }
 //!     pub fn same(A: Tensor) -> Tensor { ddot(identity4, A) - ddot(sym_identity4, A) }
 //! }
-//! # let square = Assembler::new(&Arc::new(rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Triangle, 1)?));
+//! # let square = Assembler::new(&rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Triangle, 1)?);
 //! # macro_rules! at { ($form:expr) => { square.at_point(&$form, [0.3, 0.2])? } }
 //! let A = [[3.0, 1.0], [2.0, 4.0]];
 //! let symmetric = [[3.0, 1.0], [1.0, 4.0]];

@@ -74,7 +74,7 @@ impl<const D: usize> Comparison<D> {
     where
         Dim: Dimension<D>,
     {
-        if !Arc::ptr_eq(coarse.space().mesh(), self.coarse.mesh()) {
+        if !coarse.space().mesh().is_same(self.coarse.mesh()) {
             return Err(AssemblyError::OtherMesh { form: NAME, field: "the coarse one" });
         }
         let components = coarse.space().components();

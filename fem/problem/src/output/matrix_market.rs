@@ -14,7 +14,7 @@ use crate::linear_algebra::CsrMatrix;
 /// use forms_fem::output::write_matrix_market;
 /// use forms_fem::prelude::*;
 ///
-/// let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?);
+/// let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1)?;
 /// let space = Space::scalar(&mesh, 1)?;
 /// let form = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), dot(grad(u), grad(v))));
 ///

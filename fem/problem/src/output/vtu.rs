@@ -269,8 +269,6 @@ instantiate!(
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use vtkio::model::{Attribute, CellType, DataSet, UnstructuredGridPiece, Vtk};
 
     use super::*;
@@ -291,7 +289,7 @@ mod tests {
 
     #[test]
     fn arrays_come_back() {
-        let mesh = Arc::new(mesh::annulus(1.0, 2.0, 1, 4, CellShape::Quadrilateral, 2).unwrap());
+        let mesh = mesh::annulus(1.0, 2.0, 1, 4, CellShape::Quadrilateral, 2).unwrap();
         let space = Space::tensor(&mesh, 2).unwrap();
         let tensor = Field::interpolate(&space, |x| [[x[0], x[1]], [3.0, 4.0]]).unwrap();
         let numbers: Vec<f64> = (0..4).map(f64::from).collect();
@@ -313,7 +311,7 @@ mod tests {
     /// A field of degree 2 on a mesh of degree 1: x² at the mesh's nodes.
     #[test]
     fn fields_of_another_degree_are_evaluated() {
-        let mesh = Arc::new(mesh::rectangle([0.0, 0.0], [2.0, 1.0], [2, 1], CellShape::Triangle, 1).unwrap());
+        let mesh = mesh::rectangle([0.0, 0.0], [2.0, 1.0], [2, 1], CellShape::Triangle, 1).unwrap();
         let field = Field::interpolate(&Space::scalar(&mesh, 2).unwrap(), |x| x[0] * x[0]).unwrap();
         let file = VtuFile::new(&mesh).point_data("square", &field).unwrap();
         for (value, x) in array(&grid(&file).data.point[0]).2.iter().zip(mesh.nodes()) {
@@ -326,8 +324,7 @@ mod tests {
     /// A field that jumps between two cells, and a continuous one.
     #[test]
     fn discontinuous_fields_have_points_of_their_own() {
-        let mesh =
-            Arc::new(mesh::rectangle([0.0, 0.0], [2.0, 1.0], [2, 1], CellShape::Quadrilateral, 1).unwrap());
+        let mesh = mesh::rectangle([0.0, 0.0], [2.0, 1.0], [2, 1], CellShape::Quadrilateral, 1).unwrap();
         let jump = Field::from_values(
             &Space::discontinuous_scalar(&mesh, 1).unwrap(),
             vec![1.0, 1.0, 1.0, 1.0, 5.0, 5.0, 5.0, 5.0],

@@ -217,8 +217,6 @@ impl<const D: usize> Candidates<D> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use forms_core::contract::Pairing;
 
     use super::*;
@@ -233,7 +231,7 @@ mod tests {
     /// Lists serve while motions are small, and give what new ones give.
     #[test]
     fn lists_are_kept_until_the_skin_is_used_up() {
-        let mesh = Arc::new(rectangle([0.0; 2], [1.0, 0.1], [20, 1], CellShape::Quadrilateral, 1).unwrap());
+        let mesh = rectangle([0.0; 2], [1.0, 0.1], [20, 1], CellShape::Quadrilateral, 1).unwrap();
         let space = Space::vector(&mesh, 2).unwrap();
         let pairing = Pairing::onto("top", "bottom");
         let mut kept: Option<KeptCandidates<2>> = None;

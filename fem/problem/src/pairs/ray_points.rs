@@ -196,8 +196,6 @@ impl<const D: usize> Batch<D> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use forms_core::contract::Pairing;
 
     use super::*;
@@ -214,7 +212,6 @@ mod tests {
 
     /// Pairs of the top and the bottom of a thin body, which is bent and moved so that some rays miss.
     fn the_same_in_all_lanes<const D: usize>(mesh: Mesh<D>, degree: usize) {
-        let mesh = Arc::new(mesh);
         let space = Space::vector(&mesh, degree).unwrap();
         let bent = |x: &[f64; D]| {
             let mut u = [0.0; D];

@@ -39,7 +39,7 @@ use crate::space::Space;
 /// }
 /// # }
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Quadrilateral, 1)?);
+/// # let mesh = rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Quadrilateral, 1)?;
 /// # let space = Space::scalar(&mesh, 2)?;
 /// # let mut rim = Constraints::new(&space);
 /// # rim.fix("boundary", |_| 0.0)?;

@@ -31,7 +31,7 @@ const REFINEMENTS: usize = 2;
 /// ```
 /// use forms_fem::prelude::*;
 ///
-/// let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Quadrilateral, 1)?);
+/// let mesh = rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Quadrilateral, 1)?;
 /// let space = Space::scalar(&mesh, 1)?;
 /// let mut walls = Constraints::new(&space);
 /// walls.fix("boundary", |_| 0.0)?;

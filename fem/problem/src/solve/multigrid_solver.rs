@@ -78,7 +78,7 @@ pub struct MultigridSolverReport {
 /// ```
 /// use forms_fem::prelude::*;
 ///
-/// let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [4; 3], CellShape::Tetrahedron, 1)?);
+/// let mesh = cuboid([0.0; 3], [1.0; 3], [4; 3], CellShape::Tetrahedron, 1)?;
 /// let space = Space::scalar(&mesh, 2)?;
 /// let poisson = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), dot(grad(u), grad(v)) - v));
 /// let mut constraints = Constraints::new(&space);

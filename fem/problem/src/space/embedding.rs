@@ -1,7 +1,5 @@
 //! The embedding of a space of lower degree in one of higher degree on the same mesh.
 
-use std::sync::Arc;
-
 use super::{Space, SpaceError};
 use crate::linear_algebra::CsrMatrix;
 
@@ -52,7 +50,7 @@ mod tests {
     #[test]
     fn a_linear_function_is_itself_in_degree_two() {
         for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
-            let mesh = Arc::new(cuboid([0.0; 3], [1.0, 2.0, 3.0], [2, 3, 2], shape, 1).unwrap());
+            let mesh = cuboid([0.0; 3], [1.0, 2.0, 3.0], [2, 3, 2], shape, 1).unwrap();
             let (fine, coarse) = (Space::scalar(&mesh, 2).unwrap(), Space::scalar(&mesh, 1).unwrap());
             let f = |x: &[f64; 3]| 1.0 + 2.0 * x[0] - x[1] + 0.5 * x[2];
             let values: Vec<f64> = coarse.positions().iter().map(f).collect();
@@ -65,7 +63,7 @@ mod tests {
 
     #[test]
     fn other_meshes_are_refused() {
-        let mesh = || Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1).unwrap());
+        let mesh = || rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1).unwrap();
         let (fine, coarse) = (Space::scalar(&mesh(), 2).unwrap(), Space::scalar(&mesh(), 1).unwrap());
         assert_eq!(fine.embedding(&coarse).unwrap_err(), SpaceError::OtherMesh);
     }

@@ -72,7 +72,7 @@ fn data<const D: usize>() -> signorini::Data<D> {
     let mut n_y = [0.0; D];
     n_y[1] = -1.0;
     let gap = Given::function(|x: &[f64; D]| 0.1 * x[0] - 0.05);
-    signorini::Data { lambda: 1.3, mu: 0.7, theta: -0.4, gamma0: 9.0, n_y, gap, f: [0.2; D].into() }
+    signorini::data().lambda(1.3).mu(0.7).theta(-0.4).gamma0(9.0).n_y(n_y).gap(gap).f([0.2; D])
 }
 
 fn omega() -> signorini::Omega {

@@ -176,8 +176,8 @@ fn law() -> Result<Table, TableError> {
 
 fn data<const D: usize>() -> Result<(outside::Data<D>, inside::Data<D>), TableError> {
     let straight = Table::linear(&[[-1.0, 5.0], [0.0, 2.0], [4.0, -10.0]])?;
-    let outside = outside::Data { mu: MU, lambda: LAMBDA, b: b(), law: law()?, straight };
-    Ok((outside, inside::Data { mu: MU, lambda: LAMBDA, b: b() }))
+    let outside = outside::data().mu(MU).lambda(LAMBDA).b(b()).law(law()?).straight(straight);
+    Ok((outside, inside::data().mu(MU).lambda(LAMBDA).b(b())))
 }
 
 struct State<const D: usize> {

@@ -52,7 +52,7 @@ where
     Dim: Dimension<D>,
 {
     let state = State::<D>::new(seed);
-    let data = hencky::Data::<D> { mu: MU, lambda: LAMBDA };
+    let data = hencky::data::<D>().mu(MU).lambda(LAMBDA);
     let omega = hencky::Omega::on("all");
     let energy = hencky::energy(&data, &omega);
     state.of_energy(&energy, &state.u);

@@ -84,19 +84,14 @@ pub struct Data {
 }
 
 impl Data {
-    /// The emitted struct of what has no default.
-    pub const REQUIRED: &'static str = "Required";
-    /// The emitted struct of what has no default and is not among the first included data.
-    pub const REST: &'static str = "Rest";
+    /// The emitted function that begins data.
+    pub const BEGIN: &'static str = "data";
+    /// The emitted function that begins data with a value of the first included data.
+    pub const BEGIN_FROM: &'static str = "data_from";
 
-    /// Has a member a default? Then a struct of the others is emitted, too.
-    pub fn has_defaults(&self) -> bool {
-        self.members.iter().any(|member| member.default.is_some())
-    }
-
-    /// Is the name that of a struct that is emitted next to this one?
+    /// Is the name that of a function that is emitted next to the struct?
     pub fn emits(&self, name: &str) -> bool {
-        (name == Data::REQUIRED && self.has_defaults()) || (name == Data::REST && self.first.is_some())
+        name == Data::BEGIN || (name == Data::BEGIN_FROM && self.first.is_some())
     }
 }
 

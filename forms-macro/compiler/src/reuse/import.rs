@@ -60,7 +60,7 @@ pub fn add_declarations(item: &mut ItemMod, arrived: &mut Vec<Arrived>, diagnost
         declaration.vis = import.visibility.clone();
         declaration.attrs.push(syn::parse_quote! { #[imported(#path)] });
         for field in &mut declaration.fields {
-            // `Required` accompanies the struct that is imported.
+            // The setters of the struct that is imported know them.
             field.attrs.retain(|attribute| !attribute.path().is_ident("default"));
         }
         let module = modules.iter().position(|identity| *identity == payload.identity);

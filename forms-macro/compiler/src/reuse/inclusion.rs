@@ -47,7 +47,7 @@ fn report_extends(attribute: &Attribute, diagnostics: &mut Diagnostics) {
         SourceSpan::of(attribute),
         "a data struct includes another one, and has no `#[extends(..)]`",
         format!(
-            "write `#[includes({})]`: its members become the struct's own, and `Rest {{ .. }}.with(data)` takes them from a value of it",
+            "write `#[includes({})]`: its members become the struct's own, and `data_from(value)` takes them from a value of it",
             path.replace(' ', "")
         ),
     );

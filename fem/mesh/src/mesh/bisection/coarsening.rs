@@ -1,7 +1,5 @@
 //! Coarsening: bisections undone where all cells at a new vertex are parts of them.
 
-use std::sync::Arc;
-
 use super::refinement::step;
 use super::{BisectedMesh, Bisection, Origin, Part, opposite, simplex};
 use crate::instantiate;
@@ -93,7 +91,7 @@ impl<const D: usize> BisectedMesh<D> {
             }
         };
         mesh.inherit_regions(old, &whole_of, &whole_facet)?;
-        Ok((BisectedMesh { mesh: Arc::new(mesh), marks, origins, bisections }, nesting))
+        Ok((BisectedMesh { mesh, marks, origins, bisections }, nesting))
     }
 
     /// The first cell of each pair of parts that are put together again, in ascending order.

@@ -6,8 +6,6 @@ mod edge_nodes;
 mod marked_edges;
 mod refinement;
 
-use std::sync::Arc;
-
 use super::{Mesh, MeshError, Nesting, Surface};
 use crate::element::CellShape;
 use crate::instantiate;
@@ -41,7 +39,7 @@ pub(super) use refinement::step_of_bisection;
 /// ```
 #[derive(Clone, Debug)]
 pub struct BisectedMesh<const D: usize> {
-    mesh: Arc<Mesh<D>>,
+    mesh: Mesh<D>,
     /// The marked edges of each cell.
     marks: Vec<MarkedEdges>,
     /// The bisection that each cell comes from.
@@ -70,12 +68,8 @@ impl<const D: usize> BisectedMesh<D> {
     /// # Errors
     /// [`MeshError::NotSimplices`] for quadrilaterals and hexahedra, which [`Mesh::simplices`] divides;
     /// [`MeshError::RigidSurface`] for a mesh with rigid surfaces.
-    pub fn new(mesh: impl Into<Arc<Mesh<D>>>) -> Result<Self, MeshError> {
-        Self::of(mesh.into())
-    }
-
     #[inline(never)]
-    fn of(mesh: Arc<Mesh<D>>) -> Result<Self, MeshError> {
+    pub fn new(mesh: Mesh<D>) -> Result<Self, MeshError> {
         mesh.without_rigid_surfaces("bisection")?;
         mesh.without_facet_parts("bisection")?;
         if let Some(shape) = mesh.shapes().into_iter().find(|shape| !shape.is_simplex()) {
@@ -97,7 +91,7 @@ impl<const D: usize> BisectedMesh<D> {
     }
 
     /// The mesh.
-    pub fn mesh(&self) -> &Arc<Mesh<D>> {
+    pub fn mesh(&self) -> &Mesh<D> {
         &self.mesh
     }
 
@@ -158,7 +152,7 @@ fn opposite(shape: CellShape, vertex: usize) -> usize {
     if shape == CellShape::Triangle { (vertex + 1) % 3 } else { vertex }
 }
 
-instantiate!(bisection: BisectedMesh::<D>::of, BisectedMesh::<D>::refined_onto);
+instantiate!(bisection: BisectedMesh::<D>::new, BisectedMesh::<D>::refined_onto);
 
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,5 @@
 //! The mesh of a closure's leaves, with regions carried over.
 
-use std::sync::Arc;
-
 use super::closure::Closure;
 use super::marked_edges::{MarkedEdges, Part};
 use super::{BisectedMesh, Bisection, Origin, opposite, simplex};
@@ -88,7 +86,7 @@ pub(super) fn from_closure<const D: usize>(
         fine.start as u32..fine.end as u32
     };
     mesh.inherit_regions(old, &children, &small_facets)?;
-    Ok((BisectedMesh { mesh: Arc::new(mesh), marks, origins, bisections }, nesting))
+    Ok((BisectedMesh { mesh, marks, origins, bisections }, nesting))
 }
 
 impl<const D: usize> Leaves<D> {

@@ -125,7 +125,7 @@ fn overlaps_are_found() -> Checked {
     let found = joined(&square, &aside)?.conformity();
     assert!(found.cracks.is_empty() && found.overlaps.len() > 3, "{found}");
     // Each pair has its point in both cells.
-    let mesh = Arc::new(joined(&square, &aside)?);
+    let mesh = joined(&square, &aside)?;
     let locator = Locator::new(&mesh);
     for Overlap { cells, position } in found.overlaps {
         let around: Vec<u32> = locator.cells_around(&position, 0.0).iter().map(|cell| *cell as u32).collect();

@@ -1,7 +1,6 @@
 //! Coarsening: divisions undone where all parts of a cell are marked and no neighbour is too fine.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
 use super::parts::{facet_parts, leaves_of};
 use super::{Divided, OctreeMesh, Origin, lies_outside};
@@ -87,7 +86,7 @@ impl<const D: usize> OctreeMesh<D> {
             }
         };
         mesh.inherit_regions(old, &whole_of, &whole_facet)?;
-        Ok((OctreeMesh { mesh: Arc::new(mesh), origins, divided }, nesting))
+        Ok((OctreeMesh { mesh, origins, divided }, nesting))
     }
 
     /// Which of the divided cells stay so. Small ones are asked first, so that larger neighbours see the result.

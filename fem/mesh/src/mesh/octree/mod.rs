@@ -5,8 +5,6 @@ mod coarsening;
 mod parts;
 mod refinement;
 
-use std::sync::Arc;
-
 use super::{Mesh, MeshError, Nesting, Surface};
 use crate::element::CellShape;
 use crate::instantiate;
@@ -38,7 +36,7 @@ use crate::instantiate;
 /// ```
 #[derive(Clone, Debug)]
 pub struct OctreeMesh<const D: usize> {
-    mesh: Arc<Mesh<D>>,
+    mesh: Mesh<D>,
     /// The divided cell that each cell is a part of.
     origins: Vec<Option<Origin>>,
     divided: Divided,
@@ -78,12 +76,8 @@ impl<const D: usize> OctreeMesh<D> {
     /// # Errors
     /// [`MeshError::NotTensorProducts`] for triangles and tetrahedra, which [`super::BisectedMesh`] refines;
     /// [`MeshError::RigidSurface`] for a mesh with rigid surfaces; [`MeshError::FacetParts`] for one with hanging nodes.
-    pub fn new(mesh: impl Into<Arc<Mesh<D>>>) -> Result<Self, MeshError> {
-        Self::of(mesh.into())
-    }
-
     #[inline(never)]
-    fn of(mesh: Arc<Mesh<D>>) -> Result<Self, MeshError> {
+    pub fn new(mesh: Mesh<D>) -> Result<Self, MeshError> {
         const FEATURE: &str = "refinement by trees";
         mesh.without_rigid_surfaces(FEATURE)?;
         mesh.without_facet_parts(FEATURE)?;
@@ -94,7 +88,7 @@ impl<const D: usize> OctreeMesh<D> {
     }
 
     /// The mesh.
-    pub fn mesh(&self) -> &Arc<Mesh<D>> {
+    pub fn mesh(&self) -> &Mesh<D> {
         &self.mesh
     }
 
@@ -149,7 +143,7 @@ fn lies_outside(shape: CellShape, part: u8, local: u8) -> bool {
     shape.facet_vertices(usize::from(local)).contains(&usize::from(part))
 }
 
-instantiate!(octree: OctreeMesh::<D>::of, OctreeMesh::<D>::refined_onto);
+instantiate!(octree: OctreeMesh::<D>::new, OctreeMesh::<D>::refined_onto);
 
 #[cfg(test)]
 mod tests;

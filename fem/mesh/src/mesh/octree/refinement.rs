@@ -1,7 +1,6 @@
 //! The mesh with some cells divided, with regions carried over.
 
 use std::collections::{BTreeSet, HashMap};
-use std::sync::Arc;
 
 use super::parts::facet_parts;
 use super::{Divided, OctreeMesh, Origin, lies_outside};
@@ -130,7 +129,7 @@ pub(super) fn divide<const D: usize>(
         fine.start as u32..fine.end as u32
     };
     mesh.inherit_regions(old, &children, &small_facets)?;
-    Ok((OctreeMesh { mesh: Arc::new(mesh), origins, divided }, nesting))
+    Ok((OctreeMesh { mesh, origins, divided }, nesting))
 }
 
 /// The nodes of a refined mesh, with those on surfaces where these have them: nodes that do not hang, and are new or have hung before.

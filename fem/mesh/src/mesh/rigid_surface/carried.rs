@@ -97,20 +97,22 @@ impl<const D: usize> Mesh<D> {
         }
         // The bodies have been looked at, and what touches a cell that is not there does not matter.
         let mut mesh = Mesh::of_sound_cells(self.degree, nodes, blocks)?;
+        let data = mesh.data_mut();
         for region in [EVERYWHERE, BOUNDARY, INTERIOR] {
-            mesh.cell_regions.remove(region);
-            mesh.facet_regions.remove(region);
-            mesh.interior_regions.remove(region);
+            data.cell_regions.remove(region);
+            data.facet_regions.remove(region);
+            data.interior_regions.remove(region);
         }
-        mesh.cell_regions.extend(self.cell_regions.clone());
-        mesh.facet_regions.extend(self.facet_regions.clone());
-        mesh.interior_regions.extend(self.interior_regions.clone());
+        data.cell_regions.extend(self.cell_regions.clone());
+        data.facet_regions.extend(self.facet_regions.clone());
+        data.interior_regions.extend(self.interior_regions.clone());
         for carried in &rigid[self.rigid.len()..] {
             mesh.check_name(&carried.name, "cell", false)?;
-            mesh.cell_regions.insert(carried.name.clone(), vec![carried.cell]);
+            mesh.data_mut().cell_regions.insert(carried.name.clone(), vec![carried.cell]);
         }
-        mesh.parts = self.parts.clone();
-        mesh.rigid = rigid;
+        let data = mesh.data_mut();
+        data.parts = self.parts.clone();
+        data.rigid = rigid;
         Ok(mesh)
     }
 
@@ -131,7 +133,7 @@ impl<const D: usize> Mesh<D> {
         }
         let mut at_boundary: Vec<u32> = self.boundary_facets().iter().map(|facet| facet.cell).collect();
         at_boundary.sort_unstable();
-        let locator = Locator::new(&Arc::new(self.clone()));
+        let locator = Locator::new(self);
         let within = |x: &[f64; D]| {
             let cell = locator.find(x).map(|(cell, _)| cell as u32);
             cell.is_some_and(|cell| at_boundary.binary_search(&cell).is_err())

@@ -8,8 +8,6 @@ mod run;
 pub(super) mod sizes;
 mod tables;
 
-use std::sync::Arc;
-
 use forms_core::contract::{Integrals as Compiled, Role, Term, is_on_same_points};
 
 pub use layout::{ElementCells, ElementLayout, FieldLayout};
@@ -173,13 +171,8 @@ impl<const D: usize> ElementKernel<D> {
             vector[*row] = k as u32;
         }
         let orders = [matrix(false), matrix(true), Order::new(vector, lanes)];
-        let mut tables = ElementTables {
-            reference: Arc::new(reference),
-            layout,
-            known: None,
-            orders,
-            instructions: instructions.checked(),
-        };
+        let mut tables =
+            ElementTables { reference, layout, known: None, orders, instructions: instructions.checked() };
         notices::check_instructions(name, InstructionSet::best())?;
         notices::tell(name, form.inputs());
         let mut binding = Binding::empty(name, form.fields(), &form.inputs().regions, &tables.reference);

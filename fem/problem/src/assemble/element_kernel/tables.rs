@@ -1,7 +1,5 @@
 //! Common parts of an element kernel's integrals: the layout of the caller's lists, and the reference cell.
 
-use std::sync::Arc;
-
 use forms_core::contract::{FieldDescription, Role};
 
 use super::{ElementCells, ElementLayout};
@@ -18,7 +16,7 @@ use crate::mesh::Mesh;
 /// Tables that are prepared once.
 pub(super) struct ElementTables<const D: usize> {
     /// The reference cell as a mesh.
-    pub reference: Arc<Mesh<D>>,
+    pub reference: Mesh<D>,
     pub layout: ElementLayout,
     /// Values and elements of the form's fields, if the caller lists all of them.
     pub known: Option<(Vec<Values<'static, D>>, Vec<Tabulated>)>,

@@ -138,7 +138,7 @@ impl<const D: usize> Assembler<D> {
     /// let mut mesh = Mesh::from_parts(CellShape::Quadrilateral, 1, nodes, cells)?;
     /// mesh.name_facets("below", "boundary", |x| x[1] == 1.0)?;
     /// mesh.name_facets("above", "boundary", |x| x[1] == 1.1)?;
-    /// let assembler = Assembler::new(&Arc::new(mesh));
+    /// let assembler = Assembler::new(&mesh);
     /// let report = assembler.pairs(&Pairing::onto("below", "above"), 2)?;
     /// // Four pieces with two points each: the facets are cut at the other side's nodes.
     /// assert_eq!((report.points, report.open), (8, 0));
@@ -189,7 +189,7 @@ impl<const D: usize> Assembler<D> {
     ///
     /// let slab = rectangle([0.0, 0.0], [3.0, 1.0], [6, 2], CellShape::Quadrilateral, 1)?;
     /// let punch = rectangle([1.0, 1.2], [2.0, 2.2], [3, 3], CellShape::Quadrilateral, 1)?;
-    /// let mesh = Arc::new(Mesh::of_bodies(&[("slab", &slab), ("punch", &punch)])?);
+    /// let mesh = Mesh::of_bodies(&[("slab", &slab), ("punch", &punch)])?;
     /// let space = Space::vector(&mesh, 1)?;
     /// let pairing = Pairing::between("slab top", "punch bottom");
     /// let down = Approach { moving: "punch".to_owned(), direction: [0.0, -1.0], overlap: 1e-3 };

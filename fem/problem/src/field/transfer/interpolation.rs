@@ -1,7 +1,5 @@
 //! Interpolation: the values of a field at the nodes of another space.
 
-use std::sync::Arc;
-
 use super::places::{in_parts, place};
 use super::{Transfer, TransferError};
 use crate::assemble::AssemblyError;
@@ -24,7 +22,7 @@ impl<const D: usize> Transfer<'_, D> {
     #[inline(never)]
     pub fn interpolated(&self) -> Result<Field<D>, TransferError> {
         let reach = self.checked_reach()?;
-        if Arc::ptr_eq(self.space.mesh(), self.field.space().mesh()) {
+        if self.space.mesh().is_same(self.field.space().mesh()) {
             return self.embedded();
         }
         let (mesh, space) = (self.space.mesh(), self.space);

@@ -1,7 +1,5 @@
 //! Whole pictures: size, contents, determinism, errors.
 
-use std::sync::Arc;
-
 use forms_pictures::{png_file, svg_file};
 
 use super::*;
@@ -10,9 +8,8 @@ use crate::field::Field;
 use crate::mesh::{self, Mesh};
 use crate::space::Space;
 
-fn annulus() -> (Arc<Mesh<2>>, Field<2>) {
+fn annulus() -> (Mesh<2>, Field<2>) {
     let mesh = mesh::annulus(20.0, 30.0, 2, 16, CellShape::Quadrilateral, 2).unwrap();
-    let mesh = Arc::new(mesh);
     let field =
         Field::interpolate(&Space::vector(&mesh, 2).unwrap(), |x| [0.05 * x[0], -0.05 * x[1]]).unwrap();
     (mesh, field)
@@ -123,7 +120,7 @@ fn bad_data_are_named() {
     let scalar = Field::interpolate(&Space::scalar(&mesh, 1).unwrap(), |x| x[0]).unwrap();
     let map = FieldMap::of(&field, Shown::Magnitude, "u").deformed(&scalar, 1.0);
     assert!(matches!(map.draw(), Err(PictureError::Length { expected: 2, found: 1, .. })));
-    let small = Arc::new(mesh::annulus(1.0, 2.0, 1, 8, CellShape::Triangle, 1).unwrap());
+    let small = mesh::annulus(1.0, 2.0, 1, 8, CellShape::Triangle, 1).unwrap();
     let other = Field::zero(&Space::vector(&small, 1).unwrap());
     let map = FieldMap::of(&field, Shown::Magnitude, "u").arrows(&other, "elsewhere", "mm");
     assert!(matches!(map.draw(), Err(PictureError::OtherMesh { name }) if name == "elsewhere"));

@@ -45,17 +45,16 @@ impl LinearSolver for HalfDone {
 
 #[test]
 fn forms_with_contrasts_between_cells_and_fields_are_solved_in_each() {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Triangle, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Triangle, 1).unwrap();
     let space = Space::scalar(&mesh, 1).unwrap();
     let assembler = Assembler::new(&mesh);
     let mut held = Constraints::new(&space);
     held.fix("boundary", |_| 0.0).unwrap();
     let solve = |contrast: f64, unit: f64, solver: &mut dyn LinearSolver| {
-        let data = transport::Data {
-            stiffness: Given::function(move |x: &[f64; 2]| if x[0] < 0.5 { contrast } else { 1.0 }),
-            drift: Given::function(|x: &[f64; 2]| if x[0] < 0.5 { 0.0 } else { 20.0 }),
-            unit,
-        };
+        let data = transport::data()
+            .stiffness(move |x: &[f64; 2]| if x[0] < 0.5 { contrast } else { 1.0 })
+            .drift(|x: &[f64; 2]| if x[0] < 0.5 { 0.0 } else { 20.0 })
+            .unit(unit);
         let form = transport::fields(&data, &transport::Omega::on("all"));
         let problem = Problem::new(&form, [&space, &space]).assembler(&assembler);
         problem
@@ -107,14 +106,14 @@ mod heat {
 
 #[test]
 fn multigrid_is_right_in_each_half_or_refuses() {
-    let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [6; 3], CellShape::Tetrahedron, 1).unwrap());
+    let mesh = cuboid([0.0; 3], [1.0; 3], [6; 3], CellShape::Tetrahedron, 1).unwrap();
     let space = Space::scalar(&mesh, 1).unwrap();
     let assembler = Assembler::new(&mesh);
     let mut held = Constraints::new(&space);
     held.fix("boundary", |_| 0.0).unwrap();
     for contrast in CONTRASTS {
         let conductivity = Given::function(move |x: &[f64; 3]| if x[0] < 0.5 { contrast } else { 1.0 });
-        let form = heat::flow(&heat::Data { conductivity }, &heat::Omega::on("all"));
+        let form = heat::flow(&heat::data().conductivity(conductivity), &heat::Omega::on("all"));
         let solve = |solver: &mut dyn LinearSolver| {
             let problem = Problem::new(&form, &space).assembler(&assembler);
             problem.constrained(&held).solver(solver).solve().map(|solved| solved.field().values().to_vec())

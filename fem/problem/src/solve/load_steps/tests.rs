@@ -102,7 +102,6 @@ fn steps_begin_on_the_secant_through_the_last_two_states() -> Outcome {
 fn what_does_not_belong_together_has_no_secant() -> Outcome {
     use crate::mesh::rectangle;
     let mesh = rectangle([0.0; 2], [1.0; 2], [1, 1], crate::element::CellShape::Triangle, 1)?;
-    let mesh = std::sync::Arc::new(mesh);
     let [linear, quadratic] = [1, 2]
         .map(|degree| crate::space::Space::scalar(&mesh, degree))
         .map(|space| space.map(|s| crate::field::Field::zero(&s)));

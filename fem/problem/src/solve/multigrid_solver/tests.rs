@@ -22,7 +22,7 @@ mod body {
 
 /// The reduced matrix and load of a cube of n × n × n × 6 tetrahedra, clamped on the left and sliding on the bottom.
 fn system(n: usize, degree: usize, drift: f64) -> (Constraints<3>, CsrMatrix, Vec<f64>) {
-    let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [n; 3], CellShape::Tetrahedron, 1).unwrap());
+    let mesh = cuboid([0.0; 3], [1.0; 3], [n; 3], CellShape::Tetrahedron, 1).unwrap();
     let space = Space::vector(&mesh, degree).unwrap();
     let mut constraints = Constraints::new(&space);
     constraints.fix("left", |_: &[f64; 3]| [0.0; 3]).unwrap();
@@ -34,7 +34,7 @@ fn system(n: usize, degree: usize, drift: f64) -> (Constraints<3>, CsrMatrix, Ve
 /// The reduced matrix and load of any constraints.
 fn reduced(constraints: &Constraints<3>, drift: f64) -> (CsrMatrix, Vec<f64>) {
     let space = constraints.space();
-    let form = body::balance(&body::Data { drift }, &body::Omega::on("all"));
+    let form = body::balance(&body::data().drift(drift), &body::Omega::on("all"));
     let assembler = Assembler::new(space.mesh());
     let mut problem = Problem::new(&form, space).assembler(&assembler);
     let zero = vec![0.0; space.unknowns()];
@@ -59,7 +59,7 @@ fn iterations(constraints: &Constraints<3>) -> usize {
     found.iterations
 }
 
-fn clamped(mesh: &Arc<Mesh<3>>, degree: usize) -> Constraints<3> {
+fn clamped(mesh: &Mesh<3>, degree: usize) -> Constraints<3> {
     let mut constraints = Constraints::new(&Space::vector(mesh, degree).unwrap());
     constraints.fix("bottom", |_: &[f64; 3]| [0.0; 3]).unwrap();
     constraints
@@ -69,7 +69,7 @@ fn clamped(mesh: &Arc<Mesh<3>>, degree: usize) -> Constraints<3> {
 fn hanging_nodes_cost_few_iterations() {
     for (degree, divisions, steps) in [(1, 6, 3), (2, 3, 3), (4, 2, 1)] {
         let first = cuboid([0.0; 3], [1.0; 3], [divisions; 3], CellShape::Hexahedron, 1).unwrap();
-        let plain = iterations(&clamped(&Arc::new(first.clone()), degree));
+        let plain = iterations(&clamped(&first, degree));
         let mut mesh = OctreeMesh::new(first).unwrap();
         for step in 0..steps {
             // The cells at an edge, so that nodes hang on faces and edges.
@@ -99,7 +99,7 @@ fn periodic_and_sliding_conditions_cost_few_iterations() {
     for (shape, degree, n) in
         [(CellShape::Tetrahedron, 1, 8), (CellShape::Tetrahedron, 2, 4), (CellShape::Hexahedron, 2, 4)]
     {
-        let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [n; 3], shape, 1).unwrap());
+        let mesh = cuboid([0.0; 3], [1.0; 3], [n; 3], shape, 1).unwrap();
         let plain = iterations(&clamped(&mesh, degree));
         let mut periodic = clamped(&mesh, degree);
         periodic.periodic("left", "right", &RigidMap::translation([1.0, 0.0, 0.0])).unwrap();
@@ -164,9 +164,9 @@ fn unsymmetric_systems_and_their_transposes_go_to_gmres() {
 
 #[test]
 fn a_body_that_floats_or_slides_is_named_by_its_motions() {
-    let mesh = Arc::new(cuboid([0.0; 3], [1.0; 3], [3; 3], CellShape::Tetrahedron, 1).unwrap());
+    let mesh = cuboid([0.0; 3], [1.0; 3], [3; 3], CellShape::Tetrahedron, 1).unwrap();
     let space = Space::vector(&mesh, 2).unwrap();
-    let form = body::balance(&body::Data { drift: 0.0 }, &body::Omega::on("all"));
+    let form = body::balance(&body::data().drift(0.0), &body::Omega::on("all"));
     let assembler = Assembler::new(&mesh);
     let mut sliding = Constraints::new(&space);
     sliding.fix_component("bottom", 2, |_: &[f64; 3]| 0.0).unwrap();
@@ -202,7 +202,7 @@ fn a_body_that_floats_or_slides_is_named_by_its_motions() {
 fn conjugate_gradients_without_a_matrix() {
     let (constraints, matrix, load) = system(2, 2, 0.0);
     let space = constraints.space();
-    let form = body::balance(&body::Data { drift: 0.0 }, &body::Omega::on("all"));
+    let form = body::balance(&body::data().drift(0.0), &body::Omega::on("all"));
     let (assembler, u) = (Assembler::new(space.mesh()), Field::zero(space));
     let tangent = TangentAction::new(&assembler, &form, &[&u]).with_constraints(&[&constraints]);
     let elimination = Elimination::of(&[&constraints]).unwrap();

@@ -1,7 +1,5 @@
 //! Products cell by cell compared with those of the assembled matrix.
 
-use std::sync::Arc;
-
 use super::*;
 use crate::assemble::Assembler;
 use crate::dimension::{Dim, Dimension};
@@ -11,7 +9,7 @@ use crate::norms::mass_matrix;
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
-fn check<const D: usize>(mesh: &Arc<Mesh<D>>) -> Outcome
+fn check<const D: usize>(mesh: &Mesh<D>) -> Outcome
 where
     Dim: Dimension<D>,
 {
@@ -59,12 +57,12 @@ where
 #[test]
 fn products_are_those_of_the_matrix() -> Outcome {
     for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
-        check(&Arc::new(rectangle([0.0; 2], [2.0, 1.0], [7, 5], shape, 1)?))?;
-        check(&Arc::new(annulus(20.0, 30.0, 2, 11, shape, 2)?))?;
+        check(&rectangle([0.0; 2], [2.0, 1.0], [7, 5], shape, 1)?)?;
+        check(&annulus(20.0, 30.0, 2, 11, shape, 2)?)?;
     }
     for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
-        check(&Arc::new(cuboid([0.0; 3], [2.0, 1.0, 0.5], [3, 2, 2], shape, 1)?))?;
-        check(&Arc::new(cuboid([0.0; 3], [2.0, 1.0, 0.5], [2, 1, 2], shape, 2)?))?;
+        check(&cuboid([0.0; 3], [2.0, 1.0, 0.5], [3, 2, 2], shape, 1)?)?;
+        check(&cuboid([0.0; 3], [2.0, 1.0, 0.5], [2, 1, 2], shape, 2)?)?;
     }
     Ok(())
 }
@@ -72,7 +70,7 @@ fn products_are_those_of_the_matrix() -> Outcome {
 /// Several pieces, whose sums meet at nodes that they share: as many as there are threads for, and more.
 #[test]
 fn pieces_and_threads_change_no_bit() -> Outcome {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [130, 70], CellShape::Triangle, 1)?);
+    let mesh = rectangle([0.0; 2], [1.0; 2], [130, 70], CellShape::Triangle, 1)?;
     let space = Space::scalar(&mesh, 2)?;
     let pieces = Pieces::new(&space);
     let mass = MassByCells::new(&space, &pieces, 5, InstructionSet::best())?;
