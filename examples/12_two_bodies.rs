@@ -79,7 +79,7 @@ pub fn problem(
     let touch = Pairing::between("foundation top", "skin").within_reach(0.4);
     let regions = law::Regions::default().touch(touch).gamma_n("block top");
     let law = law::Model { data: data(before), regions };
-    Ok(ContactProblem::new(Assembler::new(space.mesh()), space, law, constraints)?)
+    Ok(ContactProblem::new(space, law, constraints))
 }
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {

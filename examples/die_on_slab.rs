@@ -67,8 +67,8 @@ fn problem(
         .friction(FRICTION)
         .displacement_before(before);
     let regions = law::Regions::default().touch(touch.clone()).gamma_n("bottom");
-    let assembler = Assembler::new(space.mesh()).with_quadrature(Quadrature::Degree(DEGREE));
-    Ok(ContactProblem::new(assembler, space, law::Model { data, regions }, constraints)?)
+    Ok(ContactProblem::new(space, law::Model { data, regions }, constraints)
+        .quadrature(Quadrature::Degree(DEGREE)))
 }
 
 /// The plane of symmetry, deformed, with the die's outline.

@@ -90,8 +90,8 @@ fn problem(
     // The softer body's surface is the one that is integrated over.
     let touch = Pairing::onto("slab top", "die bottom").within_reach(REACH);
     let regions = law::Regions::default().touch(touch).gamma_n("slab bottom");
-    let assembler = Assembler::new(space.mesh()).with_quadrature(Quadrature::Degree(DEGREE));
-    Ok(ContactProblem::new(assembler, space, law::Model { data, regions }, constraints)?)
+    Ok(ContactProblem::new(space, law::Model { data, regions }, constraints)
+        .quadrature(Quadrature::Degree(DEGREE)))
 }
 
 /// The plane of symmetry, deformed.

@@ -114,8 +114,8 @@ where
             .displacement_before(step.before);
         let touch = Pairing::onto("top", "punch").within_reach(0.2);
         let regions = law::Regions::default().touch(touch).gamma_n("bottom");
-        let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));
-        let problem = ContactProblem::new(assembler, &space, law::Model { data, regions }, constraints)?;
+        let problem = ContactProblem::new(&space, law::Model { data, regions }, constraints)
+            .quadrature(Quadrature::Degree(4));
         let solved = problem.direct()?.increment(step).solve()?;
         let parts = f64::from(1_u32 << symmetric.len());
         let force = -parts * solved.reaction("punch")?[D - 1];

@@ -65,8 +65,8 @@ fn block(divisions: usize, theta: f64) -> Result<ContactProblem<3>, Box<dyn Erro
         .gap(move |x: &[f64; 3]| away(x).0 - RADIUS)
         .theta(theta);
     let regions = forms::Regions::default().gamma_n("beside").gamma_c("contact");
-    let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
-    Ok(ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints)?)
+    Ok(ContactProblem::new(&space, forms::Model { data, regions }, constraints)
+        .quadrature(Quadrature::Degree(6)))
 }
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {

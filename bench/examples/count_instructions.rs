@@ -97,9 +97,8 @@ where
 fn contact_update(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let mesh = annulus(1.0, 2.0, 4, 32, CellShape::Quadrilateral, 2)?;
     let space = Space::vector(&mesh, 2)?;
-    let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4)).with_threads(Threads::ONE);
     let form = body_in_contact::<2>(&CONSTANTS, "outer", -0.001);
-    let mut problem = Problem::new(&form, &space).assembler(&assembler);
+    let mut problem = Problem::new(&form, &space).quadrature(Quadrature::Degree(4)).threads(Threads::ONE);
     let u = Field::zero(&space);
     let mut outcome = Ok(());
     count(out, "ring, update of a contact tangent", || {

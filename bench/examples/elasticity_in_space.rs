@@ -55,8 +55,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let form = elastic::balance(&elastic::data().lambda(1.2).mu(0.8).f(f), &elastic::Omega::on("all"));
     let mut constraints = Constraints::new(&space);
     constraints.fix("left", |_: &[f64; 3]| [0.0; 3])?;
-    let assembler = Assembler::new(&mesh);
-    let mut problem = Problem::new(&form, &space).assembler(&assembler);
+    let mut problem = Problem::new(&form, &space);
     let mut elimination = Elimination::new(space.unknowns(), constraints.prescribed())?;
     let zero = vec![0.0; space.unknowns()];
     let load: Vec<f64> = elimination.reduce(&problem.residual(&zero)?)?.iter().map(|value| -value).collect();

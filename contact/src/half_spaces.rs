@@ -275,8 +275,8 @@ where
         let data = required.share(share);
         // There is no load.
         let regions = law::Regions::default().touch(self.pairing.clone()).gamma_n(SURFACES[0]);
-        let assembler = Assembler::new(self.space.mesh()).with_quadrature(Quadrature::Degree(DEGREES[D - 2]));
-        Ok(ContactProblem::new(assembler, &self.space, law::Model { data, regions }, constraints)?)
+        Ok(ContactProblem::new(&self.space, law::Model { data, regions }, constraints)
+            .quadrature(Quadrature::Degree(DEGREES[D - 2])))
     }
 }
 

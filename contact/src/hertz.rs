@@ -206,9 +206,9 @@ where
         .obstacle_normal(obstacle_normal)
         .gap(gap)
         .theta(-1.0);
-    let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(degree));
     let regions = forms::Regions::default().gamma_n(free).gamma_c(CONTACT);
-    Ok(ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints)?)
+    Ok(ContactProblem::new(&space, forms::Model { data, regions }, constraints)
+        .quadrature(Quadrature::Degree(degree)))
 }
 
 /// Hertz's answer: the pressure p0 √(1 − r²/a²).

@@ -38,7 +38,7 @@ pub mod residual_estimator;
 pub mod shape_problem;
 pub mod uzawa;
 
-pub use forms_contact_problem::{Adjoint, ContactProblem, forms};
+pub use forms_contact_problem::{Adjoint, ContactProblem, FromStick, forms};
 #[doc(inline)]
 pub use forms_contact_problem::{
     contact_law, contact_problem, hollow_cylinder, law, nitsche, operators, paper_law, parameter_ranges,

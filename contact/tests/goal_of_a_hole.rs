@@ -90,9 +90,8 @@ impl Variant {
             .gap(|x: &[f64; 2]| x[1] + OUTER)
             .theta(self.theta);
         let regions = law::Regions::default().gamma_n("above").gamma_c("touch");
-        let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(rule));
         let model = law::Model { data, regions };
-        Ok(ContactProblem::new(assembler, &space, model, held)?.with_split_facets())
+        Ok(ContactProblem::new(&space, model, held).quadrature(Quadrature::Degree(rule)).with_split_facets())
     }
 
     /// Unknowns, J − J_h, η and what η leaves out, mesh by mesh.

@@ -274,8 +274,7 @@ mod sliding {
         for (side, way) in sides {
             held.fix(side, |x| displacement(x, *way))?;
         }
-        let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(6));
-        let problem = ContactProblem::new(assembler, &space, law, held)?;
+        let problem = ContactProblem::new(&space, law, held).quadrature(Quadrature::Degree(6));
         let u = problem.direct()?.solve()?.into_field();
         // The way is no gradient.
         let values = |_: &[f64; 2], found: &mut [f64]| found.fill(0.0);

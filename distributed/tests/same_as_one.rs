@@ -128,8 +128,7 @@ fn a_block_that_is_drawn_along_a_slab_is_the_same() {
 fn a_hanging_block_is_the_same_by_both_solvers() {
     let HangingBlock { form, space, constraints } =
         HangingBlock::new(4, Given::constant([0.0, 0.0, -1.0])).unwrap();
-    let assembler = Assembler::new(space.mesh());
-    let problem = Problem::new(&form, &space).assembler(&assembler);
+    let problem = Problem::new(&form, &space);
     let u = problem.constrained(&constraints).solve().unwrap().into_field();
     let expected = BTreeMap::from([("u", u.values().to_vec())]);
     check(env!("CARGO_BIN_EXE_hanging_block"), &["4", "direct", "u"], &expected);
@@ -141,8 +140,7 @@ fn processes_without_cells_take_part() {
     let told = told(3, env!("CARGO_BIN_EXE_hanging_block"), &["1", "direct", "u"]);
     let HangingBlock { form, space, constraints } =
         HangingBlock::new(1, Given::constant([0.0, 0.0, -1.0])).unwrap();
-    let assembler = Assembler::new(space.mesh());
-    let problem = Problem::new(&form, &space).assembler(&assembler);
+    let problem = Problem::new(&form, &space);
     let u = problem.constrained(&constraints).solve().unwrap().into_field();
     assert!(difference(&read(&told)["u"], u.values()) < SAME);
 }

@@ -127,7 +127,7 @@ impl Direct {
         let mut held = Constraints::new(&space);
         held.fix("inner", |_| IMPOSED_DISPLACEMENT)?;
         let (assembler, law) = (self.problem.assembler.clone(), self.problem.law.clone());
-        Ok(integrated(ContactProblem::new(assembler, &space, law, held)?, self.facets))
+        Ok(integrated(ContactProblem::new(&space, law, held).assembler(assembler), self.facets))
     }
 
     /// J, and its error by p of (21) in degree 3.

@@ -44,12 +44,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = nitsche::Model::new(data);
 
     // A kink is no polynomial: a higher degree than the polynomials next to it need.
-    let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
     let direct = model.direct();
-    let solved = Problem::new(&direct, &space).assembler(&assembler).constrained(&constraints).solve()?;
+    let solved =
+        Problem::new(&direct, &space).quadrature(Quadrature::Degree(6)).constrained(&constraints).solve()?;
     let u = solved.field();
     let adjoint = model.adjoint(u);
-    let p = Problem::new(&adjoint, &space).assembler(&assembler).homogeneous(&constraints).solve()?;
+    let p =
+        Problem::new(&adjoint, &space).quadrature(Quadrature::Degree(6)).homogeneous(&constraints).solve()?;
     println!("energy {:.4}, Newton steps {}", solved.functional(&model.energy(u))?, solved.iterations());
     println!("p in the middle of the contact {:?}", p.field().evaluate(&[1.0, 0.0])?);
     Ok(())

@@ -45,13 +45,12 @@ fn problem_on(mesh: &Mesh<2>) -> Result<ContactProblem<2>, Failure> {
         .theta(-1.0)
         .extension(1.0)
         .traction(TRACTION);
-    let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(8));
     Ok(ContactProblem::new(
-        assembler,
         &space,
         forms::Model { data, regions: forms::Regions::default().gamma_n("right").gamma_c("contact") },
         constraints,
-    )?)
+    )
+    .quadrature(Quadrature::Degree(8)))
 }
 
 /// The cantilever whose top moves at constant volume.

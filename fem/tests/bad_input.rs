@@ -125,8 +125,7 @@ fn solve(case: &Case, which: usize) -> Option<(&'static str, Outcome)> {
     let f = Given::function(case.load);
     let data = body::data().lambda(case.lambda).mu(1.0).bed(50.0).aside(case.aside).f(f);
     let form = body::balance(&data, &body::Omega::on("all"), &body::Below::on(case.region));
-    let assembler = Assembler::new(&mesh);
-    let problem = Problem::new(&form, &space).assembler(&assembler);
+    let problem = Problem::new(&form, &space);
     let options = NewtonOptions { relative_tolerance: 1e-8, ..NewtonOptions::default() };
     let found = problem.constrained(&constraints).solver(&mut *solver).options(options.clone()).solve();
     Some((name, found.map(Solved::into_field)))

@@ -193,8 +193,7 @@ fn solve(mesh: &Mesh<2>, degree: usize, data: &penalty::Data<2>) -> Field<2> {
         &penalty::Wall::on("boundary"),
         &penalty::Skeleton::on("interior"),
     );
-    let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(6));
-    let problem = Problem::new(&form, &space).assembler(&assembler);
+    let problem = Problem::new(&form, &space).quadrature(Quadrature::Degree(6));
     let mut solver = TangentSolver::default();
     let u = problem.solver(&mut solver).solve().unwrap().into_field();
     assert_eq!(solver.is_positive_definite(), Some(true));

@@ -185,11 +185,10 @@ fn a_pattern_of_another_form_is_an_error() {
 fn an_undetermined_pressure_is_named() {
     let mesh = rectangle([0.0; 2], [1.0; 2], [6, 6], CellShape::Triangle, 1).unwrap();
     let (velocities, pressures) = (Space::vector(&mesh, 2).unwrap(), Space::scalar(&mesh, 1).unwrap());
-    let assembler = Assembler::new(&mesh);
     let form = stokes::flow(&data(Given::constant([1.0, 0.0]), 0.0), &stokes::Omega::on("all"));
     let mut walls = Constraints::new(&velocities);
     walls.fix("boundary", |_| [0.0, 0.0]).unwrap();
-    let problem = || Problem::new(&form, [&velocities, &pressures]).assembler(&assembler);
+    let problem = || Problem::new(&form, [&velocities, &pressures]);
     let error = problem().constrained(&walls).solve().unwrap_err();
     assert!(
         matches!(

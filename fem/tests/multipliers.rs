@@ -161,13 +161,12 @@ fn a_discontinuous_multiplier_is_the_flux() {
     let edge = Space::discontinuous_on_facets(&mesh, "held", 1).unwrap();
     let data = data(Given::constant(-2.0), Given::function(exact));
     let form = held::saddle(&data, &held::Omega::on("all"), &held::Gamma::on("held"));
-    let assembler = Assembler::new(&mesh);
     let mut sides = Constraints::new(&whole);
     for side in ["left", "right", "top"] {
         sides.fix(side, exact).unwrap();
     }
     let free = Constraints::new(&edge);
-    let problem = Problem::new(&form, [&whole, &edge]).assembler(&assembler);
+    let problem = Problem::new(&form, [&whole, &edge]);
     let [u, flux] = problem.constrained(&sides).constrained(&free).solve().unwrap().fields;
     for (value, x) in u.values().iter().zip(whole.positions()) {
         assert!((value - exact(x)).abs() < 1e-11);

@@ -288,9 +288,8 @@ fn octrees_on_any_number_of_threads() {
         constraints.join_hanging_nodes().unwrap();
         constraints.fix("boundary", |x| polynomial(x, 4)).unwrap();
         let form = model::poisson(&model::data().f(source(4)), &model::Omega::on("all"));
-        let assembler = Assembler::new(&mesh).with_threads(Threads::new(threads));
         Problem::new(&form, &space)
-            .assembler(assembler)
+            .threads(Threads::new(threads))
             .constrained(&constraints)
             .solve()
             .unwrap()

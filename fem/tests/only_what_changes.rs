@@ -110,8 +110,7 @@ fn only_rows_of_cells_at_the_contact_facets_change() {
         let mesh = mesh(cells);
         let space = Space::vector(&mesh, 2).unwrap();
         let form = resting::body(&data(), &resting::Omega::on("all"), &resting::Floor::on("bottom"));
-        let assembler = Assembler::new(&mesh);
-        let mut problem = Problem::new(&form, &space).assembler(&assembler);
+        let mut problem = Problem::new(&form, &space);
         let places = problem.changed_places().unwrap().to_vec();
         assert!(places.windows(2).all(|pair| pair[0].end < pair[1].start));
         let at_floor: Vec<usize> =
@@ -144,8 +143,7 @@ fn an_iterate_that_is_not_finite_is_an_error_where_it_is_read() {
     let mesh = mesh(4);
     let space = Space::vector(&mesh, 1).unwrap();
     let form = resting::body(&data(), &resting::Omega::on("all"), &resting::Floor::on("bottom"));
-    let assembler = Assembler::new(&mesh);
-    let mut problem = Problem::new(&form, &space).assembler(&assembler);
+    let mut problem = Problem::new(&form, &space);
     let mut u = vec![0.0; space.unknowns()];
     u[2 * space.nodes_on("bottom").unwrap()[0] as usize] = f64::NAN;
     assert_eq!(problem.tangent(&u).unwrap_err().to_string(), "form `body`: `u` is not finite");
@@ -162,11 +160,10 @@ fn solvers_agree() {
     let mesh = mesh(8);
     let space = Space::vector(&mesh, 2).unwrap();
     let form = resting::body(&data(), &resting::Omega::on("all"), &resting::Floor::on("bottom"));
-    let assembler = Assembler::new(&mesh);
     let mut constraints = Constraints::new(&space);
     constraints.fix("top", |_| [0.0, -0.1]).unwrap();
     let solve = |solver: &mut dyn LinearSolver| {
-        let problem = Problem::new(&form, &space).assembler(&assembler);
+        let problem = Problem::new(&form, &space);
         let options = NewtonOptions::default();
         problem
             .constrained(&constraints)

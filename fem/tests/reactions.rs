@@ -44,13 +44,11 @@ fn solve(
     constraints: &Constraints<2>,
 ) -> Result<forms_fem::solve::Solved<2>, Box<dyn std::error::Error>> {
     let form = held::elasticity(data, &held::Omega::on("all"), &held::Loaded::on(loaded));
-    let assembler = Assembler::new(space.mesh());
     // The form is affine: Newton's method is also run on its equations.
-    let solved = Problem::new(&form, space).assembler(&assembler).constrained(constraints).solve()?;
+    let solved = Problem::new(&form, space).constrained(constraints).solve()?;
     let elimination = Elimination::of(&[constraints])?;
     let (start, mut solver) = (Start::at(vec![0.0; space.unknowns()]), TangentSolver::default());
-    let (options, mut equations) =
-        (NewtonOptions::default(), Problem::new(&form, space).assembler(&assembler));
+    let (options, mut equations) = (NewtonOptions::default(), Problem::new(&form, space));
     let iterated =
         newton_eliminating(&mut equations, elimination, start, &mut solver, &options, &mut |_| ())?;
     close(&iterated.residual, &solved.residual);
@@ -137,8 +135,7 @@ fn each_unknown_has_its_reactions() {
     pulled.fix_component("top", 1, |_| 0.1).unwrap();
     let data = data([0.0; 2], [0.0; 2]);
     let form = held::both(&data, &held::Omega::on("all"));
-    let assembler = Assembler::new(&mesh);
-    let problem = Problem::new(&form, [&temperatures, &displacements]).assembler(&assembler);
+    let problem = Problem::new(&form, [&temperatures, &displacements]);
     let solved = problem.constrained(&heated).constrained(&pulled).solve().unwrap();
     close(&solved.reaction_of(0, "right").unwrap(), &[HEIGHT / WIDTH]);
     close(&solved.reaction_of(0, "left").unwrap(), &[-HEIGHT / WIDTH]);

@@ -157,9 +157,8 @@ fn the_periodic_poisson_problem_has_its_closed_form() {
         assert_eq!(torus.free().len(), 4 * n * n - 1);
         let source = Given::function(move |x: &[f64; 2]| 8.0 * pi * pi * exact(x));
         let data = bodies::data().load([0.0; 2]).source(source);
-        let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
         let form = bodies::poisson(&data, &bodies::Omega::on("all"));
-        let problem = Problem::new(&form, &space).assembler(&assembler);
+        let problem = Problem::new(&form, &space).quadrature(Quadrature::Degree(8));
         let u = problem.constrained(&torus).solve().unwrap().into_field();
         let differences = space.positions().iter().zip(u.values()).map(|(x, u)| (u - exact(x)).abs());
         differences.fold(0.0, f64::max)
@@ -289,12 +288,11 @@ fn a_mean_value_fixes_what_an_insulated_body_leaves_open() {
     let space = Space::scalar(&mesh, 3).unwrap();
     let source = Given::function(move |x: &[f64; 2]| (pi * x[0]).cos());
     let data = bodies::data().load([0.0; 2]).source(source);
-    let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
     let form = bodies::poisson(&data, &bodies::Omega::on("all"));
     for (region, constant) in [("all", 2.0), ("left", 2.0 - 1.0 / (pi * pi))] {
         let mut constraints = Constraints::new(&space);
         constraints.mean_value(region, 0, 2.0).unwrap();
-        let problem = Problem::new(&form, &space).assembler(&assembler);
+        let problem = Problem::new(&form, &space).quadrature(Quadrature::Degree(8));
         let u = problem.constrained(&constraints).solve().unwrap().into_field();
         for (node, x) in space.positions().iter().enumerate() {
             let exact = (pi * x[0]).cos() / (pi * pi) + constant;

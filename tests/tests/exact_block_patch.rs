@@ -54,7 +54,7 @@ where
     let (assembler, regions) =
         (Assembler::new(&mesh), forms::Regions::default().gamma_n("right").gamma_c("bottom"));
     let mut problem =
-        ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints).unwrap();
+        ContactProblem::new(&space, forms::Model { data, regions }, constraints).assembler(assembler);
     problem.law.data.gamma0 = (1.5 * required_gamma0(&problem, "contact cells").unwrap()).max(YOUNG);
     let solved = problem.direct().unwrap().solver(&mut TangentSolver::default()).solve();
     let solved = solved.unwrap();

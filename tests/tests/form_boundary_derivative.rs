@@ -75,10 +75,9 @@ impl Ring {
                     move |x| x.map(|v| slope * v / x[0].hypot(x[1])),
                 )
             });
-        let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
         let regions = forms::Regions::default().gamma_n("outer").gamma_c("outer");
-        let problem =
-            ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints).unwrap();
+        let problem = ContactProblem::new(&space, forms::Model { data, regions }, constraints)
+            .quadrature(Quadrature::Degree(8));
         let mut solver = TangentSolver::default();
         let u = problem.direct().unwrap().solver(&mut solver).solve().unwrap();
         let u = u.into_field();

@@ -33,8 +33,8 @@ fn block(file: &Value, run: &Value) -> ContactProblem<2, law::Model<2>> {
         .friction(run["coulomb"].as_f64().unwrap_or(0.0))
         .force_direction([1.0, 0.0]);
     let regions = law::Regions::default().gamma_n("right").gamma_c("bottom");
-    let assembler = Assembler::new(space.mesh()).with_quadrature(Quadrature::Degree(8));
-    ContactProblem::new(assembler, &space, law::Model { data, regions }, Constraints::new(&space)).unwrap()
+    ContactProblem::new(&space, law::Model { data, regions }, Constraints::new(&space))
+        .quadrature(Quadrature::Degree(8))
 }
 
 /// Whether both parts that stick and parts that slip were there.
@@ -57,7 +57,7 @@ fn compare(file: &Value, run: &Value) -> bool {
         problem.constraints = Constraints::new(&problem.space);
         problem.constraints.fix("top", |_| push).unwrap();
         problem.law.data.displacement_before = Given::field(&u);
-        let solved = problem.solve_from_stick(&u, &mut solver, |_| ());
+        let solved = problem.from_stick().unwrap().start(&u).solver(&mut solver).solve();
         u = solved.unwrap_or_else(|error| panic!("{label}: {error}")).into_field();
         let (law, assembler) = (&problem.law, &problem.assembler);
         let norms = norms(assembler, &u).unwrap();

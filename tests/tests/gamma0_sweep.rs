@@ -36,9 +36,8 @@ fn problem(shape: CellShape, degree: usize) -> ContactProblem<2> {
         .obstacle_normal([0.0, -1.0])
         .gap(|x: &[f64; 2]| x[1] + OBSTACLE_DEPTH)
         .theta(-1.0);
-    let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
     let regions = forms::Regions::default().gamma_n("outer").gamma_c(CONTACT);
-    ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints).unwrap()
+    ContactProblem::new(&space, forms::Model { data, regions }, constraints).quadrature(Quadrature::Degree(8))
 }
 
 /// u and the contact force.

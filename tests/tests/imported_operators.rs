@@ -142,8 +142,7 @@ fn one_form_with_an_imported_operator_solves_poissons_equation_of_elasticity() {
     );
     let mut constraints = Constraints::new(&space);
     constraints.fix("boundary", |x| [x[0], 0.0]).unwrap();
-    let assembler = Assembler::new(&mesh);
-    let problem = Problem::new(&elasticity, &space).assembler(&assembler);
+    let problem = Problem::new(&elasticity, &space);
     let u = problem.constrained(&constraints).solve().unwrap().into_field();
     let inside = u.evaluate(&[0.4, 0.7]).unwrap();
     assert!((inside[0] - 0.4).abs() < 1e-13 && inside[1].abs() < 1e-13, "{inside:?}");

@@ -38,14 +38,12 @@ fn problem(relate: fn(&mut Constraints<2>)) -> ContactProblem<2> {
         .traction(traction(1.0))
         .criterion_force(Given::function(|x| [x[1], 1.0 + x[0]]))
         .criterion_weight(1.0);
-    let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
     ContactProblem::new(
-        assembler,
         &space,
         forms::Model { data, regions: forms::Regions::default().gamma_n("top").gamma_c("bottom") },
         constraints,
     )
-    .unwrap()
+    .quadrature(Quadrature::Degree(6))
 }
 
 fn criterion(problem: &ContactProblem<2>, u: &Field<2>) -> f64 {

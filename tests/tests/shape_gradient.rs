@@ -89,9 +89,9 @@ fn problem(mesh: &Mesh<2>, theta: f64) -> ContactProblem<2> {
     let space = Space::vector(mesh, 2).unwrap();
     let mut constraints = Constraints::new(&space);
     constraints.fix("inner", imposed).unwrap();
-    let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(6));
     let regions = forms::Regions::default().gamma_n("loaded").gamma_c("below");
-    ContactProblem::new(assembler, &space, forms::Model { data: data(theta), regions }, constraints).unwrap()
+    ContactProblem::new(&space, forms::Model { data: data(theta), regions }, constraints)
+        .quadrature(Quadrature::Degree(6))
 }
 
 /// u, J_h and which points are in contact.

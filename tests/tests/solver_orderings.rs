@@ -85,10 +85,9 @@ fn check<const D: usize, const N: usize>(
     assert!(difference < 1e-12, "{difference:e}");
 }
 
-fn check_one<const D: usize>(form: &Form<D>, mesh: &Mesh<D>, constraints: &Constraints<D>) {
+fn check_one<const D: usize>(form: &Form<D>, constraints: &Constraints<D>) {
     check(SolverPath::Cholesky, |solver, threads| {
-        let assembler = Assembler::new(mesh).with_threads(threads);
-        let problem = Problem::new(form, constraints.space()).assembler(&assembler).constrained(constraints);
+        let problem = Problem::new(form, constraints.space()).threads(threads).constrained(constraints);
         problem.solver(solver).solve().unwrap()
     });
 }
@@ -103,13 +102,13 @@ fn fixed<const D: usize>(space: &Arc<Space<D>>, region: &str) -> Constraints<D> 
 fn bodies_in_the_plane_and_in_space() {
     for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
         let mesh = rectangle([0.0; 2], [2.0, 1.0], [24, 12], shape, 1).unwrap();
-        check_one(&model().elastic(), &mesh, &fixed(&Space::vector(&mesh, 2).unwrap(), "left"));
+        check_one(&model().elastic(), &fixed(&Space::vector(&mesh, 2).unwrap(), "left"));
     }
     let mesh = annulus(1.0, 2.0, 4, 48, CellShape::Quadrilateral, 2).unwrap();
-    check_one(&model().elastic(), &mesh, &fixed(&Space::vector(&mesh, 2).unwrap(), "inner"));
+    check_one(&model().elastic(), &fixed(&Space::vector(&mesh, 2).unwrap(), "inner"));
     for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
         let mesh = cuboid([0.0; 3], [1.0, 1.0, 2.0], [4, 4, 6], shape, 1).unwrap();
-        check_one(&model().elastic(), &mesh, &fixed(&Space::vector(&mesh, 2).unwrap(), "bottom"));
+        check_one(&model().elastic(), &fixed(&Space::vector(&mesh, 2).unwrap(), "bottom"));
     }
 }
 
@@ -118,17 +117,17 @@ fn bodies_in_the_plane_and_in_space() {
 fn couplings_beyond_cells() {
     let mesh = rectangle([0.0; 2], [2.0, 1.0], [20, 10], CellShape::Triangle, 1).unwrap();
     let broken = Space::discontinuous_vector(&mesh, 1).unwrap();
-    check_one(&model().broken(), &mesh, &Constraints::new(&broken));
+    check_one(&model().broken(), &Constraints::new(&broken));
     let space = Space::vector(&mesh, 2).unwrap();
     let mut periodic = fixed(&space, "bottom");
     periodic.periodic("left", "right", &RigidMap::translation([2.0, 0.0])).unwrap();
-    check_one(&model().elastic(), &mesh, &periodic);
+    check_one(&model().elastic(), &periodic);
     let mut rigid = fixed(&space, "bottom");
     rigid.rigid_body("top").unwrap();
-    check_one(&model().elastic(), &mesh, &rigid);
+    check_one(&model().elastic(), &rigid);
     let mut mean = fixed(&space, "bottom");
     mean.mean_value("top", 0, 0.3).unwrap();
-    check_one(&model().elastic(), &mesh, &mean);
+    check_one(&model().elastic(), &mean);
 }
 
 #[test]
@@ -140,14 +139,12 @@ fn two_unknowns() {
     let (flow, tied) = (model.flow(), model.tied());
     let pressures = Space::scalar(&mesh, 1).unwrap();
     check(SolverPath::SignedCholesky, |solver, threads| {
-        let assembler = Assembler::new(&mesh).with_threads(threads);
-        let problem = Problem::new(&flow, [&velocities, &pressures]).assembler(&assembler);
+        let problem = Problem::new(&flow, [&velocities, &pressures]).threads(threads);
         problem.constrained(&walls).solver(solver).solve().unwrap()
     });
     let multipliers = Space::on_facets(&mesh, "top", 1).unwrap();
     check(SolverPath::SignedCholesky, |solver, threads| {
-        let assembler = Assembler::new(&mesh).with_threads(threads);
-        let problem = Problem::new(&tied, [&velocities, &multipliers]).assembler(&assembler);
+        let problem = Problem::new(&tied, [&velocities, &multipliers]).threads(threads);
         problem.constrained(&walls).solver(solver).solve().unwrap()
     });
 }

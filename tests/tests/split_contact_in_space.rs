@@ -26,14 +26,12 @@ fn block(theta: f64) -> ContactProblem<3> {
         .theta(theta)
         .traction([0.0, 0.0, TOTAL])
         .criterion_force([0.0, 0.0, -1.0]);
-    let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(2));
     ContactProblem::new(
-        assembler,
         &space,
         forms::Model { data, regions: forms::Regions::default().gamma_n("top").gamma_c("bottom") },
         constraints,
     )
-    .unwrap()
+    .quadrature(Quadrature::Degree(2))
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -31,7 +31,7 @@ where
     let data = forms::data().lambda(LAMBDA).mu(MU).gamma0(1.0).obstacle_normal(normal).gap(0.0).theta(theta);
     let constraints = Constraints::new(&space);
     let regions = forms::Regions::default().gamma_n("contact").gamma_c("contact");
-    ContactProblem::new(Assembler::new(mesh), &space, forms::Model { data, regions }, constraints).unwrap()
+    ContactProblem::new(&space, forms::Model { data, regions }, constraints)
 }
 
 /// The γ₀ of [`required_gamma0`] on a mesh with Γ_C = "contact", all of whose cells own facets of it.
@@ -94,7 +94,7 @@ fn with_friction() {
             let data = frictional_nitsche::data_from(law.data);
             let regions = frictional_nitsche::Regions::default().gamma_n("contact").gamma_c("contact");
             let law = frictional_nitsche::Model { data, regions };
-            let problem = ContactProblem::new(assembler, &space, law, constraints).unwrap();
+            let problem = ContactProblem::new(&space, law, constraints).assembler(assembler);
             agree(required_gamma0(&problem, "all").unwrap(), required(mesh, 1, theta));
         }
     }

@@ -205,14 +205,13 @@ fn a_fluid_in_a_bend() {
         walls.fix_component(end, 0, |_| 0.0).unwrap();
     }
     let level = Constraints::new(&pressures);
-    let assembler = Assembler::new(&mesh);
     let mut table = Table::default();
     for (velocity, pressure) in [(1.0, 1.0)].into_iter().chain(pairs()) {
         let data = fluid::data().viscosity(0.5 * pressure / velocity).pressure(30.0 * pressure);
         let form = fluid::equilibrium(&data, &fluid::Omega::on("all"), &fluid::Inlet::on("left"));
         for (name, mut solver) in solvers() {
             let label = format!("velocity {velocity:e}, pressure {pressure:e}, {name}");
-            let problem = Problem::new(&form, [&velocities, &pressures]).assembler(&assembler);
+            let problem = Problem::new(&form, [&velocities, &pressures]);
             let fields = |[u, p]: &[Field<2>; 2]| {
                 vec![(u.values().to_vec(), velocity), (p.values().to_vec(), pressure)]
             };

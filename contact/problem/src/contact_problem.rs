@@ -1,13 +1,13 @@
 //! Contact problem: a contact law on a space, and the drivers that solve its direct and its adjoint problem.
 
 use std::fmt;
+use std::sync::OnceLock;
 
 use forms_fem::assemble::BlockPattern;
 use forms_fem::prelude::*;
-use forms_fem::solve::NewtonFailure;
 
 use crate::forms;
-use crate::law::{ContactLaw, WithAdjoint, WithFriction, WithIndicator};
+use crate::law::{ContactLaw, WithAdjoint, WithIndicator};
 
 /// A contact law on a space, ready to be solved. The law is any forms module that [`contact_law!`](crate::contact_law)
 /// describes; the paper's, unless another is given.
@@ -21,24 +21,9 @@ pub struct ContactProblem<const D: usize, L = forms::Model<D>> {
     pub law: L,
     /// u = u_D on Γ_D. Adjoint states vanish there.
     pub constraints: Constraints<D>,
-    /// The pattern that all states share; none where contact pairs decide what is coupled.
-    pattern: Option<Arc<BlockPattern<D>>>,
+    pattern: OnceLock<Option<Arc<BlockPattern<D>>>>,
     /// Rule for splitting the facets of Γ_C at a displacement; none where they are integrated as a whole.
     split: Option<Split<D, L>>,
-}
-
-/// Most steps towards a state in which all sticks.
-const STEPS_TO_STICK: usize = 10;
-
-/// Whether Newton's method went on without an end, and nothing else is wrong.
-fn has_not_converged(error: &SolveError) -> bool {
-    matches!(
-        error.why,
-        NewtonFailure::NotConverged { .. }
-            | NewtonFailure::Cycling { .. }
-            | NewtonFailure::Stagnated
-            | NewtonFailure::NoDescent
-    )
 }
 
 /// Splits the facets of Γ_C for a law at a displacement.
@@ -57,27 +42,50 @@ impl<const D: usize, L: fmt::Debug> fmt::Debug for ContactProblem<D, L> {
 }
 
 impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
-    /// A problem with the matrix pattern that all states share.
-    ///
-    /// # Errors
-    /// When the matrix is too large to be numbered.
-    pub fn new(
-        assembler: Assembler<D>,
-        space: &Arc<Space<D>>,
-        law: L,
-        constraints: Constraints<D>,
-    ) -> Result<Self, AssemblyError> {
-        let direct = law.direct();
+    /// The problem of a law. Nothing is computed yet.
+    pub fn new(space: &Arc<Space<D>>, law: L, constraints: Constraints<D>) -> Self {
+        let (assembler, space) = (Assembler::new(space.mesh()), space.clone());
+        ContactProblem { assembler, space, law, constraints, pattern: OnceLock::new(), split: None }
+    }
+
+    /// The same problem with another law.
+    pub(crate) fn with_law(&self, law: L) -> Self {
+        ContactProblem { law, ..self.clone() }
+    }
+
+    /// The pattern that all states share, from the first use on; none where contact pairs decide what is coupled.
+    pub(crate) fn pattern(&self) -> Result<Option<&Arc<BlockPattern<D>>>, AssemblyError> {
+        if let Some(known) = self.pattern.get() {
+            return Ok(known.as_ref());
+        }
+        let direct = self.law.direct();
         let on_pairs = direct.inputs().regions.iter().any(|region| region.entity == Entity::Pairs);
         let pattern = if on_pairs {
             None
         } else {
-            let pattern = assembler.pattern_of_spaces(&[space], &[space]);
+            let pattern = self.assembler.pattern_of_spaces(&[&self.space], &[&self.space]);
             let refused = |source| AssemblyError::LinearAlgebra { form: direct.name(), source };
             Some(Arc::new(pattern.map_err(refused)?))
         };
-        let space = space.clone();
-        Ok(ContactProblem { assembler, space, law, constraints, pattern, split: None })
+        Ok(self.pattern.get_or_init(|| pattern).as_ref())
+    }
+
+    /// This problem with a quadrature rule in place of one of the degree that the compiler estimates.
+    pub fn quadrature(mut self, quadrature: Quadrature<D>) -> Self {
+        self.assembler = self.assembler.with_quadrature(quadrature);
+        self
+    }
+
+    /// This problem with a number of threads of assembly in place of all.
+    pub fn threads(mut self, threads: Threads) -> Self {
+        self.assembler = self.assembler.with_threads(threads);
+        self
+    }
+
+    /// This problem with an assembler that was made for more than it.
+    pub fn assembler(mut self, assembler: Assembler<D>) -> Self {
+        self.assembler = assembler;
+        self
     }
 
     /// This problem with the facets of Γ_C split at the zeros of the law's indicator at each iterate, so that \[·\]₋ and
@@ -135,7 +143,7 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
             .assembler(&self.assembler)
             .constrained(&self.constraints)
             .options(options);
-        let mut problem = self.on_pattern(problem);
+        let mut problem = self.on_pattern(problem)?;
         // Data that do not fit are reported by the solution.
         if let Ok(Some(threshold)) = self.threshold() {
             problem = problem.with_notes(threshold.warning());
@@ -144,49 +152,6 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
             None => problem,
             Some(split) => problem.assembler_at(move |u| split(&self.assembler, &self.law, &u[0])),
         })
-    }
-
-    /// Solution of the direct problem from a state in which all points in contact stick. A few steps compute that state from
-    /// `start`. Newton's method finds the places that slip from there; from u = 0, where nothing presses and nothing is held,
-    /// it may go back and forth for ever, also by a line search. If it does so from stick, it is tried from `start`.
-    /// `solver` serves all, `progress` is called with each iterate of all; the history that comes back is that of the last.
-    ///
-    /// # Errors
-    /// [`SolveError`]; a parameter out of its range.
-    pub fn solve_from_stick(
-        &self,
-        start: &Field<D>,
-        solver: &mut dyn LinearSolver,
-        mut progress: impl FnMut(&NewtonStep),
-    ) -> Result<Solved<D>, SolveError>
-    where
-        L: WithFriction<D>,
-    {
-        let law = self.law.sticking();
-        let sticking = ContactProblem { law, ..self.clone() };
-        let options = NewtonOptions {
-            line_search: self.law.line_search(),
-            max_iterations: STEPS_TO_STICK,
-            ..NewtonOptions::default()
-        };
-        let stuck = sticking.direct()?.options(options).start(start).solver(&mut *solver);
-        let stuck = stuck.each_step(&mut progress).solve();
-        let first = match stuck {
-            Ok(solved) => solved.into_field(),
-            // The steps lead somewhere near, which is all that they are for.
-            Err(error) if has_not_converged(&error) => {
-                Field::from_values(&self.space, error.u).unwrap_or_else(|_| start.clone())
-            }
-            Err(error) => return Err(error),
-        };
-        let direct = self.direct()?.start(&first).solver(&mut *solver);
-        let direct = direct.each_step(&mut progress).solve();
-        match direct {
-            Err(error) if has_not_converged(&error) => {
-                self.direct()?.start(start).solver(solver).each_step(progress).solve()
-            }
-            other => other,
-        }
     }
 
     /// Any problem for a state that vanishes on Γ_D, as an adjoint state at the displacement u.
@@ -205,14 +170,14 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
     ) -> Result<Problem<'_, D>, AssemblyError> {
         self.law.check(form.name())?;
         let problem = Problem::new(&form, &self.space).assembler(assembler);
-        Ok(self.on_pattern(problem.homogeneous(&self.constraints)))
+        self.on_pattern(problem.homogeneous(&self.constraints))
     }
 
-    fn on_pattern<'p>(&self, problem: Problem<'p, D>) -> Problem<'p, D> {
-        match &self.pattern {
+    fn on_pattern<'p>(&self, problem: Problem<'p, D>) -> Result<Problem<'p, D>, AssemblyError> {
+        Ok(match self.pattern()? {
             Some(pattern) => problem.with_pattern(pattern),
             None => problem,
-        }
+        })
     }
 
     /// The adjoint problem of the law's criterion at the displacement u. A solver that has solved the direct problem reuses

@@ -6,16 +6,16 @@ use forms_fem::prelude::*;
 use forms_fem::solve::NewtonFailure;
 
 use crate::contact_problem::ContactProblem;
-use crate::law::ContactLaw;
+use crate::law::{ContactLaw, WithFriction};
 
 /// The direct problem of [`ContactProblem::from_stick`], with the choices of a [`Problem`].
 pub struct FromStick<'a, const D: usize, L> {
-    pub(crate) problem: &'a ContactProblem<D, L>,
+    problem: &'a ContactProblem<D, L>,
     /// The same with stick wherever something presses.
-    pub(crate) sticking: ContactProblem<D, L>,
-    pub(crate) start: Cow<'a, Field<D>>,
-    pub(crate) solver: Option<&'a mut dyn LinearSolver>,
-    pub(crate) progress: Option<Box<dyn FnMut(&NewtonStep) + 'a>>,
+    sticking: ContactProblem<D, L>,
+    start: Cow<'a, Field<D>>,
+    solver: Option<&'a mut dyn LinearSolver>,
+    progress: Option<Box<dyn FnMut(&NewtonStep) + 'a>>,
 }
 
 /// Most steps towards a state in which all sticks.
@@ -30,6 +30,23 @@ fn has_not_converged(error: &SolveError) -> bool {
             | NewtonFailure::Stagnated
             | NewtonFailure::NoDescent
     )
+}
+
+impl<const D: usize, L: WithFriction<D>> ContactProblem<D, L> {
+    /// The direct problem from a state in which whatever presses sticks, for which a few steps are made first. Newton's method
+    /// finds the places that slip from there; from u = 0, where nothing presses and nothing is held, it may go back and forth
+    /// for ever, also by a line search. If it does so from stick, it is tried from the start.
+    ///
+    /// # Errors
+    /// A parameter out of its range.
+    pub fn from_stick(&self) -> Result<FromStick<'_, D, L>, AssemblyError> {
+        self.law.check(self.law.direct().name())?;
+        // Both problems have one pattern.
+        self.pattern()?;
+        let sticking = self.with_law(self.law.sticking());
+        let start = Cow::Owned(Field::zero(&self.space));
+        Ok(FromStick { problem: self, sticking, start, solver: None, progress: None })
+    }
 }
 
 impl<'a, const D: usize, L: ContactLaw<D>> FromStick<'a, D, L> {

@@ -21,6 +21,7 @@
 
 pub mod contact_problem;
 pub mod frictional_nitsche;
+mod from_stick;
 pub mod hollow_cylinder;
 pub mod law;
 pub mod nitsche;
@@ -32,6 +33,7 @@ pub mod theta_path;
 pub mod threshold;
 
 pub use contact_problem::ContactProblem;
+pub use from_stick::FromStick;
 pub use nitsche as forms;
 pub use paper_law::Adjoint;
 

@@ -45,6 +45,8 @@ where
         mut progress: impl FnMut(f64, &NewtonStep),
     ) -> Result<LoadPath<Field<D>>, ThetaPathError<D>> {
         let ThetaPath { from, steps, line_search } = path;
+        // All problems have one pattern; that it cannot be made is reported by the first.
+        let _ = self.pattern();
         let mut solve_at = |theta: f64, line_search, first: &Field<D>| {
             let mut problem = self.clone();
             problem.law = self.law.with_theta(theta);

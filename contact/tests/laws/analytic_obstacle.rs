@@ -48,9 +48,8 @@ fn solve<L: WithFriction<D>, const D: usize>(block: &Block<D>, law: L, aside: f6
 where
     Dim: Dimension<D>,
 {
-    let zero = Field::zero(&block.space);
     let problem = block.problem(law, aside, down);
-    problem.solve_from_stick(&zero, &mut TangentSolver::default(), |_| ()).unwrap().into_field()
+    problem.from_stick().unwrap().solve().unwrap().into_field()
 }
 
 /// The largest difference relative to the largest value.
@@ -105,8 +104,7 @@ fn an_obstacle_that_moves_is_a_body_that_moves() {
 fn a_ball_presses_as_one_at_finite_strains_under_a_small_load() {
     fn reactions<L: WithFriction<2>>(block: &Block<2>, law: L) -> [f64; 2] {
         let problem = block.problem(law, 0.0, 0.0);
-        let zero = Field::zero(&block.space);
-        let solved = problem.solve_from_stick(&zero, &mut TangentSolver::default(), |_| ()).unwrap();
+        let solved = problem.from_stick().unwrap().solve().unwrap();
         let reaction = solved.reaction("top").unwrap();
         [reaction[0], reaction[1]]
     }
@@ -172,8 +170,7 @@ fn tangents_and_adjoint_gradients() {
             let mut data = data(Friction::Coulomb(coefficient), 1.0);
             data.radius += growth;
             let problem = block.problem(model(data), 0.0, 0.0);
-            let zero = Field::zero(&block.space);
-            let solved = problem.solve_from_stick(&zero, &mut TangentSolver::default(), |_| ()).unwrap();
+            let solved = problem.from_stick().unwrap().solve().unwrap();
             (problem, solved.into_field())
         };
         let (problem, u) = solve(0.1, 0.0);

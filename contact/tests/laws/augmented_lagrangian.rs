@@ -82,7 +82,6 @@ fn a_restart_without_the_multiplier_comes_back() {
     ];
     let mut constraints = Constraints::new(&block.space);
     constraints.fix("top", |x| [0.003, -0.01 + 0.012 * (x[0] - 1.0)]).unwrap();
-    let assembler = Assembler::new(&block.mesh).with_quadrature(Quadrature::Degree(4));
     for multipliers in &spaces {
         for friction in [Friction::Coulomb(0.0), Friction::Coulomb(0.3), Friction::Tresca(0.5)] {
             for gamma0 in [YOUNG, 20.0 * YOUNG] {
@@ -91,7 +90,7 @@ fn a_restart_without_the_multiplier_comes_back() {
                     let options =
                         NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
                     let mut problem = Problem::new(&form, [&block.space, multipliers])
-                        .assembler(&assembler)
+                        .quadrature(Quadrature::Degree(4))
                         .constrained(&constraints)
                         .options(options)
                         .start(start);

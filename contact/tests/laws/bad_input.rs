@@ -25,7 +25,7 @@ fn errors(touch: &Pairing) -> [String; 2] {
     let space = Space::vector(&mesh, 1).unwrap();
     let assembler = || Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));
     fn error<L: ContactLaw<2>>(assembler: Assembler<2>, space: &Arc<Space<2>>, law: L) -> String {
-        let problem = ContactProblem::new(assembler, space, law, constraints(space, 0.0, 0.01)).unwrap();
+        let problem = ContactProblem::new(space, law, constraints(space, 0.0, 0.01)).assembler(assembler);
         let error = problem.direct().unwrap().solve().err();
         error.map(|error| error.to_string()).unwrap_or_default()
     }
@@ -77,8 +77,7 @@ fn a_tool_inside_a_body() {
         let touch = Pairing::onto("top", "tool").within_reach(0.4);
         let regions = sliding::Regions::default().touch(touch).gamma_n("right");
         let model = sliding::Model { data: between(0.3).share(1.0), regions };
-        let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));
-        let problem = ContactProblem::new(assembler, &space, model, held).unwrap();
+        let problem = ContactProblem::new(&space, model, held).quadrature(Quadrature::Degree(4));
         problem.direct().unwrap().increment(step).solve().map(Solved::into_field)
     });
     let told = steps.unwrap_err().to_string();
@@ -102,8 +101,7 @@ fn sliding_surfaces_that_face_each_other_nowhere() {
     let solved_by = |quadrature: Quadrature<2>, touch: Pairing| {
         let regions = sliding::Regions::default().touch(touch).gamma_n("upper top");
         let law = sliding::Model { data: between(0.3), regions };
-        let assembler = Assembler::new(&mesh).with_quadrature(quadrature);
-        let problem = ContactProblem::new(assembler, &space, law, constraints(&space, 0.0, 0.01)).unwrap();
+        let problem = ContactProblem::new(&space, law, constraints(&space, 0.0, 0.01)).quadrature(quadrature);
         problem.direct().unwrap().solve().unwrap()
     };
     let solved = |touch: Pairing| solved_by(Quadrature::Degree(4), touch);
@@ -142,7 +140,7 @@ fn a_modulus_that_jumps_where_bodies_touch() {
         let data = required.share(share(&touch)).body_force(load);
         let regions = law::Regions::default().touch(touch).gamma_n("upper top");
         let (held, model) = (constraints(&space, 0.0, DOWN), law::Model { data, regions });
-        let problem = ContactProblem::new(Assembler::new(&mesh), &space, model, held).unwrap();
+        let problem = ContactProblem::new(&space, model, held);
         let solved = problem.direct().unwrap().solve().map_err(|error| error.to_string())?;
         Ok::<f64, String>(solved.reaction("lower bottom").unwrap()[1] / WIDTH)
     };

@@ -37,7 +37,6 @@ where
         let mut top = along::<D>(0, aside);
         top[D - 1] = -down;
         constraints.fix("top", |_| top).unwrap();
-        let assembler = Assembler::new(&self.mesh).with_quadrature(Quadrature::Degree(4));
-        ContactProblem::new(assembler, &self.space, law, constraints).unwrap()
+        ContactProblem::new(&self.space, law, constraints).quadrature(Quadrature::Degree(4))
     }
 }

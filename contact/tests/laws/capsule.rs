@@ -70,8 +70,7 @@ fn tangents_and_adjoint_gradients() {
         }
         let solve = |coefficient: f64| {
             let problem = problem(block, data(coefficient, 0.05));
-            let zero = Field::zero(&block.space);
-            let solved = problem.solve_from_stick(&zero, &mut TangentSolver::default(), |_| ()).unwrap();
+            let solved = problem.from_stick().unwrap().solve().unwrap();
             (problem, solved.into_field())
         };
         let (problem, u) = solve(0.25);
@@ -96,7 +95,7 @@ fn a_rigid_motion_of_all_changes_no_traction() {
     let solve = |data: law::Data<2>, constraints: Constraints<2>, start: &Field<2>| {
         let mut problem = problem(&block, data);
         problem.constraints = constraints;
-        problem.solve_from_stick(start, &mut TangentSolver::default(), |_| ()).unwrap()
+        problem.from_stick().unwrap().start(start).solve().unwrap()
     };
     let mut still = data::<2>(0.3, 0.05);
     (still.centre_before, still.rotation_before) = (still.centre, still.rotation);

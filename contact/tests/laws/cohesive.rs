@@ -125,7 +125,8 @@ where
     for pairing in pairings {
         let assembler = Assembler::new(&mesh);
         let law = model(&assembler, pairing);
-        let mut problem = ContactProblem::new(assembler, &space, law, constraints(&space, 0.0, 0.0)).unwrap();
+        let mut problem =
+            ContactProblem::new(&space, law, constraints(&space, 0.0, 0.0)).assembler(assembler);
         let mut u = Field::zero(&space);
         let (mut largest, mut work, mut before) = (0.0, 0.0, [0.0; 2]);
         for length in path {
@@ -162,7 +163,7 @@ fn sliding_takes_the_same_energy() {
     let assembler = Assembler::new(&mesh);
     let mut law = model(&assembler, &pairings()[0]);
     law.data.shear_weight = weight;
-    let mut problem = ContactProblem::new(assembler, &space, law, constraints(&space, 0.0, 0.0)).unwrap();
+    let mut problem = ContactProblem::new(&space, law, constraints(&space, 0.0, 0.0)).assembler(assembler);
     let (mut u, mut work, mut before) = (Field::zero(&space), 0.0, [0.0; 2]);
     let first = BEGIN / weight + weight * STRENGTH / MU;
     for aside in [first, 0.03, 0.05, END / weight, 0.07] {
@@ -240,8 +241,8 @@ fn the_adjoint_of_a_step() {
     let solve = |strength: f64, height: f64, start: &Field<2>| {
         let mut law = base.clone();
         law.data.strength = strength;
-        let problem = ContactProblem::new(assembler.clone(), &space, law, Constraints::new(&space));
-        let mut problem = problem.unwrap();
+        let problem = ContactProblem::new(&space, law, Constraints::new(&space));
+        let mut problem = problem.assembler(assembler.clone());
         peeled(&mut problem, height);
         let solved = problem.direct().unwrap().start(start).solve().unwrap();
         (problem, solved.into_field())
@@ -271,7 +272,7 @@ fn parameters_out_of_range_are_named() {
         let assembler = Assembler::new(&mesh);
         let mut law = model(&assembler, &pairings()[0]);
         change(&mut law.data);
-        let problem = ContactProblem::new(assembler, &space, law, Constraints::new(&space)).unwrap();
+        let problem = ContactProblem::new(&space, law, Constraints::new(&space)).assembler(assembler);
         problem.direct().map(|_| ()).unwrap_err().to_string()
     };
     // Softening that would begin after its end.

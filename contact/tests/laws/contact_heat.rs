@@ -64,7 +64,7 @@ where
     let model = mechanics::Model { data: base.clone(), regions };
     let held = constraints(&displacements, aside, down);
     let assembler = Assembler::new(mesh);
-    let problem = ContactProblem::new(assembler.clone(), &displacements, model, held).unwrap();
+    let problem = ContactProblem::new(&displacements, model, held).assembler(assembler.clone());
     let u = match down > 0.0 {
         true => problem.direct().unwrap().solve().unwrap().into_field(),
         // Apart: the upper body is moved as a whole.

@@ -57,9 +57,8 @@ fn a_layer_sticks_and_slips_as_known_in_space() {
 fn a_path_through_theta() {
     let block = plane_block(8);
     let problem = block.problem(model(data(Friction::Coulomb(0.3), -1.0, 20.0 * YOUNG)), 0.01, 0.02);
-    let zero = Field::zero(&block.space);
     let options = NewtonOptions { relative_tolerance: 1e-12, ..NewtonOptions::default() };
-    let expected = problem.solve_from_stick(&zero, &mut TangentSolver::default(), |_| ()).unwrap();
+    let expected = problem.from_stick().unwrap().solve().unwrap();
     let path = ThetaPath { line_search: LineSearch::OnResidual, ..ThetaPath::default() };
     let mut thetas = vec![];
     let found = problem.solve_through(path, &mut TangentSolver::default(), &options, |theta, step| {
@@ -250,7 +249,6 @@ fn newtons_method_converges_from_stick() {
     let (mut failed_from_zero, mut most_from_zero, mut most) = (0, 0, 0);
     for cells in if all { vec![8, 10, 16] } else { vec![8] } {
         let block = plane_block(cells);
-        let zero = Field::zero(&block.space);
         for theta in THETAS {
             for coefficient in [0.1, 0.3, 0.6] {
                 for over_young in if all { vec![10.0, 20.0, 100.0] } else { vec![100.0] } {
@@ -262,7 +260,7 @@ fn newtons_method_converges_from_stick() {
                             Err(_) => failed_from_zero += 1,
                         }
                         let mut solver = TangentSolver::default();
-                        let solved = problem.solve_from_stick(&zero, &mut solver, |_| ()).unwrap();
+                        let solved = problem.from_stick().unwrap().solver(&mut solver).solve().unwrap();
                         most = most.max(solved.iterations());
                     }
                 }

@@ -49,8 +49,7 @@ fn check<L, const D: usize>(
     let solve = |coefficient: f64| -> (ContactProblem<D, L>, Field<D>) {
         let law = law(data(Friction::Coulomb(coefficient), 0.0, 20.0 * YOUNG));
         let problem = block.problem(law, moves.aside, moves.down);
-        let zero = Field::zero(&block.space);
-        let solved = problem.solve_from_stick(&zero, &mut TangentSolver::default(), |_| ()).unwrap();
+        let solved = problem.from_stick().unwrap().solve().unwrap();
         (problem, solved.into_field())
     };
     let (problem, u) = solve(0.3);

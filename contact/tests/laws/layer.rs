@@ -82,8 +82,7 @@ where
 
     /// The law on the layer. One rule for all of its integrals.
     pub fn problem<L: ContactLaw<D>>(&self, law: L, aside: f64, down: f64) -> ContactProblem<D, L> {
-        let assembler = Assembler::new(&self.mesh).with_quadrature(Quadrature::Degree(4));
-        ContactProblem::new(assembler, &self.space, law, self.constraints(aside, down)).unwrap()
+        ContactProblem::new(&self.space, law, self.constraints(aside, down)).quadrature(Quadrature::Degree(4))
     }
 
     /// The largest slip and the smallest along the flat, at the nodes there.

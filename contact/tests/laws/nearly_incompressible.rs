@@ -107,7 +107,7 @@ impl Punch {
         let reached = path.advance(Field::zero(&space), |step| {
             let mut held = Constraints::new(&space);
             held.fix("bottom", |_| [0.0, step.factor]).unwrap();
-            let problem = ContactProblem::new(Assembler::new(&mesh), &space, law.clone(), held).unwrap();
+            let problem = ContactProblem::new(&space, law.clone(), held);
             let solved = problem.direct().unwrap().increment(step).solve()?;
             let u = solved.field().clone();
             last = Some(solved);
@@ -223,8 +223,8 @@ fn press_fit_on_a_rigid_shaft() {
         let regions = nitsche::Regions::default().gamma_n("outer").gamma_c("bore");
         let mut held = Constraints::new(&space);
         held.fix("outer", |_| [0.0; 2]).unwrap();
-        let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(8));
-        let problem = ContactProblem::new(assembler, &space, nitsche::Model { data, regions }, held).unwrap();
+        let problem = ContactProblem::new(&space, nitsche::Model { data, regions }, held)
+            .quadrature(Quadrature::Degree(8));
         let force =
             |solved: &Solved<2>| solved.functional(&problem.law.contact_force(solved.field())).unwrap();
         Found::of(problem.direct().unwrap().solve(), force)
@@ -256,7 +256,6 @@ fn press_fit_of_two_bodies() {
             .force_direction(|x: &[f64; 2]| x.map(|k| k / x[0].hypot(x[1])))
     };
     fn solve<L: ContactLaw<2>>(
-        mesh: &Mesh<2>,
         space: &Arc<Space<2>>,
         pushed: f64,
         law: L,
@@ -267,8 +266,7 @@ fn press_fit_of_two_bodies() {
         // The shaft may turn, for nothing rubs on it: one of its nodes does not go aside.
         let on_axis = |x: &[f64; 2]| (x[0] - 0.5).abs() < 1e-12 && x[1].abs() < 1e-12;
         held.fix_node(space.positions().iter().position(on_axis).unwrap(), 1, 0.0).unwrap();
-        let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(8));
-        let problem = ContactProblem::new(assembler, space, law, held).unwrap();
+        let problem = ContactProblem::new(space, law, held).quadrature(Quadrature::Degree(8));
         Found::of(problem.direct().unwrap().solve(), force)
     }
     table("press fit of two bodies, small strains", &RATIOS, |poisson| {
@@ -277,7 +275,7 @@ fn press_fit_of_two_bodies() {
         let of = |material: Material| {
             let regions = two_bodies::Regions::default().touch(touch.clone()).gamma_n("hub outer");
             let law = two_bodies::Model { data: data(material), regions };
-            solve(&mesh, &space, pushed, law.clone(), |solved| {
+            solve(&space, pushed, law.clone(), |solved| {
                 solved.functional(&law.contact_force(solved.field())).unwrap()
             })
         };
@@ -295,7 +293,7 @@ fn press_fit_of_two_bodies() {
         let of = |material: Material| {
             let regions = sliding_bodies::Regions::default().touch(touch.clone()).gamma_n("hub outer");
             let law = sliding_bodies::Model { data: data(material), regions };
-            solve(&mesh, &space, pushed, law.clone(), |solved| {
+            solve(&space, pushed, law.clone(), |solved| {
                 solved.functional(&law.contact_force(solved.field())).unwrap()
             })
         };

@@ -94,20 +94,19 @@ where
     for (aside, shear) in
         [(0.4 * 0.3 * pressure / MU, 0.4 * 0.3 * pressure), (0.5 * pressure / MU, 0.3 * pressure)]
     {
-        let assembler = Assembler::new(space.mesh()).with_quadrature(Quadrature::Degree(4));
         let solved = match strains {
             Strains::Small => {
                 let regions = law::Regions::default().touch(touch.clone()).gamma_n("top");
                 let model = law::Model { data: data::<D>(0.3, 0), regions };
-                let problem =
-                    ContactProblem::new(assembler, &space, model, constraints(aside, down)).unwrap();
+                let problem = ContactProblem::new(&space, model, constraints(aside, down))
+                    .quadrature(Quadrature::Degree(4));
                 problem.direct().unwrap().solve().unwrap()
             }
             Strains::Finite => {
                 let regions = sliding::Regions::default().touch(touch.clone()).gamma_n("top");
                 let model = sliding::Model { data: data::<D>(0.3, 0), regions };
-                let problem =
-                    ContactProblem::new(assembler, &space, model, constraints(aside, down)).unwrap();
+                let problem = ContactProblem::new(&space, model, constraints(aside, down))
+                    .quadrature(Quadrature::Degree(4));
                 let slid = aside - shear / MU;
                 // The flat stays where it is, also at the start.
                 let start = Field::interpolate(&space, |x: &[f64; D]| -> [f64; D] {

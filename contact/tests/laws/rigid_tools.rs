@@ -83,9 +83,9 @@ where
     let touch = Pairing::onto(top, opposite).within_reach(0.3);
     let regions = sliding::Regions::default().omega(body).touch(touch).gamma_n(base);
     let model = sliding::Model { data: data::<D>(0.3, 0), regions };
-    let assembler =
-        Assembler::new(mesh).with_quadrature(Quadrature::Degree(4)).with_threads(Threads::new(threads));
-    let problem = ContactProblem::new(assembler, &space, model, constraints).unwrap();
+    let problem = ContactProblem::new(&space, model, constraints)
+        .quadrature(Quadrature::Degree(4))
+        .threads(Threads::new(threads));
     let solved = problem.direct().unwrap().options(tight()).solve().unwrap();
     (problem, solved)
 }
@@ -278,7 +278,7 @@ where
             down.apply(&mut values);
             Field::from_values(&space, values).unwrap()
         });
-        let problem = ContactProblem::new(assembler, &space, model, constraints).unwrap();
+        let problem = ContactProblem::new(&space, model, constraints).assembler(assembler);
         let solved = problem.direct().unwrap().loaded(&loads).start(&begin).options(tight()).solve().unwrap();
         let (nearest, away) = RigidMap::nearest(solved.field(), "tool").unwrap();
         let entries = nearest.rotation.as_flattened().iter().zip(motion.rotation.as_flattened());
@@ -344,8 +344,7 @@ fn exact_disk() -> f64 {
         let mut constraints = Constraints::new(&space);
         constraints.fix("bottom", |_| [0.0; 2]).unwrap();
         let model = round::Model { data, regions: round::Regions::default().gamma_c("top") };
-        let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(12));
-        let problem = ContactProblem::new(assembler, &space, model, constraints).unwrap();
+        let problem = ContactProblem::new(&space, model, constraints).quadrature(Quadrature::Degree(12));
         let solved = problem.direct().unwrap().options(tight()).start(&u).solve().unwrap();
         force = -solved.reaction("bottom").unwrap()[1];
         u = solved.into_field();
@@ -375,8 +374,7 @@ fn a_polygon_comes_to_be_a_disk() {
             let touch = Pairing::onto("top", "tool").within_reach(0.3);
             let regions = sliding::Regions::default().touch(touch).gamma_n("bottom");
             let model = sliding::Model { data: data::<2>(0.0, 1), regions };
-            let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(12));
-            let problem = ContactProblem::new(assembler, &space, model, constraints).unwrap();
+            let problem = ContactProblem::new(&space, model, constraints).quadrature(Quadrature::Degree(12));
             let solved = problem.direct().unwrap().options(tight()).start(&u).solve().unwrap();
             force = solved.reaction("tool").unwrap()[1];
             u = solved.into_field();

@@ -70,7 +70,7 @@ fn a_tyre_rolls_without_slip_where_it_sticks() {
             rolled::Model { data: data.clone(), regions: rolled::Regions::default().gamma_c("outer") };
         let regions = law::Regions::default().gamma_n("outer").gamma_c("outer");
         let problem =
-            ContactProblem::new(assembler.clone(), &space, law::Model { data, regions }, core).unwrap();
+            ContactProblem::new(&space, law::Model { data, regions }, core).assembler(assembler.clone());
         let options = NewtonOptions {
             relative_tolerance: 1e-12,
             line_search: LineSearch::OnResidual,

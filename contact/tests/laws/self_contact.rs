@@ -47,7 +47,7 @@ fn closed(space: &Arc<Space<2>>, touch: Pairing, friction: f64) -> Field<2> {
     constraints.fix("pushed down", |_| [0.0, -0.07]).unwrap();
     constraints.fix("pushed up", |_| [0.02, 0.06]).unwrap();
     let law = model(space, touch, friction);
-    let problem = ContactProblem::new(Assembler::new(space.mesh()), space, law, constraints).unwrap();
+    let problem = ContactProblem::new(space, law, constraints);
     let solved = problem.direct().unwrap().solve().unwrap();
     println!("friction {friction}: {} steps", solved.iterations());
     solved.into_field()

@@ -30,9 +30,9 @@ fn off(cells: [usize; 2], degree: usize, rule: usize, (pairing, share): &(Pairin
     let required = fixed::data().lambda(LAMBDA).mu(MU).gamma0(gamma0);
     let data = required.share(*share);
     let regions = sliding::Regions::default().touch(pairing.clone()).gamma_n("upper top");
-    let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(rule));
     let law = sliding::Model { data, regions };
-    let problem = ContactProblem::new(assembler, &space, law, constraints(&space, 0.0, DOWN)).unwrap();
+    let problem =
+        ContactProblem::new(&space, law, constraints(&space, 0.0, DOWN)).quadrature(Quadrature::Degree(rule));
     // No friction: the layers are held sideways by their ends.
     let u = problem.direct().unwrap().solve().unwrap().into_field();
     let stretch = 1.0 - DOWN;
@@ -110,7 +110,7 @@ fn points_without_a_partner_and_the_stresses_there() {
         let kept = Problem::new(&kept, &space).constrained(&held).options(options).solve().unwrap();
         let regions = fixed::Regions::default().touch(touch).gamma_n("slab left");
         let law = fixed::Model { data, regions };
-        let problem = ContactProblem::new(Assembler::new(&mesh), &space, law, held).unwrap();
+        let problem = ContactProblem::new(&space, law, held);
         let dropped = problem.direct().unwrap().solve().unwrap();
         let values = |solved: &Solved<2>| solved.field().values().to_vec();
         let both = values(&kept).into_iter().zip(values(&dropped));

@@ -104,7 +104,7 @@ where
             let data = required.theta(theta).share(share).slip_stress(1e6 * ratio);
             let regions = law::Regions::default().touch(pairing.clone()).gamma_n("upper right");
             let model = law::Model { data, regions };
-            let problem = ContactProblem::new(Assembler::new(&mesh), &space, model, held.clone()).unwrap();
+            let problem = ContactProblem::new(&space, model, held.clone());
             let u = problem.direct().unwrap().solve().unwrap().into_field();
             for (body, (name, stiffness)) in [("lower", 1.0), ("upper", ratio)].into_iter().enumerate() {
                 let expected = stress(&gradients[body], stiffness);

@@ -65,7 +65,7 @@ fn bodies_of_different_stiffness() {
         let regions = two_bodies::Regions::default().touch(pairing).gamma_n("upper top");
         let held = Constraints::new(&space);
         let law = two_bodies::Model { data, regions };
-        let problem = ContactProblem::new(Assembler::new(&mesh), &space, law, held).unwrap();
+        let problem = ContactProblem::new(&space, law, held);
         problem.threshold().unwrap().unwrap()
     };
     let soft = of(Pairing::onto("lower top", "upper bottom"), 1.0, [YOUNG; 2]);

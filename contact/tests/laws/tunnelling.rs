@@ -37,8 +37,7 @@ fn problem(space: &Arc<Space<2>>, way: f64) -> ContactProblem<2, law::Model<2>> 
     let required = data().lambda(LAMBDA).mu(MU).gamma0(10.0 * YOUNG);
     let data = required.share(1.0);
     let regions = law::Regions::default().touch(touch()).gamma_n("block top");
-    let assembler = Assembler::new(space.mesh()).with_quadrature(Quadrature::Degree(4));
-    ContactProblem::new(assembler, space, law::Model { data, regions }, constraints).unwrap()
+    ContactProblem::new(space, law::Model { data, regions }, constraints).quadrature(Quadrature::Degree(4))
 }
 
 /// The force on the block and the displacement at the end of some load steps, which follow the motion by themselves.

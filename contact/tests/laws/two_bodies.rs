@@ -80,7 +80,7 @@ where
                 let regions = law::Regions::default().touch(pairing.clone()).gamma_n("upper top");
                 let model = law::Model { data: data::<D>(0.3, theta, share), regions };
                 let constraints = constraints(&space, aside, 0.01);
-                let problem = ContactProblem::new(Assembler::new(&mesh), &space, model, constraints).unwrap();
+                let problem = ContactProblem::new(&space, model, constraints);
                 let solved = problem.direct().unwrap().solve().unwrap();
                 let reaction = solved.reaction("upper top").unwrap();
                 let found = [reaction[D - 1] / area, reaction[0] / area];
@@ -110,9 +110,7 @@ fn tangents_and_adjoints() {
         let regions =
             law::Regions::default().touch(Pairing::between("lower top", "upper bottom")).gamma_n("upper top");
         let model = law::Model { data: data::<2>(friction, 1.0, 0.5), regions };
-        let problem =
-            ContactProblem::new(Assembler::new(&mesh), &space, model, constraints(&space, 0.02, 0.01));
-        let problem = problem.unwrap();
+        let problem = ContactProblem::new(&space, model, constraints(&space, 0.02, 0.01));
         let [u] = problem.direct().unwrap().solve().unwrap().fields;
         (problem, u)
     };
@@ -152,8 +150,7 @@ where
     let regions = sliding::Regions::default().touch(pairing).gamma_n("upper top");
     let model = sliding::Model { data: data::<D>(0.3, 0.0, share), regions };
     let down = 1.0 + apart - stretch;
-    let problem =
-        ContactProblem::new(Assembler::new(&mesh), &space, model, constraints(&space, shear, down)).unwrap();
+    let problem = ContactProblem::new(&space, model, constraints(&space, shear, down));
     let solved = problem.direct().unwrap().start(&start).solve().unwrap();
     let reaction = solved.reaction("upper top").unwrap();
     let pressure = MU * (1.0 / stretch - stretch) - LAMBDA * stretch.ln() / stretch;
@@ -197,7 +194,7 @@ fn a_uniform_stress_goes_through_a_sloped_interface() {
             let sticks = data::<2>(0.0, theta, share).slip_stress(1e6);
             let regions = law::Regions::default().touch(pairing.clone()).gamma_n("upper right");
             let model = law::Model { data: sticks, regions };
-            let problem = ContactProblem::new(Assembler::new(&mesh), &space, model, held.clone()).unwrap();
+            let problem = ContactProblem::new(&space, model, held.clone());
             let u = problem.direct().unwrap().solve().unwrap().into_field();
             let stress =
                 problem.assembler.at_quadrature_points(&problem.law.stress(&u), Entity::Cells, "all", 2);

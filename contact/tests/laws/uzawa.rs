@@ -75,7 +75,7 @@ fn a_block_comes_to_the_augmented_lagrangian() {
 
     let multiplier = assembler.history(Entity::Facets, "bottom", 1, [0.0; 2]).unwrap();
     let law = model(base(), multiplier);
-    let problem = ContactProblem::new(assembler.clone(), &space, law, constraints.clone()).unwrap();
+    let problem = ContactProblem::new(&space, law, constraints.clone()).assembler(assembler.clone());
     let start = Field::zero(&space);
     let options = UzawaOptions { tolerance: 1e-12, ..UzawaOptions::default() };
     let found = solve_by_uzawa(&problem, &start, options, |_| ()).unwrap();

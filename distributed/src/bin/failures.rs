@@ -79,11 +79,10 @@ fn hanging_block(world: &World, max_iterations: u16, last_weight: f64) -> Outcom
     let last = 0.8;
     let weight = move |x: &[f64; 3]| [0.0, 0.0, if x[0] > last { last_weight } else { -1.0 }];
     let HangingBlock { form, space, constraints } = HangingBlock::new(4, Given::function(weight))?;
-    let assembler = Assembler::new(space.mesh()).with_threads(Threads::new(1));
     let method = Method::ConjugateGradients { tolerance: 1e-10, max_iterations };
     let mut solver = PetscSolver::new(world, &constraints, method)?;
     Problem::new(&form, &space)
-        .assembler(&assembler)
+        .threads(Threads::new(1))
         .on(world)
         .constrained(&constraints)
         .solver(&mut solver)

@@ -21,11 +21,10 @@ fn run(world: &World) -> Result<(), Box<dyn Error>> {
     }
     let method = Method::named(&name)?;
     let HangingBlock { form, space, constraints } = block;
-    let assembler = Assembler::new(space.mesh()).with_threads(Threads::new(1));
     let start = Instant::now();
     let mut solver = PetscSolver::new(world, &constraints, method)?;
     let u = Problem::new(&form, &space)
-        .assembler(&assembler)
+        .threads(Threads::new(1))
         .on(world)
         .constrained(&constraints)
         .solver(&mut solver)

@@ -45,7 +45,8 @@ pub fn ball_on_flat(divisions: usize, theta: f64) -> Result<ContactProblem<3>, B
     let assembler = Assembler::new(space.mesh()).with_quadrature(Quadrature::Degree(6));
     let regions = forms::Regions::default().gamma_n("right").gamma_c("contact");
     let assembler = assembler.with_threads(Threads::new(1));
-    let mut problem = ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints)?;
+    let mut problem =
+        ContactProblem::new(&space, forms::Model { data, regions }, constraints).assembler(assembler);
     problem.law.data.gamma0 = 1.5 * required_gamma0(&problem, "contact cells")?;
     problem.law.data.theta = theta;
     Ok(problem)

@@ -67,7 +67,7 @@ impl DrawnBlock {
         let touch = Pairing::between("slab top", "block bottom");
         let regions = sliding_bodies::Regions::default().touch(touch).gamma_n("block right");
         let law = sliding_bodies::Model { data, regions };
-        Ok(ContactProblem::new(self.assembler.clone(), &self.space, law, self.held(part)?)?)
+        Ok(ContactProblem::new(&self.space, law, self.held(part)?).assembler(self.assembler.clone()))
     }
 
     /// All steps, each solved as is said: the states that were reached.

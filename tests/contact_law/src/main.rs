@@ -22,7 +22,7 @@ where
     let (lambda, mu, gamma0, theta) = (1.0, 1.0, 20.0, 0.0);
     let data = law::data().lambda(lambda).mu(mu).gamma0(gamma0).obstacle_normal(obstacle_normal).gap(gap).theta(theta).slip_stress(slip_stress);
     let model = law::Model { data, regions: law::Regions::default().gamma_c("bottom") };
-    let problem = ContactProblem::new(Assembler::new(mesh), &space, model, constraints)?;
+    let problem = ContactProblem::new(&space, model, constraints);
     let solved = problem.direct()?.solve()?;
     Ok((problem, solved))
 }

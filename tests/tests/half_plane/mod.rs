@@ -56,10 +56,9 @@ pub fn direct_problem(mesh: &Mesh<2>, degree: usize, theta: f64) -> ContactProbl
         .gap(0.0)
         .theta(1.0)
         .traction(Given::function(move |x| exact.side_traction(x)));
-    let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(DEGREE));
     let regions = forms::Regions::default().gamma_n(SIDES).gamma_c("bottom");
-    let mut problem =
-        ContactProblem::new(assembler, &space, forms::Model { data, regions }, constraints).unwrap();
+    let mut problem = ContactProblem::new(&space, forms::Model { data, regions }, constraints)
+        .quadrature(Quadrature::Degree(DEGREE));
     problem.law.data.gamma0 = MARGIN * required_gamma0(&problem, CONTACT_CELLS).unwrap();
     problem.law.data.theta = theta;
     assert!(problem.law.data.gamma0 > required_gamma0(&problem, CONTACT_CELLS).unwrap());

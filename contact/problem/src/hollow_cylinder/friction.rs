@@ -74,7 +74,9 @@ impl Law {
         let regions = frictional::Regions::default().gamma_n(gamma_n.0.name).gamma_c(gamma_c.0.name);
         let (assembler, model) = (problem.assembler.clone(), frictional::Model { data, regions });
         let constraints = problem.constraints.clone();
-        Ok(Law::Frictional(Box::new(ContactProblem::new(assembler, &problem.space, model, constraints)?)))
+        Ok(Law::Frictional(Box::new(
+            ContactProblem::new(&problem.space, model, constraints).assembler(assembler),
+        )))
     }
 
     /// Solution of the direct problem from the state before, with u_D on the inner circle.
@@ -98,7 +100,7 @@ impl Law {
             Law::Frictional(problem) => {
                 problem.constraints = constraints;
                 problem.law.data.displacement_before = Given::field(before);
-                problem.solve_from_stick(before, solver, told)?
+                problem.from_stick()?.start(before).solver(solver).each_step(told).solve()?
             }
         })
     }

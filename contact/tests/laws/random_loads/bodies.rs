@@ -69,7 +69,7 @@ fn two_bodies_at_small_strains() {
         let regions = two_bodies::Regions::default().touch(pairing).gamma_n("upper top");
         let model = two_bodies::Model { data: data(&case, share), regions };
         let held = constraints(&space, case.aside, case.down);
-        let problem = ContactProblem::new(Assembler::new(&mesh), &space, model, held).unwrap();
+        let problem = ContactProblem::new(&space, model, held);
         let found = forces(&problem, &random.start(&space, 0.02), &case);
         if let Some(force) = &found {
             compare(&case, force, answer(&case, case.down, case.aside));
@@ -102,7 +102,7 @@ fn two_bodies_at_finite_strains() {
         let regions = sliding_bodies::Regions::default().touch(pairing).gamma_n("upper top");
         let model = sliding_bodies::Model { data: data(&case, share), regions };
         let held = constraints(&space, shear, down);
-        let problem = ContactProblem::new(Assembler::new(&mesh), &space, model, held).unwrap();
+        let problem = ContactProblem::new(&space, model, held);
         let found = forces(&problem, &start, &case);
         if let Some(force) = &found {
             compare(&case, force, [MU * shear, -pressure]);
@@ -124,7 +124,7 @@ fn glued_bodies() {
         let mut law = model(&assembler, &touch);
         law.data.largest_opening = assembler.history_on_pairs(&touch.0, 4, largest).unwrap();
         let held = constraints(&space, 0.0, -length);
-        let problem = ContactProblem::new(assembler.clone(), &space, law, held).unwrap();
+        let problem = ContactProblem::new(&space, law, held).assembler(assembler.clone());
         let found = forces(&problem, &random.start(&space, 0.005), &case);
         if let Some(force) = &found {
             compare(&case, force, [0.0, torn(length, &mut largest)]);

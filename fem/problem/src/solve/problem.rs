@@ -28,7 +28,9 @@ use crate::assemble::{Assembler, AssemblyError, BlockPattern};
 use crate::constraints::Constraints;
 use crate::contract::Form;
 use crate::field::Field;
+use crate::quadrature::Quadrature;
 use crate::space::Space;
+use crate::threads::Threads;
 
 /// A form with N unknowns, each on its own space; test function k belongs to the space of unknown k. In
 /// vectors and matrices the unknowns of the spaces follow one after the other.
@@ -158,11 +160,23 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         self
     }
 
-    /// The assembler, in place of the default one: for its quadrature, its threads, its cells.
+    /// The quadrature rule, in place of one of the degree that the compiler estimates.
+    pub fn quadrature(mut self, quadrature: Quadrature<D>) -> Self {
+        self.system.assembler = Cow::Owned(self.system.assembler.into_owned().with_quadrature(quadrature));
+        self
+    }
+
+    /// The number of threads of assembly, in place of all. The linear solver has its own.
+    pub fn threads(mut self, threads: Threads) -> Self {
+        self.system.assembler = Cow::Owned(self.system.assembler.into_owned().with_threads(threads));
+        self
+    }
+
+    /// An assembler that was made for more than this problem, with its quadrature, its threads, its cells.
     ///
     /// ```
     /// # use forms_fem::prelude::*;
-    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
     /// # let space = Space::scalar(&mesh, 1)?;
     /// # let form = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), dot(grad(u), grad(v)) - v));
     /// let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));

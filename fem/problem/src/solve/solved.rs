@@ -70,6 +70,11 @@ impl<const D: usize, const N: usize> Solved<D, N> {
         of_pairs.chain(self.remarks.iter().cloned()).collect()
     }
 
+    /// The assembler that the problem was solved with, for all that is asked of the solution in other ways.
+    pub fn assembler(&self) -> &Assembler<D> {
+        &self.assembler
+    }
+
     /// The value of a functional, with the quadrature that the problem was solved with. After [`Problem::on`](super::Problem::on) several
     /// processes it is integrated over all cells on each process that asks, without an exchange.
     ///
