@@ -14,11 +14,7 @@
 //!
 //! Run it with `cargo run --release --bin 04_signorini`.
 
-use std::error::Error;
-use std::process::ExitCode;
-
 use forms_fem::output::picture::{Colour, FieldMap, Picture, Shown};
-use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 
 #[forms]
@@ -74,37 +70,29 @@ const HEIGHT: f64 = 1.0; // mm
 const GAP: f64 = 0.02; // mm
 const PUSH: f64 = 0.1; // mm
 
-fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), Failure> {
     let mesh = rectangle([0.0, 0.0], [WIDTH, HEIGHT], [12, 6], CellShape::Triangle, 1)?;
     let space = Space::vector(&mesh, 1)?;
     let mut constraints = Constraints::new(&space);
     constraints.fix_component("left", 0, |_| 0.0)?;
     constraints.fix_component("top", 1, |_| -PUSH)?;
 
-    let data = block::data()
-        .lambda(YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
-        .mu(YOUNG / (2.0 * (1.0 + POISSON)))
-        .gamma0(10.0 * YOUNG)
-        .down([0.0, -1.0])
-        .gap(|x: &[f64; 2]| x[1] + GAP);
-    let model = block::Model::new(data);
-    let form = model.contact();
-    let solved = Problem::new(&form, &space)
+    let lambda = YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON));
+    let mu = YOUNG / (2.0 * (1.0 + POISSON));
+    let data = block::data().lambda(lambda).mu(mu).gamma0(10.0 * YOUNG).down([0.0, -1.0]);
+    let model = block::Model::new(data.gap(|x: &[f64; 2]| x[1] + GAP));
+    let solved = Problem::new(&model.contact(), &space)
         .constrained(&constraints)
         .each_step(|step| {
             let active = step.active_points.unwrap_or(0);
-            out.line(format!(
-                "Newton {}: residual {:.2e}, {active} active points",
-                step.iteration, step.residual
-            ));
+            println!("Newton {}: residual {:.2e}, {active} active points", step.iteration, step.residual);
         })
         .solve()?;
 
     let force = solved.functional(&model.force(solved.field()))?;
     let exact = YOUNG / (1.0 - POISSON * POISSON) * (PUSH - GAP) / HEIGHT * WIDTH;
-    out.line(format!("contact force {force:.9} N/mm, closed form {exact:.9} N/mm"));
+    println!("contact force {force:.9} N/mm, closed form {exact:.9} N/mm");
 
-    std::fs::create_dir_all("out")?;
     FieldMap::of(solved.field(), Shown::Magnitude, "|u| [mm]")
         .length_unit("mm")
         .deformed(solved.field(), 1.0)
@@ -114,8 +102,4 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
 
     assert!((force - exact).abs() < 1e-9 * exact, "contact force {force}, closed form {exact}");
     Ok(())
-}
-
-fn main() -> ExitCode {
-    program(run)
 }

@@ -10,12 +10,8 @@
 //!
 //! Run it with `cargo run --release --bin 05_plasticity`.
 
-use std::error::Error;
-use std::process::ExitCode;
-
 use forms_fem::assemble::AssemblyError;
 use forms_fem::output::picture::{Curve, FieldMap, LinePlot, Picture, Scale, Shown};
-use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 
 #[forms]
@@ -87,48 +83,47 @@ const MU: f64 = 77e3; // MPa
 const YIELD_STRESS: f64 = 250.0; // MPa
 const HARDENING: f64 = 10e3; // MPa
 
-fn data(assembler: &Assembler<2>) -> Result<metal::Data<2>, AssemblyError> {
-    Ok(metal::data()
+fn model(assembler: &Assembler<2>) -> Result<metal::Model<2>, AssemblyError> {
+    let data = metal::data()
         .lambda(LAMBDA)
         .mu(MU)
         .yield_stress(YIELD_STRESS)
         .hardening(HARDENING)
         .plastic(assembler.history(Entity::Cells, "all", 2, [[0.0; 2]; 2])?)
-        .amount(assembler.history(Entity::Cells, "all", 2, 0.0)?))
+        .amount(assembler.history(Entity::Cells, "all", 2, 0.0)?);
+    Ok(metal::Model::new(data))
 }
 
 /// One load step: equilibrium at given constraints, and the new history written, to be committed.
 fn step(
     assembler: &Assembler<2>,
-    data: &metal::Data<2>,
+    model: &metal::Model<2>,
     constraints: &Constraints<2>,
     start: &Field<2>,
-) -> Result<(Field<2>, Vec<NewtonStep>), Box<dyn Error>> {
-    let omega = metal::Omega::on("all");
-    let predictor = metal::predictor(data, &omega, start);
-    let mut problem = Problem::new(&predictor, start.space()).constrained(constraints).assembler(assembler);
-    let start = problem.solve()?.into_field();
-    let form = metal::equilibrium(data, &omega);
+) -> Result<(Field<2>, Vec<NewtonStep>), Failure> {
+    let predictor = Problem::new(&model.predictor(start), start.space());
+    let start = predictor.constrained(constraints).assembler(assembler).solve()?.into_field();
     let options = NewtonOptions { max_iterations: 15, ..NewtonOptions::default() };
-    let problem = Problem::new(&form, start.space()).constrained(constraints).assembler(assembler);
+    let problem =
+        Problem::new(&model.equilibrium(), start.space()).constrained(constraints).assembler(assembler);
     let solved = problem.start(&start).options(options).solve()?;
-    assembler.update_history(&metal::new_plastic(data, solved.field()), &data.plastic)?;
-    assembler.update_history(&metal::new_amount(data, solved.field()), &data.amount)?;
+    assembler.update_history(&model.new_plastic(solved.field()), &model.data.plastic)?;
+    assembler.update_history(&model.new_amount(solved.field()), &model.data.amount)?;
     Ok((solved.field().clone(), solved.history))
 }
 
-fn commit(data: &metal::Data<2>) {
+fn commit(metal::Model { data, .. }: &metal::Model<2>) {
     data.plastic.commit();
     data.amount.commit();
 }
 
 /// Uniaxial strain up to `LARGEST` and back to zero against the closed form.
-fn block(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
+fn block() -> Result<(), Failure> {
     const LARGEST: f64 = 0.006;
     let mesh = rectangle([0.0; 2], [1.0, 1.0], [2, 2], CellShape::Triangle, 1)?;
     let space = Space::vector(&mesh, 2)?;
     let assembler = Assembler::new(&mesh);
-    let data = data(&assembler)?;
+    let model = model(&assembler)?;
 
     let bulk = LAMBDA + 2.0 / 3.0 * MU;
     let ratio = HARDENING / 3.0 / (MU + HARDENING / 3.0);
@@ -150,11 +145,10 @@ fn block(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         constraints.fix("right", |_| [strain, 0.0])?;
         constraints.fix_component("top", 1, |_| 0.0)?;
         constraints.fix_component("bottom", 1, |_| 0.0)?;
-        (u, _) = step(&assembler, &data, &constraints, &u)?;
+        (u, _) = step(&assembler, &model, &constraints, &u)?;
 
-        let form = metal::stress_along_x(&data, &metal::Omega::on("all"), &u);
-        let stress = assembler.functional(&form)?;
-        commit(&data);
+        let stress = assembler.functional(&model.stress_along_x(&u))?;
+        commit(&model);
         let exact = match loading {
             true => curve(strain, first_yield),
             false => curve(LARGEST, first_yield) - curve(LARGEST - strain, grown),
@@ -164,10 +158,10 @@ fn block(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         stresses.push(stress);
         exact_stresses.push(exact);
     }
-    out.line(format!(
+    println!(
         "uniaxial strain: σ = {:.3} MPa at ε = {LARGEST}, {:.3} MPa back at 0",
         stresses[6], stresses[12]
-    ));
+    );
     LinePlot::new()
         .x_axis("strain", Scale::Linear)
         .y_axis("stress [MPa]", Scale::Linear)
@@ -178,35 +172,35 @@ fn block(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
 }
 
 /// A plate of 4 × 1 mm, clamped on the left; its right end is moved sideways.
-fn plate(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
+fn plate() -> Result<(), Failure> {
     const SIDEWAYS: f64 = 0.06; // mm
     let mesh = rectangle([0.0; 2], [4.0, 1.0], [24, 6], CellShape::Triangle, 1)?;
     let space = Space::vector(&mesh, 2)?;
     let assembler = Assembler::new(&mesh);
-    let data = data(&assembler)?;
+    let model = model(&assembler)?;
 
     let mut histories: Vec<Vec<NewtonStep>> = Vec::new();
-    let solve = |factor: f64, u: &Field<2>| -> Result<Field<2>, Box<dyn Error>> {
+    let solve = |factor: f64, u: &Field<2>| -> Result<Field<2>, Failure> {
         let mut constraints = Constraints::new(&space);
         constraints.fix("left", |_| [0.0, 0.0])?;
         constraints.fix_component("right", 1, |_| factor * SIDEWAYS)?;
-        let (u, history) = step(&assembler, &data, &constraints, u)?;
+        let (u, history) = step(&assembler, &model, &constraints, u)?;
         histories.push(history);
         Ok(u)
     };
     // A step that does not converge is halved, and begins again from the committed history.
     let path = LoadSteps::uniform(4, 1.0)
-        .committing(|_: &Field<2>| commit(&data))
+        .committing(|_: &Field<2>| commit(&model))
         .each_attempt(|step| {
             let outcome = step.failure.as_deref().unwrap_or("equilibrium");
-            out.line(format!("load factor {:.3}: {outcome}", step.factor));
+            println!("load factor {:.3}: {outcome}", step.factor);
         })
         .run(Field::zero(&space), solve)
         .map_err(|error| error.to_string())?;
-    out.line("residuals of the last step, relative to its first:");
+    println!("residuals of the last step, relative to its first:");
     let last = histories.last().ok_or("no step was made")?;
     for step in last {
-        out.line(format!("  {:.3e}", step.relative_residual));
+        println!("  {:.3e}", step.relative_residual);
     }
     // Quadratic convergence: once the zone that flows is found, each step squares the residual, until rounding.
     let residuals: Vec<f64> = last.iter().map(|step| step.relative_residual).collect();
@@ -216,9 +210,9 @@ fn plate(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         assert!(pair[1] < 10.0 * pair[0].powi(2) + 1e-11, "{} after {}", pair[1], pair[0]);
     }
 
-    let amounts = assembler.project(&metal::plastic_amount(&data), &Space::scalar(&mesh, 1)?)?;
+    let amounts = assembler.project(&model.plastic_amount(), &Space::scalar(&mesh, 1)?)?;
     let largest = amounts.values().iter().copied().fold(0.0, f64::max);
-    out.line(format!("largest plastic strain {largest:.4}"));
+    println!("largest plastic strain {largest:.4}");
     assert!(largest > 1e-3, "it flows at the clamp");
     // The projection goes a little below zero.
     FieldMap::of(&amounts, Shown::Component(0), "plastic strain")
@@ -229,12 +223,7 @@ fn plate(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
-    std::fs::create_dir_all("out")?;
-    block(out)?;
-    plate(out)
-}
-
-fn main() -> ExitCode {
-    program(run)
+fn main() -> Result<(), Failure> {
+    block()?;
+    plate()
 }

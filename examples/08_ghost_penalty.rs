@@ -7,11 +7,7 @@
 //!
 //! Run it with `cargo run --release --bin 08_ghost_penalty`.
 
-use std::error::Error;
-use std::process::ExitCode;
-
 use forms_fem::output::picture::{Curve, LinePlot, Picture, Scale};
-use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 
 #[forms]
@@ -46,7 +42,7 @@ fn exact(x: f64) -> f64 {
     x - (((x - 1.0) / DIFFUSIVITY).exp() - low) / (1.0 - low)
 }
 
-fn solve(weight: f64) -> Result<Field<2>, Box<dyn Error>> {
+fn solve(weight: f64) -> Result<Field<2>, Failure> {
     let mesh = rectangle([0.0, 0.0], [1.0, 1.0], [20, 20], CellShape::Triangle, 1)?;
     let space = Space::scalar(&mesh, 1)?;
     let mut constraints = Constraints::new(&space);
@@ -57,7 +53,7 @@ fn solve(weight: f64) -> Result<Field<2>, Box<dyn Error>> {
     Ok(Problem::new(&form, &space).constrained(&constraints).solve()?.into_field())
 }
 
-fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), Failure> {
     let x: Vec<f64> = (0..=200).map(|k| f64::from(k) / 200.0).collect();
     let closed_form: Vec<f64> = x.iter().map(|x| exact(*x)).collect();
     let mut plot = LinePlot::new()
@@ -74,19 +70,14 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         // Away from the layer, which four cells cover.
         let away = x.iter().zip(&values).filter(|(x, _)| **x <= 0.8);
         let error = away.map(|(x, u)| (u - exact(*x)).abs()).fold(0.0, f64::max);
-        out.line(format!("{name:18} largest error for x ≤ 0.8: {error:.2e}"));
+        println!("{name:18} largest error for x ≤ 0.8: {error:.2e}");
         errors.push(error);
         plot = plot.curve(Curve::new(name, &x, &values).without_markers());
     }
 
-    std::fs::create_dir_all("out")?;
     plot.write_png("out/08_ghost_penalty.png")?;
 
     assert!(errors[1] < 2e-2, "the stabilised solution is off by {}", errors[1]);
     assert!(errors[0] > 10.0 * errors[1], "the plain method is as good: {errors:?}");
     Ok(())
-}
-
-fn main() -> ExitCode {
-    program(run)
 }

@@ -15,13 +15,10 @@
 //!
 //! Run it with `cargo run --release --bin 09_multiplier_contact`.
 
-use std::error::Error;
 use std::f64::consts::PI;
-use std::process::ExitCode;
 
 use forms_fem::mesh::structured;
 use forms_fem::output::picture::{Curve, LinePlot, Picture, Scale};
-use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 
 #[forms]
@@ -87,7 +84,7 @@ const POISSON: f64 = 0.3;
 const RADIUS: f64 = 20.0; // mm
 const DEPTH: f64 = 0.05; // mm, how far the cylinder is pushed in
 
-fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), Failure> {
     // A block of 16 × 8 mm with finer cells below the cylinder.
     let finer = |[s, t]: [f64; 2]| {
         let (x, y) = (2.0 * s - 1.0, t - 1.0);
@@ -100,29 +97,22 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let mut held = Constraints::new(&displacements);
     held.fix("bottom", |_| [0.0, 0.0])?;
 
-    let data = pressed::data()
-        .lambda(YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
-        .mu(YOUNG / (2.0 * (1.0 + POISSON)))
-        .switch(YOUNG)
-        .gamma0(10.0 * YOUNG)
-        .up([0.0, 1.0])
-        .gap(|x: &[f64; 2]| x[0] * x[0] / (2.0 * RADIUS) - DEPTH);
-    let model = pressed::Model::new(data);
-    let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
+    let lambda = YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON));
+    let mu = YOUNG / (2.0 * (1.0 + POISSON));
+    let data = pressed::data().lambda(lambda).mu(mu).switch(YOUNG).gamma0(10.0 * YOUNG).up([0.0, 1.0]);
+    let model = pressed::Model::new(data.gap(|x: &[f64; 2]| x[0] * x[0] / (2.0 * RADIUS) - DEPTH));
 
-    let form = model.contact();
-    let solved = Problem::new(&form, [&displacements, &pressures])
+    let solved = Problem::new(&model.contact(), [&displacements, &pressures])
         .constrained(&held)
-        .assembler(&assembler)
-        .each_step(|step| out.line(format!("Newton {}: residual {:.2e}", step.iteration, step.residual)))
+        .quadrature(Quadrature::Degree(6))
+        .each_step(|step| println!("Newton {}: residual {:.2e}", step.iteration, step.residual))
         .solve()?;
     let [_, p] = &solved.fields;
-    let force = assembler.functional(&model.force(p))?;
+    let force = solved.functional(&model.force(p))?;
 
-    let form = model.nitsche();
-    let without =
-        Problem::new(&form, &displacements).constrained(&held).assembler(&assembler).solve()?.into_field();
-    let nitsche_force = assembler.functional(&model.nitsche_force(&without))?;
+    let problem = Problem::new(&model.nitsche(), &displacements).quadrature(Quadrature::Degree(6));
+    let without = problem.constrained(&held).solve()?;
+    let nitsche_force = without.functional(&model.nitsche_force(without.field()))?;
 
     // The pressure along the top, by x.
     let along = |samples: Vec<forms_fem::assemble::FacetSample<2>>| {
@@ -132,19 +122,18 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         let split: (Vec<f64>, Vec<f64>) = pairs.into_iter().map(|[x, value]| (x, value)).unzip();
         split
     };
-    let (x, pressure) = along(assembler.along_facets_uniformly(&model.pressure(p), "top", 3)?);
-    let shown = model.nitsche_pressure(&without);
-    let (nitsche_x, nitsche_pressure) = along(assembler.along_facets_uniformly(&shown, "top", 3)?);
+    let (x, pressure) = along(solved.assembler().along_facets_uniformly(&model.pressure(p), "top", 3)?);
+    let shown = model.nitsche_pressure(without.field());
+    let (nitsche_x, nitsche_pressure) = along(without.assembler().along_facets_uniformly(&shown, "top", 3)?);
 
     let stiffness = YOUNG / (1.0 - POISSON * POISSON);
     let peak = (force * stiffness / (PI * RADIUS)).sqrt();
     let width = 2.0 * force / (PI * peak);
     let hertz = |x: f64| peak * (1.0 - (x / width).powi(2)).max(0.0).sqrt();
     let largest = pressure.iter().copied().fold(0.0, f64::max);
-    out.line(format!("force             {force:.4} N/mm, by Nitsche's method {nitsche_force:.4} N/mm"));
-    out.line(format!("largest pressure  {largest:.3} MPa, Hertz {peak:.3} MPa"));
+    println!("force             {force:.4} N/mm, by Nitsche's method {nitsche_force:.4} N/mm");
+    println!("largest pressure  {largest:.3} MPa, Hertz {peak:.3} MPa");
 
-    std::fs::create_dir_all("out")?;
     let fine: Vec<f64> = (0..=400).map(|k| f64::from(k) / 100.0 - 2.0).collect();
     let closed_form: Vec<f64> = fine.iter().map(|x| hertz(*x)).collect();
     LinePlot::new()
@@ -158,8 +147,4 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     assert!((force - nitsche_force).abs() < 2e-3 * force, "forces {force} and {nitsche_force}");
     assert!((largest - peak).abs() < 0.03 * peak, "largest pressure {largest}, Hertz {peak}");
     Ok(())
-}
-
-fn main() -> ExitCode {
-    program(run)
 }

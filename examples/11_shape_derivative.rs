@@ -6,11 +6,7 @@
 //!
 //! Run it with `cargo run --release --bin 11_shape_derivative`.
 
-use std::error::Error;
-use std::process::ExitCode;
-
 use forms_fem::output::picture::{FieldMap, Picture, Shown};
-use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 use forms_fem::verification;
 
@@ -47,7 +43,7 @@ mod bar {
 }
 
 /// J on a mesh, with its state.
-fn rigidity(mesh: &Mesh<2>) -> Result<(f64, Field<2>), Box<dyn Error>> {
+fn rigidity(mesh: &Mesh<2>) -> Result<(f64, Field<2>), Failure> {
     let space = Space::scalar(mesh, 2)?;
     let mut held = Constraints::new(&space);
     held.fix("boundary", |_| 0.0)?;
@@ -58,7 +54,7 @@ fn rigidity(mesh: &Mesh<2>) -> Result<(f64, Field<2>), Box<dyn Error>> {
     Ok((value, solved.into_field()))
 }
 
-fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), Failure> {
     let mesh = rectangle([-1.0, -0.5], [1.0, 0.5], [24, 12], CellShape::Triangle, 1)?;
     let (value, u) = rigidity(&mesh)?;
     let model = bar::Model { regions: bar::Regions::default().outline("boundary") };
@@ -72,21 +68,20 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let movements = Space::of_geometry(&mesh)?;
     let growth = Field::interpolate(&movements, |x| *x)?;
     let derivative = assembler.functional(&model.along(&u, &p, &growth))?;
-    out.line(format!("J = {value:.9}, derivative along x = {derivative:.9}, 4 J = {:.9}", 4.0 * value));
+    println!("J = {value:.9}, derivative along x = {derivative:.9}, 4 J = {:.9}", 4.0 * value);
 
     // Is it the derivative of what the program computes? A Taylor test along some other movement says so.
     let wave = Field::interpolate(&movements, |x| [(2.0 * x[1]).sin(), x[0] * x[1] + 0.3 * x[0]])?;
     let slope = assembler.functional(&model.along(&u, &p, &wave))?;
     let report = verification::shape(&wave, 0.1, slope, |moved| {
         let (value, _) = rigidity(moved)?;
-        Ok::<_, Box<dyn Error>>(value.into())
+        Ok::<_, Failure>(value.into())
     })?;
-    out.line(&report);
+    println!("{}", report);
     report.second_order()?;
 
     let steepest = model.steepest(&u, &p);
     let steepest = Problem::new(&steepest, &movements).solve()?.into_field();
-    std::fs::create_dir_all("out")?;
     FieldMap::of(&u, Shown::Component(0), "u")
         .arrows(&steepest, "where the section must grow", "")
         .write_png("out/11_shape_derivative.png")?;
@@ -95,8 +90,4 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let along_steepest = assembler.functional(&model.along(&u, &p, &steepest))?;
     assert!(along_steepest > 0.0, "the rigidity falls along the steepest movement");
     Ok(())
-}
-
-fn main() -> ExitCode {
-    program(run)
 }

@@ -16,14 +16,10 @@
 //! Run it with `cargo run --release --bin 12_two_bodies -- [FINENESS] [STEPS OF PRESSING] [STEPS OF SLIDING]`. A step of sliding is a
 //! fifth of a millimetre; the fineness of the benchmark is 4, and half of the way are 25 steps.
 
-use std::error::Error;
-use std::process::ExitCode;
-
 use forms_contact::ContactProblem;
 use forms_contact::laws::sliding_bodies as law;
 use forms_fem::mesh::structured;
 use forms_fem::output::picture::{Curve, FieldMap, LinePlot, Picture, Scale, Shown};
-use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 use forms_fem::solve::LoadSteps;
 
@@ -36,7 +32,7 @@ const DOWN: f64 = 1.0;
 const ALONG: f64 = 10.0;
 
 /// A foundation of 12 × 4 mm, and a block with an arc for its lower side; the benchmark's mesh at a fineness of 4.
-pub fn mesh(fineness: usize) -> Result<Mesh<2>, Box<dyn Error>> {
+pub fn mesh(fineness: usize) -> Result<Mesh<2>, Failure> {
     let cells = [30 * fineness, 15 * fineness / 2];
     let foundation = rectangle([0.0; 2], [12.0, 4.0], cells, CellShape::Quadrilateral, 1)?;
     let block = structured([3 * fineness, 3 * fineness / 2], CellShape::Quadrilateral, 1, |[s, t]| {
@@ -70,7 +66,7 @@ pub fn problem(
     space: &Arc<Space<2>>,
     before: &Field<2>,
     way: f64,
-) -> Result<ContactProblem<2, law::Model<2>>, Box<dyn Error>> {
+) -> Result<ContactProblem<2, law::Model<2>>, Failure> {
     let mut constraints = Constraints::new(space);
     constraints.fix("foundation bottom", |_| [0.0, 0.0])?;
     // Up to 1 it goes down, then along.
@@ -82,27 +78,26 @@ pub fn problem(
     Ok(ContactProblem::new(space, law, constraints))
 }
 
-fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
-    std::fs::create_dir_all("out")?;
+fn main() -> Result<(), Failure> {
     let counts: Vec<usize> = std::env::args().skip(1).map(|count| count.parse()).collect::<Result<_, _>>()?;
     let given = |place: usize, otherwise: usize| counts.get(place).copied().unwrap_or(otherwise);
     let [fineness, pressing, sliding] = [given(0, 2), given(1, 8), given(2, 10)];
     let mesh = mesh(fineness.max(1))?;
     let space = Space::vector(&mesh, 1)?;
-    out.line(format!("{} unknowns", space.unknowns()));
+    println!("{} unknowns", space.unknowns());
 
     let (mut ways, mut upward, mut along) = (vec![], vec![], vec![]);
-    let solve = |step: &Increment<'_, Field<2>>| -> Result<Field<2>, Box<dyn Error>> {
+    let solve = |step: &Increment<'_, Field<2>>| -> Result<Field<2>, Failure> {
         let way = step.factor;
         let problem = problem(&space, step.before, way)?;
         let solved = problem.direct()?.increment(step).solve()?;
         let force = solved.reaction("foundation bottom")?;
-        out.line(format!(
+        println!(
             "way {way:.3}: {:2} Newton steps, force {:8.3} down, {:8.3} along [N/mm]",
             solved.history.len() - 1,
             force[1],
             -force[0]
-        ));
+        );
         ways.push(way);
         upward.push(force[1]);
         along.push(-force[0]);
@@ -124,8 +119,4 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         .deformed(&path.state, 1.0)
         .write_png("out/12_two_bodies.png")?;
     Ok(())
-}
-
-fn main() -> ExitCode {
-    program(run)
 }

@@ -222,7 +222,6 @@ fn draw<'c>(
 }
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
-    std::fs::create_dir_all("out")?;
     let counts: Vec<usize> = std::env::args().skip(1).map(|count| count.parse()).collect::<Result<_, _>>()?;
     let given = |place: usize, otherwise: usize| counts.get(place).copied().unwrap_or(otherwise).max(1);
     let (cells, size) = (given(0, 60), 1.0 / given(1, 400) as f64);

@@ -94,7 +94,6 @@ fn draw(u: &Field<3>, along: usize, way: f64, path: &str) -> Result<(), Box<dyn 
 }
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
-    std::fs::create_dir_all("out")?;
     let counts: Vec<usize> = std::env::args().skip(1).map(|count| count.parse()).collect::<Result<_, _>>()?;
     let given = |place: usize, otherwise: usize| counts.get(place).copied().unwrap_or(otherwise).max(1);
     let [along, pressing, sliding] = [given(0, 32), given(1, 5), given(2, 28)];

@@ -117,7 +117,6 @@ fn draw(u: &Field<3>, along: usize, path: &str) -> Result<(), Box<dyn Error>> {
 }
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
-    std::fs::create_dir_all("out")?;
     let counts: Vec<usize> = std::env::args().skip(1).map(|count| count.parse()).collect::<Result<_, _>>()?;
     let given = |place: usize, otherwise: usize| counts.get(place).copied().unwrap_or(otherwise).max(1);
     let [along, pressing, sliding] = [given(0, 12), given(1, 14), given(2, 20)];

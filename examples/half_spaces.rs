@@ -79,7 +79,6 @@ fn draw(title: &str, label: &str, [exact, found]: [Curve; 2], path: &str) -> Res
 }
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
-    std::fs::create_dir_all("out")?;
     let counts: Vec<usize> = std::env::args().skip(1).map(|count| count.parse()).collect::<Result<_, _>>()?;
     let given = |place: usize, otherwise: usize| counts.get(place).copied().unwrap_or(otherwise);
     let [in_plane, in_space] = [given(0, 16), given(1, 4)];

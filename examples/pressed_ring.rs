@@ -185,7 +185,6 @@ impl Setting {
 }
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
-    std::fs::create_dir_all("out")?;
     let counts: Vec<usize> = std::env::args().skip(1).map(|count| count.parse()).collect::<Result<_, _>>()?;
     let given = |place: usize, otherwise: usize| counts.get(place).copied().unwrap_or(otherwise).max(1);
     let [along, steps] = [given(0, 64), given(1, 44)];

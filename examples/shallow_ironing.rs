@@ -9,7 +9,6 @@
 #[path = "12_two_bodies.rs"]
 mod tutorial;
 
-use std::error::Error;
 use std::process::ExitCode;
 
 use forms_fem::output::picture::{Colour, Curve, FieldMap, LinePlot, Picture, Scale, Shown};
@@ -37,8 +36,7 @@ struct Run {
 const PUBLISHED: [(f64, [f64; 2], [f64; 2]); 2] =
     [(1.0, [267.9, 332.0], [55.3, 71.0]), (1.5, [337.4, 421.0], [102.1, 188.8])];
 
-fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
-    std::fs::create_dir_all("out")?;
+fn run(out: &mut StandardOutput) -> Result<(), Failure> {
     let counts: Vec<usize> = std::env::args().skip(1).map(|count| count.parse()).collect::<Result<_, _>>()?;
     let given = |place: usize, otherwise: usize| counts.get(place).copied().unwrap_or(otherwise).max(1);
     let [fineness, pressing, sliding] = [given(0, 4), given(1, 8), given(2, 25)];
@@ -48,7 +46,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     out.line("| --: | --: | --: | --: |");
 
     let mut ours = vec![Forces { way: 0.0, down: 0.0, along: 0.0 }];
-    let solve = |step: &Increment<'_, Field<2>>| -> Result<Field<2>, Box<dyn Error>> {
+    let solve = |step: &Increment<'_, Field<2>>| -> Result<Field<2>, Failure> {
         let problem = tutorial::problem(&space, step.before, step.factor)?;
         let mut steps = 0_usize;
         let count = |newton: &NewtonStep| steps += usize::from(newton.iteration > 0);
@@ -86,7 +84,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
 }
 
 /// Both curves, and the published band as bars.
-fn draw(ours: &[Forces], getfem: &[Forces]) -> Result<(), Box<dyn Error>> {
+fn draw(ours: &[Forces], getfem: &[Forces]) -> Result<(), Failure> {
     let column = |curve: &[Forces], value: fn(&Forces) -> f64| curve.iter().map(value).collect::<Vec<_>>();
     let curve = |name: &str, forces: &[Forces], value| {
         Curve::new(name, &column(forces, |forces| forces.way), &column(forces, value)).without_markers()

@@ -150,7 +150,6 @@ fn model(density: Field<2>) -> cantilever::Model<2> {
 }
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
-    std::fs::create_dir_all("out")?;
     let counts: Vec<usize> = std::env::args().skip(1).map(|count| count.parse()).collect::<Result<_, _>>()?;
     let along = counts.first().copied().unwrap_or(120);
     let iterations = counts.get(1).copied().unwrap_or(200);

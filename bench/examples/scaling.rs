@@ -76,7 +76,6 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         ));
     }
 
-    std::fs::create_dir_all("out")?;
     let mut csv = format!("{}\n", COLUMNS.map(|name| format!("\"{name}\"")).join(","));
     for row in &rows {
         let _ = writeln!(csv, "{}", row.iter().map(f64::to_string).collect::<Vec<_>>().join(","));

@@ -70,7 +70,6 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Box<dyn Error>
     ));
     out.line(format!("pressure profile: {:.2} % from Hertz in the L² norm", 100.0 * error));
 
-    std::fs::create_dir_all("out")?;
     let pressure = forms::contact_pressure(data, &u);
     let picture = |part: &str| format!("out/{}{part}.png", contact.name());
     // Along the x axis, at the nodes.

@@ -33,7 +33,7 @@ mod nitsche {
     }
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> Result<(), Failure> {
     let mesh = rectangle([0.0; 2], [2.0, 1.0], [32, 16], CellShape::Quadrilateral, 1)?;
     let space = Space::vector(&mesh, 2)?;
     let mut constraints = Constraints::new(&space);
@@ -44,13 +44,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = nitsche::Model::new(data);
 
     // A kink is no polynomial: a higher degree than the polynomials next to it need.
-    let direct = model.direct();
-    let solved =
-        Problem::new(&direct, &space).quadrature(Quadrature::Degree(6)).constrained(&constraints).solve()?;
+    let problem = Problem::new(&model.direct(), &space).quadrature(Quadrature::Degree(6));
+    let solved = problem.constrained(&constraints).solve()?;
     let u = solved.field();
-    let adjoint = model.adjoint(u);
-    let p =
-        Problem::new(&adjoint, &space).quadrature(Quadrature::Degree(6)).homogeneous(&constraints).solve()?;
+    let problem = Problem::new(&model.adjoint(u), &space).assembler(solved.assembler());
+    let p = problem.homogeneous(&constraints).solve()?;
     println!("energy {:.4}, Newton steps {}", solved.functional(&model.energy(u))?, solved.iterations());
     println!("p in the middle of the contact {:?}", p.field().evaluate(&[1.0, 0.0])?);
     Ok(())

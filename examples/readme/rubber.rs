@@ -22,7 +22,7 @@ mod rubber {
     }
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> Result<(), Failure> {
     let mesh = cuboid([0.0; 3], [2.0, 1.0, 1.0], [8, 4, 4], CellShape::Hexahedron, 1)?;
     let space = Space::vector(&mesh, 1)?;
     let mut constraints = Constraints::new(&space);

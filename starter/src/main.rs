@@ -1,10 +1,6 @@
 //! Heat in a plate whose conductivity k(T) = 1 + c T grows with temperature: a form, Newton's method, a picture.
 
-use std::error::Error;
-use std::process::ExitCode;
-
 use forms_fem::output::picture::{FieldMap, Picture, Shown};
-use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 
 /// The physics. Change it: the tangent, the kernels and the quadrature degree follow.
@@ -34,7 +30,7 @@ pub mod heat {
     }
 }
 
-fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), Failure> {
     // Hot at the left, cold at the right, insulated below and above.
     let mesh = rectangle([0.0, 0.0], [2.0, 1.0], [32, 16], CellShape::Quadrilateral, 1)?;
     let space = Space::scalar(&mesh, 2)?;
@@ -43,25 +39,19 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     constraints.fix("right", |_| 0.0)?;
 
     let model = heat::Model::new(heat::data().growth(2.0).source(0.0));
-    let form = model.balance();
-    let solved = Problem::new(&form, &space)
+    let solved = Problem::new(&model.balance(), &space)
         .constrained(&constraints)
-        .each_step(|step| out.line(format!("Newton step {}: residual {:.2e}", step.iteration, step.residual)))
+        .each_step(|step| println!("Newton step {}: residual {:.2e}", step.iteration, step.residual))
         .solve()?;
 
     let flux = solved.at_points(&model.flux(solved.field()), &[[1.0, 0.5]])?;
-    out.line(format!("heat flux in the middle: {:?}", flux.values[0]));
+    println!("heat flux in the middle: {:?}", flux.values[0]);
 
     // Kirchhoff: T + T²/2 · c falls linearly from left to right, so the flux is (1 + c/2)/2 everywhere.
     let exact = (1.0 + model.data.growth / 2.0) / 2.0;
     assert!((flux.values[0][0] - exact).abs() < 1e-3 * exact, "the flux is {:?}", flux.values[0]);
 
-    std::fs::create_dir_all("out")?;
     FieldMap::of(solved.field(), Shown::Component(0), "T").write_png("out/temperature.png")?;
-    out.line("picture: out/temperature.png");
+    println!("picture: out/temperature.png");
     Ok(())
-}
-
-fn main() -> ExitCode {
-    program(run)
 }

@@ -37,15 +37,15 @@ fn poisson_gives_the_centre_value_of_the_series() {
 /// The picture is there though nothing could be printed, and the exit code says so.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_tutorial_whose_standard_output_is_full_says_so() {
+fn a_program_whose_standard_output_is_full_says_so() {
     let directory = tempfile::tempdir().expect("a directory");
     let full = fs::File::create("/dev/full").expect("the device");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_01_poisson"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_eigenmodes"));
     let output = command.current_dir(&directory).stdout(full).output().expect("the program starts");
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{errors}");
     assert!(errors.starts_with("error: the standard output cannot be written: "), "{errors}");
-    assert!(directory.path().join("out").join("01_poisson.png").exists());
+    assert!(directory.path().join("out").join("membrane_modes.png").exists());
 }
 
 #[test]

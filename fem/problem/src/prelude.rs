@@ -13,6 +13,7 @@ pub use crate::element::Elements;
 pub use crate::field::Field;
 pub use crate::mesh::{Facet, Mesh, annulus, ball, cuboid, disc, half_disc, hollow_cylinder, rectangle};
 pub use crate::norms;
+pub use crate::output::Failure;
 pub use crate::quadrature::{Quadrature, QuadratureRule};
 pub use crate::solve::{
     CondensedSolver, Eigenproblem, Increment, LineSearch, LinearSolver, LoadSteps, LuSolver, MultigridSolver,

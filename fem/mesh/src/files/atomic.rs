@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A file written by way of a temporary one in the same directory, which is renamed when it is complete. A
 /// reader sees the old file or the new one, never a part. On an error the old file stays and the temporary one
-/// is removed. A file that was there passes its permissions on.
+/// is removed. A file that was there passes its permissions on. Directories that are missing are made.
 ///
 /// A symbolic link stays: the file that it leads to is written. What is no ordinary file, as a device or a named pipe,
 /// stays too and is written through, and so is a file that is this process's standard output; there an error can leave a part.
@@ -158,6 +158,7 @@ fn create_beside(path: &Path) -> io::Result<(PathBuf, File)> {
     let Some(name) = path.file_name() else {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "not the name of a file"));
     };
+    let mut made = false;
     loop {
         let mut hidden = OsString::from(".");
         hidden.push(name);
@@ -165,6 +166,11 @@ fn create_beside(path: &Path) -> io::Result<(PathBuf, File)> {
         let temporary = path.with_file_name(hidden);
         match OpenOptions::new().write(true).create_new(true).open(&temporary) {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
+            Err(error) if error.kind() == io::ErrorKind::NotFound && !made => {
+                // A path without a parent has a directory.
+                path.parent().map_or(Ok(()), fs::create_dir_all)?;
+                made = true;
+            }
             result => return result.map(|file| (temporary, file)),
         }
     }
@@ -265,13 +271,14 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn a_missing_directory_is_named() {
+    fn missing_directories_are_made() {
         let directory = TestDirectory::new("atomic-missing");
-        let error = write_whole(directory.0.join("nowhere").join("a.txt"), |_| Ok(())).unwrap_err();
-        assert_eq!(error.kind(), io::ErrorKind::NotFound);
-        assert!(error.to_string().contains("a.txt"));
+        write_whole(directory.0.join("new/below/a.txt"), |writer| writer.write_all(b"first")).unwrap();
+        assert_eq!(fs::read(directory.0.join("new/below/a.txt")).unwrap(), b"first");
+        let error = write_whole(directory.0.join("new/below/a.txt/b.txt"), |_| Ok(())).unwrap_err();
+        assert!(error.to_string().contains("b.txt"), "{error}");
+        fs::remove_dir_all(directory.0.join("new")).unwrap();
         assert!(write_whole(directory.0.join(".."), |_| Ok(())).is_err());
-        assert!(check_writable(directory.0.join("nowhere").join("a.txt")).is_err());
         assert!(check_writable(directory.0.join("..")).is_err());
         check_writable(directory.0.join("a.txt")).unwrap();
         assert_eq!(fs::read_dir(&directory.0).unwrap().count(), 0);

@@ -10,7 +10,7 @@ pub mod vtu_series;
 
 pub use forms_mesh::files::{atomic, check_writable, write_whole};
 pub use matrix_market::write_matrix_market;
-pub use standard_output::{StandardOutput, one_line, program, tell};
+pub use standard_output::{Failure, StandardOutput, one_line, program, tell};
 pub use time_series::{Crossing, TimeSeries, TimeSeriesError};
 pub use vtu::{VtuError, VtuFile};
 pub use vtu_series::VtuSeries;

@@ -1,7 +1,8 @@
 //! The standard streams of a program that has more to do than to print: a reader who goes away, or a full disk, does not
 //! stop it.
 
-use std::fmt::{self, Display};
+use std::error::Error;
+use std::fmt::{self, Debug, Display};
 use std::io::{self, Write};
 use std::process::ExitCode;
 
@@ -100,6 +101,37 @@ pub fn program<E: Display>(run: impl FnOnce(&mut StandardOutput) -> Result<(), E
             ExitCode::FAILURE
         }
         (Ok(()), Ok(())) => ExitCode::SUCCESS,
+    }
+}
+
+/// Any error, as the end of a small program: `fn main() -> Result<(), Failure>` prints it in words. It is made by `?`, also of a text.
+///
+/// ```
+/// use forms_fem::output::Failure;
+///
+/// fn largest(values: &[f64]) -> Result<f64, Failure> {
+///     Ok(values.iter().copied().reduce(f64::max).ok_or("there are no values")?)
+/// }
+/// assert_eq!(format!("{:?}", largest(&[]).unwrap_err()), "there are no values");
+/// ```
+pub struct Failure(Box<dyn Error>);
+
+impl<E: Into<Box<dyn Error>>> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Failure(error.into())
+    }
+}
+
+impl Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&one_line(&self.0.to_string()))
+    }
+}
+
+/// As text: Rust prints an error of `main` in this way.
+impl Debug for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        Display::fmt(self, f)
     }
 }
 
