@@ -48,7 +48,6 @@ fn measure<const D: usize>(out: &mut StandardOutput, mesh: Mesh<D>, by_lu: bool)
 where
     Dim: Dimension<D>,
 {
-    let mesh = Arc::new(mesh);
     let (bodies, pressures) = (Space::vector(&mesh, 2)?, Space::scalar(&mesh, 1)?);
     let mut held = Constraints::new(&bodies);
     held.fix("left", |_| [0.0; D])?;

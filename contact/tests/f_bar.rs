@@ -65,14 +65,14 @@ const INNER: f64 = 1.0;
 const OUTER: f64 = 2.0;
 
 /// A quarter of a ring, symmetric about both axes: 4 cells along the radius, 8 around, with bent sides.
-fn quarter() -> Arc<Mesh<2>> {
+fn quarter() -> Mesh<2> {
     let flat = rectangle([INNER, 0.0], [OUTER, PI / 2.0], [4, 8], CellShape::Quadrilateral, 2).unwrap();
     let nodes = flat.nodes().iter().map(|[r, angle]| [r * angle.cos(), r * angle.sin()]).collect();
     let mut mesh = Mesh::from_parts(CellShape::Quadrilateral, 2, nodes, flat.cells().to_vec()).unwrap();
     mesh.name_facets("inner", "boundary", |x| (x[0].hypot(x[1]) - INNER).abs() < 0.05).unwrap();
     mesh.name_facets("bottom", "boundary", |x| x[1].abs() < 1e-9).unwrap();
     mesh.name_facets("left", "boundary", |x| x[0].abs() < 1e-9).unwrap();
-    Arc::new(mesh)
+    mesh
 }
 
 fn symmetric(space: &Arc<Space<2>>) -> Constraints<2> {
@@ -85,7 +85,7 @@ fn symmetric(space: &Arc<Space<2>>) -> Constraints<2> {
 /// μ = 1 and Poisson's ratio.
 fn data(poisson: f64, pressure: f64) -> ring::Data<2> {
     let lambda = 2.0 * poisson / (1.0 - 2.0 * poisson);
-    ring::Data { lambda, mu: 1.0, pressure, gamma: 40.0, wanted: [0.0; 2].into() }
+    ring::data().lambda(lambda).mu(1.0).pressure(pressure).gamma(40.0).wanted([0.0; 2])
 }
 
 /// The largest error of the radial displacement at nodes, by the largest exact one.
@@ -183,7 +183,7 @@ fn the_energy_has_exact_derivatives() {
 }
 
 /// Bent cells: the mean over a cell is not its value at the middle.
-fn block() -> Arc<Mesh<2>> {
+fn block() -> Mesh<2> {
     let flat = rectangle([0.0; 2], [1.0, 1.0], [4, 3], CellShape::Quadrilateral, 1).unwrap();
     let moved = |x: &[f64; 2]| {
         let bubble = 16.0 * x[0] * (1.0 - x[0]) * x[1] * (1.0 - x[1]);
@@ -193,7 +193,7 @@ fn block() -> Arc<Mesh<2>> {
     let mut mesh = Mesh::from_parts(CellShape::Quadrilateral, 1, nodes, flat.cells().to_vec()).unwrap();
     mesh.name_facets("bottom", "boundary", |x| x[1].abs() < 1e-9).unwrap();
     mesh.name_facets("top", "boundary", |x| (x[1] - 1.0).abs() < 1e-9).unwrap();
-    Arc::new(mesh)
+    mesh
 }
 
 /// Stresses on facets are those of the cells: a linear deformation held by Nitsche's method on the whole boundary stays, and where only
@@ -213,7 +213,7 @@ fn tractions_on_facets_fit_the_cells() {
     let stress = 2.0 * data.lambda * 0.1;
     assert!(residual.iter().all(|entry| entry.abs() < 1e-12 * stress), "{residual:?}");
 
-    data.wanted = [0.05, -0.03].into();
+    data.wanted = Given::constant([0.05, -0.03]);
     let top = ring::Held::on("top");
     let mut constraints = Constraints::new(&space);
     constraints.fix("bottom", |_| [0.0; 2]).unwrap();

@@ -30,7 +30,7 @@ pub struct Study {
     /// Meshes that follow the estimate.
     pub adaptive: Vec<Row>,
     /// A mesh whose cells can be seen in a picture.
-    pub mesh: Arc<Mesh<2>>,
+    pub mesh: Mesh<2>,
 }
 
 /// Cells that can be distinguished in a picture.

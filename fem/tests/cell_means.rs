@@ -105,7 +105,7 @@ where
 }
 
 /// Bent cells that face each other without matching.
-fn meshes() -> Vec<Arc<Mesh<2>>> {
+fn meshes() -> Vec<Mesh<2>> {
     let below = |[x, y]: [f64; 2]| [x + 0.1 * y * (1.0 - y), y + 0.07 * (1.0 - y) * (3.0 * x).sin()];
     let above = |[x, y]: [f64; 2]| [x + 0.05 + 0.1 * (y - 1.0), y + 0.03 + 0.06 * (y - 1.0) * x * y];
     let pairs = [[CellShape::Quadrilateral; 2], [CellShape::Triangle, CellShape::Quadrilateral]];
@@ -115,7 +115,7 @@ fn meshes() -> Vec<Arc<Mesh<2>>> {
         .collect()
 }
 
-fn numbers_agree<const D: usize>(mesh: &Arc<Mesh<D>>, degrees: &[usize])
+fn numbers_agree<const D: usize>(mesh: &Mesh<D>, degrees: &[usize])
 where
     Dim: Dimension<D>,
 {
@@ -138,7 +138,7 @@ where
                 assert!(found < 1e-22, "degree {degree}, rule {rule}, place {place}: {found:e}");
             }
         }
-        let data = of_data::Data { k: 0.7, seen: Given::field(&u) };
+        let data = of_data::data().k(0.7).seen(&u);
         let assembler = Assembler::new(mesh);
         assert!(assembler.functional(&of_data::with_coefficients(&data, &omega, &u)).unwrap() < 1e-24);
         assert_eq!(assembler.functional(&numbers::gradient_vanishes(&omega, &u)).unwrap(), 0.0);
@@ -161,11 +161,12 @@ fn the_same_number_in_cells_on_facets_and_on_pairs() {
 
 #[test]
 fn data_without_a_mean_are_errors() {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1).unwrap();
     let (omega, assembler) = (numbers::Omega::on("all"), Assembler::new(&mesh));
-    let of =
-        |seen: Given<f64, 2>| assembler.functional(&of_data::read(&of_data::Data { k: 1.0, seen }, &omega));
-    assert!((of(3.0.into()).unwrap() - 3.0).abs() < 1e-15);
+    let of = |seen: Given<f64, 2>| {
+        assembler.functional(&of_data::read(&of_data::data().k(1.0).seen(seen), &omega))
+    };
+    assert!((of(Given::constant(3.0)).unwrap() - 3.0).abs() < 1e-15);
     assert!(matches!(
         of(Given::function(|x| x[0])),
         Err(AssemblyError::MeanOfFunction { form: "read", field: "seen" })
@@ -173,7 +174,7 @@ fn data_without_a_mean_are_errors() {
     let on_wall = Space::on_facets(&mesh, "boundary", 1).unwrap();
     let failed = of(Given::field(&Field::zero(&on_wall)));
     assert!(matches!(failed, Err(AssemblyError::MeanOnFacets { field: "seen", .. })), "{failed:?}");
-    let data = of_data::Data { k: 1.0, seen: 0.0.into() };
+    let data = of_data::data().k(1.0).seen(0.0);
     let form = of_data::tested(&data, &numbers::Wall::on("boundary"));
     let u = Field::zero(&on_wall);
     let failed = assembler.residual(&form, &[&u], &[&on_wall]);
@@ -255,7 +256,7 @@ macro_rules! derivatives_fit {
         let mesh = $mesh;
         let space = Space::vector(&mesh, $degree).unwrap();
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));
-        let data = nonlinear::Data { k: 0.8 };
+        let data = nonlinear::data().k(0.8);
         let regions = (
             nonlinear::Omega::on("all"),
             nonlinear::Wall::on("boundary"),
@@ -291,7 +292,7 @@ macro_rules! derivatives_fit {
         let by_parameter = nonlinear::by_parameter(&data, omega, wall, skeleton, &u);
         let slope = assembler.residual(&by_parameter, &[], &[&space]).unwrap();
         let report = verification::taylor::<AssemblyError>(0.1, &slope, |step| {
-            let form = nonlinear::balance(&nonlinear::Data { k: 0.8 + step }, omega, wall, skeleton);
+            let form = nonlinear::balance(&nonlinear::data().k(0.8 + step), omega, wall, skeleton);
             Ok(Sample { value: assembler.residual(&form, &[&u], &[&space])?, active_set: None })
         })
         .unwrap();
@@ -335,7 +336,7 @@ fn derivatives_are_exact_where_points_slide() {
         .unwrap()
     };
     let form = nonlinear::sliding(
-        &nonlinear::Data { k: 0.8 },
+        &nonlinear::data().k(0.8),
         &nonlinear::Touch::on(Pairing::between("below", "above")),
     );
     let report = verification::tangent(

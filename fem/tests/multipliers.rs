@@ -303,7 +303,7 @@ fn discontinuous_fields_are_interpolated_projected_and_measured() {
 
 #[test]
 fn values_of_any_shape() {
-    let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [2, 1], CellShape::Triangle, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [2.0, 1.0], [2, 1], CellShape::Triangle, 1).unwrap();
     let space = Space::of(&mesh, Elements::Lagrange(1), Scope::Nodes, &[3]).unwrap();
     let field = Field::interpolate(&space, |x| [x[0], 1.0, 2.0]).unwrap();
     assert_eq!(field.evaluate(&[0.5, 0.5]).unwrap(), [0.5, 1.0, 2.0]);

@@ -53,7 +53,7 @@ impl<const D: usize> Constraints<D> {
     ///
     /// ```
     /// # use forms_fem::prelude::*;
-    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
     /// # let space = Space::scalar(&mesh, 1)?;
     /// let mut constraints = Constraints::new(&space);
     /// constraints.fix("left", |_| 0.0)?;
@@ -73,7 +73,7 @@ impl<const D: usize> Constraints<D> {
     ///
     /// ```
     /// # use forms_fem::prelude::*;
-    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
     /// let space = Space::vector(&mesh, 1)?;
     /// let mut constraints = Constraints::new(&space);
     /// constraints.fix("left", |x| [0.0, 0.1 * x[1]])?;
@@ -117,7 +117,7 @@ impl<const D: usize> Constraints<D> {
     ///
     /// ```
     /// # use forms_fem::prelude::*;
-    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
     /// let space = Space::vector(&mesh, 1)?;
     /// let mut constraints = Constraints::new(&space);
     /// constraints.fix_component("bottom", 1, |_| 0.0)?; // a symmetry: no vertical motion

@@ -28,7 +28,7 @@ const FEW_NODES: usize = 10;
 ///
 /// ```
 /// # use forms_fem::prelude::*;
-/// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+/// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
 /// # let space = Space::scalar(&mesh, 1)?;
 /// let u = Field::interpolate(&space, |x| x[0])?;
 /// let known: Given<f64, 2> = Given::field(&u); // data of a form
@@ -148,7 +148,7 @@ impl<const D: usize> Field<D> {
     ///
     /// ```
     /// # use forms_fem::prelude::*;
-    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
     /// # let space = Space::scalar(&mesh, 1)?;
     /// assert_eq!(Field::zero(&space).values(), [0.0; 15]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -163,7 +163,7 @@ impl<const D: usize> Field<D> {
     ///
     /// ```
     /// # use forms_fem::prelude::*;
-    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
     /// # let space = Space::scalar(&mesh, 1)?;
     /// let field = Field::interpolate(&space, |x| x[0] + 2.0 * x[1])?;
     /// assert_eq!(field.evaluate(&[1.0, 0.5])?, [2.0]);
@@ -314,7 +314,7 @@ impl<const D: usize> Field<D> {
     ///
     /// ```
     /// # use forms_fem::prelude::*;
-    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
     /// # let space = Space::scalar(&mesh, 1)?;
     /// // All components of node 0, then those of node 1.
     /// let field = Field::from_values(&space, vec![3.0; 15])?;
@@ -338,7 +338,7 @@ impl<const D: usize> Field<D> {
     ///
     /// ```
     /// # use forms_fem::prelude::*;
-    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
     /// let space = Space::vector(&mesh, 1)?;
     /// let field = Field::interpolate(&space, |x| [x[1], -x[0]])?;
     /// assert_eq!(field.evaluate(&[0.5, 0.5])?, [0.5, -0.5]);

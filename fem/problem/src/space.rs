@@ -56,7 +56,7 @@ impl<const D: usize> Space<D> {
     ///
     /// ```
     /// # use forms_fem::prelude::*;
-    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
     /// let space = Space::scalar(&mesh, 2)?;
     /// assert_eq!(space.components(), 1);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -64,7 +64,7 @@ impl<const D: usize> Space<D> {
     ///
     /// # Errors
     /// [`SpaceError::Element`] unless the degree is 1 to 4; [`SpaceError::TooLarge`].
-    pub fn scalar(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
+    pub fn scalar(mesh: &Mesh<D>, degree: usize) -> Result<Arc<Self>, SpaceError> {
         Space::of(mesh, Elements::Lagrange(degree), Scope::Nodes, &[])
     }
 
@@ -72,7 +72,7 @@ impl<const D: usize> Space<D> {
     ///
     /// ```
     /// # use forms_fem::prelude::*;
-    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
     /// let space = Space::vector(&mesh, 2)?;
     /// assert_eq!(space.components(), 2);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -80,7 +80,7 @@ impl<const D: usize> Space<D> {
     ///
     /// # Errors
     /// As [`Space::scalar`].
-    pub fn vector(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
+    pub fn vector(mesh: &Mesh<D>, degree: usize) -> Result<Arc<Self>, SpaceError> {
         Space::of(mesh, Elements::Lagrange(degree), Scope::Nodes, &[D])
     }
 
@@ -88,7 +88,7 @@ impl<const D: usize> Space<D> {
     ///
     /// # Errors
     /// As [`Space::scalar`].
-    pub fn tensor(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
+    pub fn tensor(mesh: &Mesh<D>, degree: usize) -> Result<Arc<Self>, SpaceError> {
         Space::of(mesh, Elements::Lagrange(degree), Scope::Nodes, &[D, D])
     }
 
@@ -96,7 +96,7 @@ impl<const D: usize> Space<D> {
     ///
     /// # Errors
     /// [`SpaceError::Degree`], [`SpaceError::TooLarge`].
-    pub fn discontinuous_scalar(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
+    pub fn discontinuous_scalar(mesh: &Mesh<D>, degree: usize) -> Result<Arc<Self>, SpaceError> {
         Space::of(mesh, Elements::Lagrange(degree), Scope::Cell, &[])
     }
 
@@ -104,7 +104,7 @@ impl<const D: usize> Space<D> {
     ///
     /// # Errors
     /// As [`Space::discontinuous_scalar`].
-    pub fn discontinuous_vector(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
+    pub fn discontinuous_vector(mesh: &Mesh<D>, degree: usize) -> Result<Arc<Self>, SpaceError> {
         Space::of(mesh, Elements::Lagrange(degree), Scope::Cell, &[D])
     }
 
@@ -112,7 +112,7 @@ impl<const D: usize> Space<D> {
     ///
     /// # Errors
     /// As [`Space::discontinuous_scalar`].
-    pub fn discontinuous_tensor(mesh: &Arc<Mesh<D>>, degree: usize) -> Result<Arc<Self>, SpaceError> {
+    pub fn discontinuous_tensor(mesh: &Mesh<D>, degree: usize) -> Result<Arc<Self>, SpaceError> {
         Space::of(mesh, Elements::Lagrange(degree), Scope::Cell, &[D, D])
     }
 
@@ -121,7 +121,7 @@ impl<const D: usize> Space<D> {
     ///
     /// # Errors
     /// [`SpaceError::Mesh`] for an unknown region, [`SpaceError::Degree`], [`SpaceError::TooLarge`].
-    pub fn on_facets(mesh: &Arc<Mesh<D>>, region: &str, degree: usize) -> Result<Arc<Self>, SpaceError> {
+    pub fn on_facets(mesh: &Mesh<D>, region: &str, degree: usize) -> Result<Arc<Self>, SpaceError> {
         Space::of(mesh, Elements::Lagrange(degree), Scope::Facets(region.to_owned()), &[])
     }
 
@@ -129,11 +129,7 @@ impl<const D: usize> Space<D> {
     ///
     /// # Errors
     /// As [`Space::on_facets`].
-    pub fn vector_on_facets(
-        mesh: &Arc<Mesh<D>>,
-        region: &str,
-        degree: usize,
-    ) -> Result<Arc<Self>, SpaceError> {
+    pub fn vector_on_facets(mesh: &Mesh<D>, region: &str, degree: usize) -> Result<Arc<Self>, SpaceError> {
         Space::of(mesh, Elements::Lagrange(degree), Scope::Facets(region.to_owned()), &[D])
     }
 
@@ -298,7 +294,7 @@ impl<const D: usize> Space<D> {
     ///
     /// ```
     /// # use forms_fem::prelude::*;
-    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
     /// // 5 × 3 nodes with two components.
     /// assert_eq!(Space::vector(&mesh, 1)?.unknowns(), 30);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -339,7 +335,7 @@ impl<const D: usize> Space<D> {
     #[doc(hidden)]
     pub fn numbers_as(self: &Arc<Self>, other: &Arc<Self>) -> bool {
         Arc::ptr_eq(self, other)
-            || (Arc::ptr_eq(&self.mesh, &other.mesh)
+            || (self.mesh.is_same(&other.mesh)
                 && self.elements == other.elements
                 && self.scope == other.scope
                 && self.components() == other.components())

@@ -48,18 +48,14 @@ pub(crate) fn squares(
     shapes: [CellShape; 2],
     degree: usize,
     maps: [&dyn Fn([f64; 2]) -> [f64; 2]; 2],
-) -> Arc<Mesh<2>> {
+) -> Mesh<2> {
     let first = rectangle([0.0; 2], [1.0, 1.0], [3, 2], shapes[0], degree).unwrap();
     let second = rectangle([0.0, 1.0], [1.0, 2.0], [4, 3], shapes[1], degree).unwrap();
     together([&first, &second], ["top", "bottom"], maps)
 }
 
 /// Unit cubes of 2 × 3 and 3 × 2 cells on their common side, at z = 1.
-pub(crate) fn cubes(
-    shape: CellShape,
-    degree: usize,
-    maps: [&dyn Fn([f64; 3]) -> [f64; 3]; 2],
-) -> Arc<Mesh<3>> {
+pub(crate) fn cubes(shape: CellShape, degree: usize, maps: [&dyn Fn([f64; 3]) -> [f64; 3]; 2]) -> Mesh<3> {
     let first = cuboid([0.0; 3], [1.0; 3], [2, 3, 1], shape, degree).unwrap();
     let second = cuboid([0.0, 0.0, 1.0], [1.0, 1.0, 2.0], [3, 2, 1], shape, degree).unwrap();
     together([&first, &second], ["top", "bottom"], maps)

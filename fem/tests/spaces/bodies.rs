@@ -62,7 +62,7 @@ fn one_multiplier_makes_a_mean_zero() -> Outcome {
             let of_body = Space::of(&mesh, Elements::Lagrange(0), Scope::Body, &[]).unwrap();
             assert_eq!(of_body.unknowns(), 1);
             let f = Given::function(move |x: &[f64; 2]| 5.0 * PI * PI * exact(x) + 0.25);
-            let form = mean::free(&mean::Data { f }, &mean::Omega::on("all"));
+            let form = mean::free(&mean::data().f(f), &mean::Omega::on("all"));
             let solved = Problem::new(&form, [&space, &of_body]).solve().unwrap();
             let [u, l] = &solved.fields;
             // What has no solution without it: the mean of the load.
@@ -81,10 +81,10 @@ fn one_multiplier_makes_a_mean_zero() -> Outcome {
 #[test]
 fn a_closed_cavity_has_one_pressure() -> Outcome {
     let (inner, outer, lambda, mu, wanted) = (1.0_f64, 2.0_f64, 1.5, 0.8, 0.1);
-    let mesh = Arc::new(annulus(inner, outer, 8, 64, CellShape::Quadrilateral, 2)?);
+    let mesh = annulus(inner, outer, 8, 64, CellShape::Quadrilateral, 2)?;
     let space = Space::vector(&mesh, 2)?;
     let of_body = Space::of(&mesh, Elements::Lagrange(0), Scope::Body, &[])?;
-    let data = cavity::Data { lambda, mu, per_length: wanted };
+    let data = cavity::data().lambda(lambda).mu(mu).per_length(wanted);
     let form = cavity::inflated(&data, &cavity::Omega::on("all"), &cavity::Wall::on("inner"));
     let mut held = Constraints::new(&space);
     held.rigid_motions_by_hand(&space)?;
@@ -115,7 +115,7 @@ impl Held for Constraints<2> {
 
 #[test]
 fn rows_and_columns_of_a_body_are_full_and_linear_in_size() -> Outcome {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [60, 60], CellShape::Quadrilateral, 1)?);
+    let mesh = rectangle([0.0; 2], [1.0; 2], [60, 60], CellShape::Quadrilateral, 1)?;
     let space = Space::scalar(&mesh, 1)?;
     let of_body = Space::of(&mesh, Elements::Lagrange(0), Scope::Body, &[])?;
     let form = parts::coupled(&parts::Omega::on("all"));
@@ -139,7 +139,6 @@ fn rows_and_columns_of_a_body_are_full_and_linear_in_size() -> Outcome {
 fn scopes_on_some_cells_have_nothing_elsewhere() -> Outcome {
     let mut mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Quadrilateral, 1)?;
     mesh.name_cells("left half", |x| x[0] < 1.0)?;
-    let mesh = Arc::new(mesh);
     let space = |scope: Scope| Space::of(&mesh, Elements::Lagrange(1), scope, &[]);
     let left = space(Scope::Nodes.within("left half"))?;
     assert_eq!((left.node_count(), left.cell_nodes(3).len()), (9, 0));

@@ -17,7 +17,7 @@ mod jumps {
     }
 }
 
-fn check_jumps<const D: usize>(mesh: &Arc<Mesh<D>>) -> Outcome
+fn check_jumps<const D: usize>(mesh: &Mesh<D>) -> Outcome
 where
     Dim: Dimension<D>,
 {

@@ -39,12 +39,12 @@ impl Dense {
 }
 
 /// β on a mesh, by the number of eigenvalues below: the signs of the pivots of B A⁻¹ Bᵀ − τ M.
-fn constant(mesh: &Arc<Mesh<2>>, of_u: &(Elements, Scope), of_p: &(Elements, Scope)) -> f64 {
+fn constant(mesh: &Mesh<2>, of_u: &(Elements, Scope), of_p: &(Elements, Scope)) -> f64 {
     let velocities = Space::of(mesh, of_u.0.clone(), of_u.1.clone(), &[2]).unwrap();
     let pressures = Space::of(mesh, of_p.0.clone(), of_p.1.clone(), &[]).unwrap();
     let assembler = Assembler::new(mesh);
     let omega = stokes::Omega::on("all");
-    let data = stokes::Data { inertia: 0.0, f: [0.0; 2].into() };
+    let data = stokes::data().inertia(0.0).f([0.0; 2]);
     let (u, p) = (Field::zero(&velocities), Field::zero(&pressures));
     let flow =
         assembler.tangent(&stokes::flow(&data, &omega), &[&u, &p], &[&velocities, &pressures]).unwrap();

@@ -31,7 +31,7 @@ mod against {
     }
 }
 
-fn check_reproduction<const D: usize>(mesh: &Arc<Mesh<D>>) -> Outcome
+fn check_reproduction<const D: usize>(mesh: &Mesh<D>) -> Outcome
 where
     Dim: Dimension<D>,
 {
@@ -44,7 +44,7 @@ where
     let found = p.gradient_in(0, &[0.2; D]);
     assert!(found.iter().zip(slope).all(|(a, b)| (a - b).abs() < 1e-12));
     let assembler = Assembler::new(mesh);
-    let data = against::Data { slope: slope.into(), at_origin: 0.4 };
+    let data = against::data().slope(slope).at_origin(0.4);
     let (omega, gamma) = (against::Omega::on("all"), against::Gamma::on("boundary"));
     let skeleton = against::Skeleton::on("interior");
     for (name, value) in [

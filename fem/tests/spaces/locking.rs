@@ -44,7 +44,7 @@ fn load(x: &[f64; 2]) -> [f64; 2] {
 fn error(elements: &Elements, poissons_ratio: f64) -> f64 {
     let mesh = distorted(16, CellShape::Triangle, 1);
     let lambda = 2.0 * poissons_ratio / (1.0 - 2.0 * poissons_ratio);
-    let data = elastic::Data { lambda, mu: 1.0, f: Given::function(load) };
+    let data = elastic::data().lambda(lambda).mu(1.0).f(load);
     let omega = elastic::Omega::on("all");
     let space = Space::of(&mesh, elements.clone(), Scope::Nodes, &[2]).unwrap();
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));

@@ -82,7 +82,7 @@ fn what_is_not_supported_is_refused_by_name() {
         error(Elements::Mini(1), Scope::Nodes),
         "there are no elements of degree 1 with bubbles on the quadrilateral; they exist on triangles and tetrahedra"
     );
-    let (tree, _) = forms_fem::mesh::OctreeMesh::new(Arc::clone(&mesh)).unwrap().refined(&[0]).unwrap();
+    let (tree, _) = forms_fem::mesh::OctreeMesh::new(mesh.clone()).unwrap().refined(&[0]).unwrap();
     let message = Space::of(tree.mesh(), Elements::Serendipity, Scope::Nodes, &[]).unwrap_err().to_string();
     assert!(message.contains("a space of other elements than Lagrange elements"), "{message}");
 }

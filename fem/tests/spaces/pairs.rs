@@ -48,7 +48,7 @@ mod sliding {
 }
 
 /// Two unit squares of 3 and 4 distorted cells along each side, one on top of the other, with a gap.
-fn blocks(shape: CellShape, degree: usize, gap: f64) -> Arc<Mesh<2>> {
+fn blocks(shape: CellShape, degree: usize, gap: f64) -> Mesh<2> {
     let [lower, upper] = [3, 4].map(|n| distorted(n, shape, degree));
     let mut nodes = lower.nodes().to_vec();
     let first = nodes.len() as u32;
@@ -64,7 +64,7 @@ fn blocks(shape: CellShape, degree: usize, gap: f64) -> Arc<Mesh<2>> {
         let facets: Vec<Facet> = mesh.boundary_facets().iter().filter(wanted).copied().collect();
         mesh.name_listed_facets(name, &facets).unwrap();
     }
-    Arc::new(mesh)
+    mesh
 }
 
 fn kinds(shape: CellShape) -> Vec<(Elements, Scope)> {
@@ -90,7 +90,7 @@ fn both_sides_have_the_elements_functions() -> Outcome {
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
         for (elements, scope) in kinds(shape) {
             let space = Space::of(&mesh, elements.clone(), scope, &[])?;
-            let data = touch::Data { slope: [1.3, -0.6].into() };
+            let data = touch::data().slope([1.3, -0.6]);
             let linear = Field::interpolate(&space, |x| 1.3 * x[0] - 0.6 * x[1])?;
             // Cells of 9 nodes have a map that serendipity elements do not hold.
             if !(elements == Elements::Serendipity && degree == 2) {

@@ -40,7 +40,7 @@ fn a_law_holds_at_each_point() -> Outcome {
         let count = points.cell_nodes(0).len();
         assert_eq!(points.node_count(), count * mesh.cell_count());
         assert_eq!(points.local_nodes().len(), mesh.cell_count());
-        let data = law::Data { f: Given::function(|x: &[f64; 2]| 3.0 + x[0]) };
+        let data = law::data().f(|x: &[f64; 2]| 3.0 + x[0]);
         let omega = law::Omega::on("all");
         let form = law::balance(&data, &omega);
         let mut walls = Constraints::new(&space);
@@ -78,7 +78,7 @@ fn what_points_do_not_have_is_refused_by_name() -> Outcome {
     let mesh = distorted(2, CellShape::Triangle, 1);
     let points = Space::of(&mesh, Elements::Points(4), Scope::Point, &[])?;
     let s = Field::from_values(&points, vec![1.0; points.unknowns()])?;
-    let (data, omega) = (law::Data { f: 0.0.into() }, law::Omega::on("all"));
+    let (data, omega) = (law::data().f(0.0), law::Omega::on("all"));
     let assembler = Assembler::new(&mesh);
     let slope = assembler.functional(&law::slope(&data, &omega, &s)).unwrap_err().to_string();
     assert_eq!(slope, "form `slope` reads a derivative of `s`, which is known at the points of a rule only");

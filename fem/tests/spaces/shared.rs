@@ -39,15 +39,15 @@ pub mod stokes {
 pub type Outcome = Result<(), Box<dyn std::error::Error>>;
 
 /// The unit square of n × n cells; nodes inside are moved by a part of the cells' size, alike on all refinements.
-pub fn distorted(n: usize, shape: CellShape, degree: usize) -> Arc<Mesh<2>> {
+pub fn distorted(n: usize, shape: CellShape, degree: usize) -> Mesh<2> {
     let mesh = rectangle([0.0; 2], [1.0; 2], [n, n], shape, degree).unwrap();
-    Arc::new(moved(&mesh, shape, degree, 0.1 / n as f64))
+    moved(&mesh, shape, degree, 0.1 / n as f64)
 }
 
 /// The unit cube of n × n × n cells, distorted alike.
-pub fn distorted_cube(n: usize, shape: CellShape, degree: usize) -> Arc<Mesh<3>> {
+pub fn distorted_cube(n: usize, shape: CellShape, degree: usize) -> Mesh<3> {
     let mesh = cuboid([0.0; 3], [1.0; 3], [n, n, n], shape, degree).unwrap();
-    Arc::new(moved(&mesh, shape, degree, 0.06 / n as f64))
+    moved(&mesh, shape, degree, 0.06 / n as f64)
 }
 
 fn moved<const D: usize>(mesh: &Mesh<D>, shape: CellShape, degree: usize, by: f64) -> Mesh<D> {
@@ -118,7 +118,7 @@ pub fn largest_error<const D: usize>(space: &Arc<Space<D>>, exact: impl Fn(&[f64
 }
 
 /// Errors [L², gradients] of −Δu = f with u = Π sin(πx_k + 0.3).
-pub fn errors_of_poisson<const D: usize>(mesh: &Arc<Mesh<D>>, elements: &Elements) -> [f64; 2]
+pub fn errors_of_poisson<const D: usize>(mesh: &Mesh<D>, elements: &Elements) -> [f64; 2]
 where
     Dim: Dimension<D>,
 {
@@ -129,7 +129,7 @@ where
     };
     let space = Space::of(mesh, elements.clone(), Scope::Nodes, &[]).unwrap();
     let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(6));
-    let data = poisson::Data { f: Given::function(move |x: &[f64; D]| D as f64 * PI * PI * exact(x)) };
+    let data = poisson::data().f(move |x: &[f64; D]| D as f64 * PI * PI * exact(x));
     let form = poisson::balance(&data, &poisson::Omega::on("all"));
     let mut walls = Constraints::new(&space);
     walls.fix("boundary", exact).unwrap();
@@ -143,7 +143,7 @@ where
 }
 
 /// Errors of the velocity \[L², gradients\] and of the pressure of Stokes' flow u = curl(s(x) s(y)) with s = 5 x²(1 − x)², p = x³ + y − 3/4.
-pub fn errors_of_stokes(mesh: &Arc<Mesh<2>>, of_u: (Elements, Scope), of_p: (Elements, Scope)) -> [f64; 3] {
+pub fn errors_of_stokes(mesh: &Mesh<2>, of_u: (Elements, Scope), of_p: (Elements, Scope)) -> [f64; 3] {
     let velocities = Space::of(mesh, of_u.0, of_u.1, &[2]).unwrap();
     let pressures = Space::of(mesh, of_p.0, of_p.1, &[]).unwrap();
     let s = |x: f64| 5.0 * x * x * (1.0 - x) * (1.0 - x);
@@ -161,7 +161,7 @@ pub fn errors_of_stokes(mesh: &Arc<Mesh<2>>, of_u: (Elements, Scope), of_p: (Ele
     };
     let pressure = |x: &[f64; 2]| x[0].powi(3) + x[1] - 0.75;
     let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(8));
-    let data = stokes::Data { inertia: 0.0, f: Given::function(force) };
+    let data = stokes::data().inertia(0.0).f(force);
     let form = stokes::flow(&data, &stokes::Omega::on("all"));
     let mut walls = Constraints::new(&velocities);
     walls.fix("boundary", velocity).unwrap();
@@ -183,13 +183,13 @@ pub fn errors_of_stokes(mesh: &Arc<Mesh<2>>, of_u: (Elements, Scope), of_p: (Ele
 }
 
 /// Checks the tangent of a nonlinear flow and the symmetry of a linear one.
-pub fn check_flow(mesh: &Arc<Mesh<2>>, of_u: (Elements, Scope), of_p: (Elements, Scope)) {
+pub fn check_flow(mesh: &Mesh<2>, of_u: (Elements, Scope), of_p: (Elements, Scope)) {
     let u = Space::of(mesh, of_u.0, of_u.1, &[2]).unwrap();
     let p = Space::of(mesh, of_p.0, of_p.1, &[]).unwrap();
     let assembler = Assembler::new(mesh);
     let form = |inertia: f64| {
         let f = Given::function(|x: &[f64; 2]| [x[1], -x[0]]);
-        stokes::flow(&stokes::Data { inertia, f }, &stokes::Omega::on("all"))
+        stokes::flow(&stokes::data().inertia(inertia).f(f), &stokes::Omega::on("all"))
     };
     let field = |space: &Arc<Space<2>>| Field::from_values(space, noise(space.unknowns())).unwrap();
     let (v, q) = (field(&u), field(&p));

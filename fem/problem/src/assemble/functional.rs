@@ -20,7 +20,7 @@ impl<const D: usize> Assembler<D> {
     ///
     /// ```
     /// # use forms_fem::prelude::*;
-    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
     /// # let space = Space::scalar(&mesh, 1)?;
     /// let u = Field::interpolate(&space, |x| x[0])?;
     /// let integral = form!(|u: State<Scalar>| -> Functional { integral(cells("all"), u) });

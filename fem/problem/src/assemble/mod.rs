@@ -142,12 +142,12 @@ impl<const D: usize> Assembler<D> {
     ///
     /// ```
     /// # use forms_fem::prelude::*;
-    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
     /// let area = form!(|| -> Functional { integral(cells("all"), 1) });
     /// assert!((Assembler::new(&mesh).functional(&area)? - 2.0).abs() < 1e-14);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn new(mesh: &Arc<Mesh<D>>) -> Self {
+    pub fn new(mesh: &Mesh<D>) -> Self {
         Assembler {
             mesh: mesh.clone(),
             quadrature: Quadrature::Estimated,
@@ -162,7 +162,7 @@ impl<const D: usize> Assembler<D> {
     ///
     /// ```
     /// # use forms_fem::prelude::*;
-    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
     /// let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(6));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

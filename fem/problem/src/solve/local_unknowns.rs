@@ -42,7 +42,7 @@ const REFINEMENTS: usize = 3;
 /// use forms_fem::prelude::*;
 /// use forms_fem::solve::LocalUnknowns;
 ///
-/// let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Quadrilateral, 1)?);
+/// let mesh = rectangle([0.0; 2], [1.0; 2], [8, 8], CellShape::Quadrilateral, 1)?;
 /// let (bodies, pressures) = (Space::vector(&mesh, 2)?, Space::discontinuous_scalar(&mesh, 0)?);
 /// // A nearly incompressible body.
 /// let form = form!(|u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>| {

@@ -133,7 +133,7 @@ impl<const D: usize> Solved<D, 1> {
     ///
     /// ```
     /// # use forms_fem::prelude::*;
-    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
     /// # let space = Space::scalar(&mesh, 1)?;
     /// # let mut held = Constraints::new(&space);
     /// # held.fix("boundary", |_| 0.0)?;
@@ -151,7 +151,7 @@ impl<const D: usize> Solved<D, 1> {
     ///
     /// ```
     /// # use forms_fem::prelude::*;
-    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
     /// # let space = Space::scalar(&mesh, 1)?;
     /// # let mut held = Constraints::new(&space);
     /// # held.fix("boundary", |_| 0.0)?;

@@ -15,7 +15,7 @@ impl<const D: usize> Space<D> {
     /// [`SpaceError::OtherMesh`] unless both are spaces on the cells of one mesh.
     pub fn embedding(&self, coarse: &Space<D>) -> Result<CsrMatrix, SpaceError> {
         let on_cells = self.is_on_all_cells() && coarse.is_on_all_cells();
-        if !Arc::ptr_eq(&self.mesh, &coarse.mesh) || !on_cells {
+        if !self.mesh.is_same(&coarse.mesh) || !on_cells {
             return Err(SpaceError::OtherMesh);
         }
         let mut seen = vec![false; self.node_count()];

@@ -14,7 +14,7 @@ impl<const D: usize> Space<D> {
     /// ```
     /// use forms_fem::prelude::*;
     ///
-    /// let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [4, 4], CellShape::Triangle, 1)?);
+    /// let mesh = rectangle([0.0; 2], [1.0; 2], [4, 4], CellShape::Triangle, 1)?;
     /// let velocities = Space::of(&mesh, Elements::Mini(1), Scope::Nodes, &[2])?;
     /// let pressures = Space::scalar(&mesh, 1)?;
     /// // 25 vertices; the bubbles are those of 32 cells.
@@ -27,7 +27,7 @@ impl<const D: usize> Space<D> {
     /// components, too many unknowns.
     #[inline(never)]
     pub fn of(
-        mesh: &Arc<Mesh<D>>,
+        mesh: &Mesh<D>,
         elements: Elements,
         scope: Scope,
         shape: &[usize],
@@ -83,7 +83,7 @@ impl<const D: usize> Space<D> {
             return Err(SpaceError::TooLarge { unknowns });
         }
         let degree = on_shapes.values().map(Element::degree).max().unwrap_or(0);
-        let (mesh, shape, locator) = (Arc::clone(mesh), shape.to_vec(), OnceLock::new());
+        let (mesh, shape, locator) = (mesh.clone(), shape.to_vec(), OnceLock::new());
         let on_shapes = Arc::new(on_shapes);
         let (on_facets, on_some_cells) = (scope.facet_region().is_some(), !scope.regions().is_empty());
         Ok(Arc::new(Space {

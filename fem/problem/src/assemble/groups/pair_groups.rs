@@ -172,7 +172,7 @@ impl<const D: usize> Assembler<D> {
 
     pub(in crate::assemble) fn check_displacement(&self, displacement: &Field<D>) -> Result<(), PairError> {
         let space = displacement.space();
-        match space.displaces() && space.components() == D && Arc::ptr_eq(space.mesh(), &self.mesh) {
+        match space.displaces() && space.components() == D && space.mesh().is_same(&self.mesh) {
             true => Ok(()),
             false => Err(PairError::NoDisplacement { field: "displacement" }),
         }

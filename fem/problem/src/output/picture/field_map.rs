@@ -43,7 +43,7 @@ enum Values<'a> {
 /// ```no_run
 /// # use forms_fem::prelude::*;
 /// # use forms_fem::output::picture::{FieldMap, Picture, Shown};
-/// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+/// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
 /// # let space = Space::vector(&mesh, 1)?;
 /// let u = Field::interpolate(&space, |x| [0.1 * x[0], 0.0])?;
 /// FieldMap::of(&u, Shown::Magnitude, "|u| [mm]")

@@ -50,11 +50,11 @@ mod local {
 }
 
 fn data() -> local::Data<2> {
-    local::Data { load: 0.005, leak: 1e-3 }
+    local::data().load(0.005).leak(1e-3)
 }
 
-fn mesh() -> Arc<Mesh<2>> {
-    Arc::new(rectangle([0.0; 2], [2.0, 1.0], [10, 7], CellShape::Quadrilateral, 1).unwrap())
+fn mesh() -> Mesh<2> {
+    rectangle([0.0; 2], [2.0, 1.0], [10, 7], CellShape::Quadrilateral, 1).unwrap()
 }
 
 fn relative(a: &[f64], b: &[f64]) -> f64 {
@@ -145,7 +145,7 @@ fn pressures_without_a_pivot_stay() {
         (Space::vector(&mesh, 2).unwrap(), Space::discontinuous_scalar(&mesh, 0).unwrap());
     let mut held = Constraints::new(&bodies);
     held.fix("left", |_| [0.0; 2]).unwrap();
-    let form = local::pressure(&local::Data { load: 1.0, leak: 0.0 }, &local::Omega::on("all"));
+    let form = local::pressure(&local::data().load(1.0).leak(0.0), &local::Omega::on("all"));
     let counts = Counts { by_pivots: 70, ..Counts::default() };
     check(&form, [&bodies, &constant], &held, counts, SolverPath::SignedCholesky);
     assert_eq!(
@@ -162,8 +162,7 @@ fn adjoints_agree_with_differences() {
     let spaces = [&bodies, &constant, &constant];
     let mut held = Constraints::new(&bodies);
     held.fix("left", |_| [0.0; 2]).unwrap();
-    let form =
-        |load: f64| Form::from(local::dilatation(&local::Data { load, ..data() }, &local::Omega::on("all")));
+    let form = |load: f64| Form::from(local::dilatation(&data().load(load), &local::Omega::on("all")));
     let value = |load: f64| {
         let found = Problem::new(&form(load), spaces).constrained(&held).solve().unwrap();
         found.fields[0].values().iter().sum::<f64>()

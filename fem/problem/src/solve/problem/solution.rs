@@ -47,7 +47,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     ///
     /// ```
     /// # use forms_fem::prelude::*;
-    /// # let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?);
+    /// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
     /// # let space = Space::scalar(&mesh, 1)?;
     /// # let mut held = Constraints::new(&space);
     /// # held.fix("boundary", |_| 0.0)?;

@@ -28,7 +28,7 @@ mod saddle {
 
 fn data() -> saddle::Data<2> {
     let force = |x: &[f64; 2]| [(3.0 * x[0] + x[1]).sin(), (2.0 * x[1] - x[0]).cos()];
-    saddle::Data { force: Given::function(force) }
+    saddle::data().force(force)
 }
 
 fn values(solved: &Solved<2, 2>) -> [Vec<f64>; 2] {
@@ -63,7 +63,7 @@ fn incompressible_bodies_agree_with_lu_on_any_number_of_threads() {
     for (shape, cells) in
         [(CellShape::Triangle, 3), (CellShape::Triangle, 20), (CellShape::Quadrilateral, 14)]
     {
-        let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [2 * cells, cells], shape, 1).unwrap());
+        let mesh = rectangle([0.0; 2], [2.0, 1.0], [2 * cells, cells], shape, 1).unwrap();
         let (bodies, pressures) = (Space::vector(&mesh, 2).unwrap(), Space::scalar(&mesh, 1).unwrap());
         let form = saddle::incompressible(&data(), &saddle::Omega::on("all"));
         let mut held = Constraints::new(&bodies);
@@ -78,7 +78,7 @@ fn incompressible_bodies_agree_with_lu_on_any_number_of_threads() {
 
 #[test]
 fn a_floating_body_that_multipliers_hold_agrees_with_lu() {
-    let mesh = Arc::new(rectangle([0.0; 2], [2.0, 1.0], [24, 12], CellShape::Quadrilateral, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [2.0, 1.0], [24, 12], CellShape::Quadrilateral, 1).unwrap();
     let bodies = Space::vector(&mesh, 2).unwrap();
     let multipliers = Space::vector_on_facets(&mesh, "left", 1).unwrap();
     let form = saddle::held(&data(), &saddle::Omega::on("all"), &saddle::Side::on("left"));
@@ -88,7 +88,7 @@ fn a_floating_body_that_multipliers_hold_agrees_with_lu() {
 
 #[test]
 fn a_saddle_point_that_is_singular_is_an_error() {
-    let mesh = Arc::new(rectangle([0.0; 2], [1.0; 2], [9, 7], CellShape::Triangle, 1).unwrap());
+    let mesh = rectangle([0.0; 2], [1.0; 2], [9, 7], CellShape::Triangle, 1).unwrap();
     let (bodies, pressures) = (Space::vector(&mesh, 2).unwrap(), Space::scalar(&mesh, 1).unwrap());
     let form = saddle::incompressible(&data(), &saddle::Omega::on("all"));
     // The level of the pressure is open.
