@@ -60,5 +60,17 @@ fn an_own_table_is_an_element_like_others() -> Outcome {
          same functions there"
     );
     assert_eq!(Space::of(&mesh, Elements::own([uneven]), Scope::Cell, &[])?.node_count(), 4 * 8);
+    assert!(Space::of(&mesh, Elements::own([eight_nodes()]), Scope::Nodes, &[]).is_err());
+    // On a mesh of two shapes both have the same functions on edges.
+    let nodes = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [0.0, 1.0], [1.0, 1.0], [2.0, 1.0]];
+    let cells =
+        vec![(CellShape::Quadrilateral, vec![0, 1, 4, 3]), (CellShape::Triangle, vec![1, 2, 4, 2, 5, 4])];
+    let mesh = Arc::new(Mesh::from_blocks(1, nodes, cells)?);
+    let of_degree = |degree| {
+        let triangle = Elements::Mini(degree).on(CellShape::Triangle).unwrap();
+        Space::of(&mesh, Elements::own([eight_nodes(), triangle]), Scope::Nodes, &[])
+    };
+    assert_eq!(of_degree(2)?.node_count(), 6 + 8 + 2);
+    assert!(of_degree(1).unwrap_err().to_string().contains("the traces of one Lagrange element"));
     Ok(())
 }

@@ -142,7 +142,7 @@ fn surfaces_are_displaced_by_the_traces() -> Outcome {
     }
     let mesh = blocks(CellShape::Triangle, 1, 0.1);
     let space = Space::of(&mesh, Elements::CrouzeixRaviart, Scope::Nodes, &[2])?;
-    let refused = Assembler::new(&mesh).functional(&sliding::overlap(&region(), &Field::zero(&space)));
+    let refused = Assembler::new(&mesh).functional(&sliding::overlap(&region(), Field::zero(&space)));
     let message = refused.unwrap_err().to_string();
     assert!(message.contains("`u`") && message.contains("traces of Lagrange elements"), "{message}");
     Ok(())

@@ -141,6 +141,13 @@ fn check_scope<const D: usize>(
     if matches!(elements, Elements::Points(_)) != (*scope.sharing() == Scope::Point) {
         return refused("`Scope::Point` goes with `Elements::Points`");
     }
+    let traces: Vec<_> =
+        on_shapes.values().map(|element| element.traces().map(|traces| traces.degree)).collect();
+    let alike = traces.iter().all(|degree| degree.is_some() && *degree == traces[0]);
+    let shared = !matches!(scope.sharing(), Scope::Body | Scope::Cell | Scope::Point);
+    if shared && traces.len() > 1 && !(is_lagrange || alike || *elements == Elements::Dual) {
+        return refused("cells of several shapes share elements with the traces of one Lagrange element");
+    }
     match scope.sharing() {
         Scope::Body if !all(&|element| element.nodes() == 1) => {
             refused("the whole body shares elements with one node: those of degree 0")
@@ -149,9 +156,6 @@ fn check_scope<const D: usize>(
             if all(&|element| (0..element.shape().facets()).all(|f| element.facet_nodes(f).is_empty())) =>
         {
             refused("all their nodes are inside the cell, and no other cell can share them")
-        }
-        Scope::Nodes if !is_lagrange && mesh.shapes().len() > 1 && !all(&|e| e.traces().is_some()) => {
-            refused("cells of several shapes share elements with the traces of Lagrange elements")
         }
         Scope::Nodes if matches!(elements, Elements::Own(_)) && !all(&Element::conforms) => {
             refused("cells on both sides of a facet do not have the same functions there")
@@ -168,7 +172,7 @@ fn check_scope<const D: usize>(
                 return refused("a space on facets is limited by its facet region");
             }
             let constant = all(&|element| matches!(element.as_lagrange(), Some(Lagrange { degree: 0, .. })));
-            match constant || all(&Element::has_traces) {
+            match constant || all(&Element::conforms) {
                 true => Ok(()),
                 false => refused("the nodes on a facet do not determine the values there"),
             }
