@@ -337,7 +337,7 @@ fn what_displaces_nothing_is_refused() {
     assert_eq!(
         error.to_string(),
         "form `distance`, pairs `Touch` (below onto above, above onto below): `w` displaces surfaces and must be a field on a \
-         space of cells"
+         space of cells with the traces of Lagrange elements"
     );
     let space = Space::vector(&mesh, 1).unwrap();
     let data = fixed::data().w(Field::zero(&space));

@@ -36,7 +36,7 @@ pub enum Elements {
     /// a facet is zero, and ∫ ψ_i φ_i = ∫ φ_i. On a segment these are 2 − 3s and 3s − 1. They are dual on facets with an affine map;
     /// coefficients are no values of functions. For scopes on facets.
     Dual,
-    /// Values at the points of the cells' rule of a degree, for [`Scope::Point`](../../forms_fem/space/enum.Scope.html): laws with an
+    /// Values at the points of the cells' rule of a degree, for `Scope::Point`: laws with an
     /// unknown at each point. They have no gradient. Integrals that read them take that rule.
     Points(usize),
     /// Elements of a user, one per shape ([`Element::from_table`]).
