@@ -24,13 +24,17 @@ impl<const D: usize> Readings<D> {
     /// All components at a point.
     ///
     /// # Errors
-    /// [`FieldError::Outside`], [`FieldError::OnFacets`].
+    /// [`FieldError::Outside`], [`FieldError::OnFacets`], [`FieldError::AtPoints`].
     pub fn at_point(mut self, point: &[f64; D]) -> Result<Self, FieldError> {
         if let Some(region) = self.space.facet_region() {
             return Err(FieldError::OnFacets { region: region.to_owned() });
         }
         let found = self.space.locator().find(point);
+        let found = found.filter(|(cell, _)| !self.space.cell_nodes(*cell).is_empty());
         let (cell, reference) = found.ok_or_else(|| FieldError::Outside { point: point.to_vec() })?;
+        if self.space.cell_element(cell).is_at_points() {
+            return Err(FieldError::AtPoints);
+        }
         let mut values = [0.0; MAXIMUM_NODES];
         self.space.basis_in(cell, &reference, &mut values);
         let components = self.space.components();

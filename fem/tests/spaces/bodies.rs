@@ -173,6 +173,8 @@ fn scopes_on_some_cells_have_nothing_elsewhere() -> Outcome {
         refused(Elements::Lagrange(1), Scope::Facets("top".into()).within("all"))
             .contains("by its facet region")
     );
+    assert!(one.evaluate(&[0.3, 0.4])? == [1.0] && one.evaluate(&[1.7, 0.4]).is_err());
+    assert!(forms_fem::inverse::Readings::new(&left).at_point(&[1.7, 0.4]).is_err());
     assert!(forms_fem::output::VtuFile::new(&mesh).point_data("l", &one).is_err());
     Ok(())
 }

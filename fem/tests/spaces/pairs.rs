@@ -147,3 +147,15 @@ fn surfaces_are_displaced_by_the_traces() -> Outcome {
     assert!(message.contains("`u`") && message.contains("traces of Lagrange elements"), "{message}");
     Ok(())
 }
+
+#[test]
+fn a_space_on_one_body_is_refused_on_both() -> Outcome {
+    let mesh = blocks(CellShape::Triangle, 1, 0.1);
+    let space = Space::of(&mesh, Elements::Lagrange(1), Scope::Nodes.within("upper"), &[])?;
+    let data = touch::Data { slope: [0.0; 2].into() };
+    let form = touch::glued(&data, &touch::Touch::on(Pairing::between("below", "above")));
+    let refused = Assembler::new(&mesh).tangent(&form, &[&Field::zero(&space)], &[&space]);
+    let message = refused.unwrap_err().to_string();
+    assert!(message.contains("one with continuous values in the cell region \"upper\""), "{message}");
+    Ok(())
+}

@@ -120,7 +120,7 @@ impl SeenAtFacets {
         let mut seen = SeenAtFacets { starts: vec![0], nodes: vec![] };
         for facet in facets {
             let nodes = space.nodes_at(facet.cell, Some(facet.local));
-            if whole || mesh.carries(facet.cell) {
+            if whole || nodes.is_empty() || mesh.carries(facet.cell) {
                 seen.nodes.extend(nodes);
             } else {
                 let shape = mesh.cell_shape(facet.cell as usize);

@@ -11,9 +11,9 @@ fn body_of<const D: usize>(space: &Space<D>, node: usize) -> Option<Vec<u32>> {
     let mesh = space.mesh();
     let mut bodies: Vec<u32> = (0..space.node_count() as u32).collect();
     for cell in mesh.body_cells() {
-        let nodes = space.cell_nodes(cell);
-        let first = root(&mut bodies, nodes[0]);
-        for &other in &nodes[1..] {
+        let Some((&first, others)) = space.cell_nodes(cell).split_first() else { continue };
+        let first = root(&mut bodies, first);
+        for &other in others {
             let other = root(&mut bodies, other);
             bodies[other as usize] = first;
         }
