@@ -82,7 +82,8 @@ where
     }
     let at = |expression| assembler.at_quadrature_points(expression, Entity::Cells, "all", 14).unwrap();
     let (values, slopes) = (at(&values::value(u)), at(&numbers::slope(u)));
-    let spaces = [Space::scalar(mesh, 0).unwrap(), Space::vector(mesh, 0).unwrap()];
+    let spaces =
+        [Space::discontinuous_scalar(mesh, 0).unwrap(), Space::discontinuous_vector(mesh, 0).unwrap()];
     let (mut means, mut gradients) = (vec![0.0; mesh.cell_count()], vec![0.0; D * mesh.cell_count()]);
     let mut volumes = vec![0.0; mesh.cell_count()];
     let locator = forms_fem::locate::Locator::new(mesh);
@@ -121,7 +122,7 @@ where
 {
     let pairing = Pairing::between("below", "above").by(Projection::Ray);
     for &degree in degrees {
-        let u = broken(&Space::scalar(mesh, degree).unwrap());
+        let u = broken(&Space::discontinuous_scalar(mesh, degree).unwrap());
         let (q, g) = by_points(&u);
         let (omega, touch) = (numbers::Omega::on("all"), numbers::Touch::on(pairing.clone()));
         // Means do not depend on the rule of the integral.
@@ -285,7 +286,7 @@ macro_rules! derivatives_fit {
             product.iter().zip(left.values()).map(|(a, b)| a * b).sum()
         });
         assert!((a - b).abs() < 1e-11 * a.abs().max(1.0), "{a} {b}");
-        // A direction that is an expression, with the diameter of equal cells.
+        // A direction that is an expression.
         let along = nonlinear::along(&data, omega, wall, skeleton, &u, &w);
         let found = assembler.residual(&along, &[], &[&space]).unwrap();
         assert!(found.iter().all(|value| value.is_finite()) && found.iter().any(|value| *value != 0.0));
