@@ -189,6 +189,22 @@ fn both_sides_of_a_facet_are_shown() {
     assert_shown(INTERIOR_PENALTY, "poisson", &lines);
 }
 
+#[test]
+fn means_over_cells_are_shown() {
+    let source = r#"mod averaged {
+        struct Data { k: Param }
+        #[cells] struct Omega;
+        fn damped(s: Unknown<Scalar>, r: Test<Scalar>) -> Form { integral(Omega, pow(mean(k * s), 3) * mean(r)) }
+    }"#;
+    let lines = ["damped(s, r) = ∫_Ω ⟨k s⟩³ ⟨r⟩ dx", "D damped(s, r)[δs] = ∫_Ω 3 ⟨k s⟩² ⟨k δs⟩ ⟨r⟩ dx"];
+    assert_shown(source, "damped", &lines);
+    assert!(
+        shown(source, "damped").latex().contains("\\langle r\\rangle"),
+        "{}",
+        shown(source, "damped").latex()
+    );
+}
+
 /// Parentheses are where they must be, and only there; signs are those of the source.
 #[test]
 fn precedence_and_signs() {
