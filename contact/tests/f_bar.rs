@@ -120,7 +120,7 @@ fn nearly_incompressible_rings_do_not_lock() {
         assert!(errors[0] < 0.005, "ν = {poisson}: {errors:?}");
         assert!(poisson < 0.4 || errors[1] > 0.5, "ν = {poisson}: {errors:?}");
         // The same as a pressure of degree 0.
-        let pressures = Space::scalar(&mesh, 0).unwrap();
+        let pressures = Space::discontinuous_scalar(&mesh, 0).unwrap();
         let mixed = ring::mixed(&data, &omega, &inner);
         let held = symmetric(&space);
         let solved = Problem::new(&mixed, [&space, &pressures]).constrained(&held).solve().unwrap();
@@ -213,6 +213,9 @@ fn tractions_on_facets_fit_the_cells() {
     let stress = 2.0 * data.lambda * 0.1;
     assert!(residual.iter().all(|entry| entry.abs() < 1e-12 * stress), "{residual:?}");
 
+    // Softer, so that the sums are not of much larger numbers.
+    let mut data = self::data(0.45, 0.0);
+    data.gamma = 400.0;
     data.wanted = Given::constant([0.05, -0.03]);
     let top = ring::Held::on("top");
     let mut constraints = Constraints::new(&space);
@@ -226,6 +229,6 @@ fn tractions_on_facets_fit_the_cells() {
         let along = Field::interpolate(&space, |_: &[f64; 2]| unit).unwrap();
         let force = solved.functional(&ring::force(&data, &top, solved.field(), &along)).unwrap();
         println!("force along {axis}: {force:e}, reaction {:e}", reaction[axis]);
-        assert!((force + reaction[axis]).abs() < 1e-11 * force.abs(), "{force} {}", reaction[axis]);
+        assert!((force + reaction[axis]).abs() < 1e-12 * force.abs(), "{force} {}", reaction[axis]);
     }
 }

@@ -7,7 +7,7 @@ use toy_backend::mesh::{Mesh, determinant};
 use toy_backend::operator_module;
 use toy_backend::plain::{Components, Matrix, assert_values, dot, matrix, trace, vector};
 use toy_backend::random::Random;
-use toy_backend::{Nodal, differences, expression, residual, tangent};
+use toy_backend::{Nodal, differences, expression};
 
 /// The state at a point, with means over its cell.
 struct At {
@@ -91,7 +91,7 @@ macro_rules! operator {
         operator! { @ $name Vector Scalar { $($body)* } { dot(value(u, s), mean(grad(v)) - mean(a * v) * grad(s)) } $expected }
     };
     ($name:ident: Tensor { $($body:tt)* } $expected:expr) => {
-        operator! { @ $name Tensor Vector { $($body)* } { inner(value(u, s), mean(grad(v)) + outer(mean(v), v)) } $expected }
+        operator! { @ $name Tensor Vector { $($body)* } { inner(value(u, s), mean(grad(v)) + outer(mean(v), u)) } $expected }
     };
     (@ $name:ident $rank:ident $test:ident { $($body:tt)* } { $($density:tt)* } $expected:expr) => {
         operator_module! {

@@ -11,7 +11,7 @@ pub(super) mod pair_search;
 pub(super) mod positive_parts;
 pub(super) mod split_facets;
 
-use forms_core::contract::{Entity, Integral, Order, Requirements, Role, Side};
+use forms_core::contract::{Entity, FieldSlot, Integral, Order, Requirements, Role, Side};
 
 use self::degrees::{Estimate, cells_by_degree, facets_by_degree};
 use self::facet_groups::facet_groups;
@@ -84,8 +84,8 @@ pub(super) struct Places<const D: usize> {
 impl FurtherTables {
     /// The data that a kernel reads.
     pub fn of(requirements: &Requirements) -> Self {
-        let fields = requirements.fields.iter();
-        let hessians = requirements.hessian || fields.clone().any(|slot| slot.order == Order::Hessian);
+        let is_second = |slot: &FieldSlot| slot.order == Order::Hessian;
+        let hessians = requirements.hessian || requirements.fields.iter().any(is_second);
         FurtherTables { hessians, means: requirements.reads_means() }
     }
 }

@@ -94,9 +94,15 @@ impl<'a> CellMeans<'a> {
             Some(make(a, self.of(b)?))
         } else if self.is_constant(b) {
             Some(make(self.of(a)?, b))
+        } else if let Some(area) = [a, b].into_iter().find(|factor| self.is_facet_area(*factor)) {
+            self.no_mean_of(area, Geometry::FacetArea)
         } else {
             self.not_affine(tensor, "this is a product of what varies over the cell")
         }
+    }
+
+    fn is_facet_area(&self, tensor: Tensor) -> bool {
+        matches!(self.arena.node(tensor).operator, Operator::Geometry(Geometry::FacetArea))
     }
 
     /// Is it one value on the whole cell, for every mesh and all data?
