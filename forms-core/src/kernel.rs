@@ -41,7 +41,7 @@ pub struct Further<L, const D: usize> {
 }
 
 impl<L: Lane, const D: usize> Further<L, D> {
-    /// No further values.
+    /// Zeros, for a function that is known by value and gradient only.
     #[inline(always)]
     pub fn none() -> Self {
         let zero = L::splat(0.0);
@@ -150,7 +150,7 @@ impl Order {
         }
     }
 
-    /// Is it a mean over the cell?
+    /// Whether it is a mean over the cell.
     pub const fn is_mean(self) -> bool {
         matches!(self, Order::MeanValue | Order::MeanGradient)
     }
@@ -256,12 +256,12 @@ impl Requirements {
         field_length: 0,
     };
 
-    /// Do `test` or `trial` read [`Further`]? Ways that know functions by value and gradient only then do not serve.
+    /// Whether `test` or `trial` reads [`Further`]. Ways that know functions by value and gradient only do not serve then.
     pub const fn reads_further(&self) -> bool {
         self.hessian || self.test_mean || self.trial_mean
     }
 
-    /// Are means over the cell read, of basis functions or of fields?
+    /// Whether means over the cell are read, of basis functions or of fields.
     pub fn reads_means(&self) -> bool {
         self.test_mean || self.trial_mean || self.fields.iter().any(|slot| slot.order.is_mean())
     }

@@ -65,7 +65,7 @@ fn an_own_table_is_an_element_like_others() -> Outcome {
     let nodes = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [0.0, 1.0], [1.0, 1.0], [2.0, 1.0]];
     let cells =
         vec![(CellShape::Quadrilateral, vec![0, 1, 4, 3]), (CellShape::Triangle, vec![1, 2, 4, 2, 5, 4])];
-    let mesh = Arc::new(Mesh::from_blocks(1, nodes, cells)?);
+    let mesh = Mesh::from_blocks(1, nodes, cells)?;
     let of_degree = |degree| {
         let triangle = Elements::Mini(degree).on(CellShape::Triangle).unwrap();
         Space::of(&mesh, Elements::own([eight_nodes(), triangle]), Scope::Nodes, &[])

@@ -152,7 +152,7 @@ fn surfaces_are_displaced_by_the_traces() -> Outcome {
 fn a_space_on_one_body_is_refused_on_both() -> Outcome {
     let mesh = blocks(CellShape::Triangle, 1, 0.1);
     let space = Space::of(&mesh, Elements::Lagrange(1), Scope::Nodes.within("upper"), &[])?;
-    let data = touch::Data { slope: [0.0; 2].into() };
+    let data = touch::data().slope([0.0; 2]);
     let form = touch::glued(&data, &touch::Touch::on(Pairing::between("below", "above")));
     let refused = Assembler::new(&mesh).tangent(&form, &[&Field::zero(&space)], &[&space]);
     let message = refused.unwrap_err().to_string();
