@@ -2,16 +2,19 @@
 //!
 //! T = K + B, where B couples unknowns of c alone, is solved with the factor of K and a dense one of S + B.
 
+mod dense;
+
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::lu::partial_pivoting::{factor, solve};
+use faer::linalg::lu::partial_pivoting::solve;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::perm::PermRef;
-use faer::{Conj, Mat, MatMut, Par, Spec};
+use faer::{Conj, Mat, MatMut, Par};
 
 use crate::cholesky::SymmetricFactor;
 use crate::error::LinearAlgebraError;
 use crate::partial_solves::lower_times_transposed;
 use crate::restriction::Entry;
+use crate::threads::Threads;
 use crate::transpose::Transpose;
 
 /// The factor of K and its Schur complement.
@@ -38,14 +41,10 @@ pub struct DenseFactor {
 
 impl DenseFactor {
     /// Of a matrix, in its memory.
-    fn new(mut matrix: Mat<f64>) -> Self {
+    fn new(threads: Threads, mut matrix: Mat<f64>) -> Self {
         let size = matrix.nrows();
         let (mut rows, mut places) = (vec![0_u32; size], vec![0_u32; size]);
-        let (parallel, params) = (Par::Seq, Spec::default());
-        let scratch = factor::lu_in_place_scratch::<u32, f64>(size, size, parallel, params);
-        let mut memory = MemBuffer::new(scratch);
-        let stack = MemStack::new(&mut memory);
-        factor::lu_in_place(matrix.as_mut(), &mut rows, &mut places, parallel, stack, params);
+        dense::factor_in_place(threads, matrix.as_mut(), &mut rows, &mut places);
         DenseFactor { triangles: matrix, rows, places }
     }
 
@@ -94,8 +93,14 @@ impl Condensation {
         unknowns.iter().all(|unknown| self.places[*unknown as usize].is_some())
     }
 
-    /// The dense factor of S + B; entries outside of c are left out. The memory of an earlier one may be reused.
-    pub fn dense_factor(&self, additions: &[Entry], earlier: Option<DenseFactor>) -> DenseFactor {
+    /// The dense factor of S + B; entries outside of c are left out. The memory of an earlier one may be reused. The same bits come from any
+    /// number of threads.
+    pub fn dense_factor(
+        &self,
+        threads: Threads,
+        additions: &[Entry],
+        earlier: Option<DenseFactor>,
+    ) -> DenseFactor {
         let size = self.schur.nrows();
         let fits = |matrix: &Mat<f64>| (matrix.nrows(), matrix.ncols()) == (size, size);
         let mut system = match earlier.map(|earlier| earlier.triangles).filter(fits) {
@@ -111,7 +116,7 @@ impl Condensation {
                 system[(row as usize, column as usize)] += value;
             }
         }
-        DenseFactor::new(system)
+        DenseFactor::new(threads, system)
     }
 
     /// S x of condensed unknowns.

@@ -77,7 +77,7 @@ pub use operator::{Entries, Identity, Jacobi, LinearOperator, OnThreads, Operato
 pub use ordering::{Candidate, Chosen, Ordering};
 pub use pattern::SparsityPattern;
 pub use residual_history::ResidualHistory;
-pub use restriction::{Entry, Restriction};
+pub use restriction::{Entry, Restriction, WeightedRestriction, Weights};
 pub use rigid_motions::{free_motions, free_motions_of_body, rigid_motions};
 pub use spectrum::{Spectrum, spectrum};
 pub use symbolic::Fill;

@@ -1,5 +1,7 @@
 //! Taking chosen rows and columns out of matrices of one structure.
 
+mod weighted;
+
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -9,6 +11,7 @@ use super::csr::CsrMatrix;
 use super::error::LinearAlgebraError;
 use super::large_pages::Filling;
 use super::pattern::SparsityPattern;
+pub use weighted::{WeightedRestriction, Weights};
 
 /// Marks a column that is not kept.
 const DROPPED: u32 = u32::MAX;

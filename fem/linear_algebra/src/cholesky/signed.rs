@@ -23,7 +23,7 @@ use crate::vector::norm;
 /// large numbers that follow from it round.
 const SUBSTITUTE: f64 = 1e-8;
 /// Steps of the power method that estimates a remainder.
-const STEPS: usize = 3;
+const STEPS: usize = 2;
 
 /// Quality of a factor of a matrix nearby for refinement.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,12 +6,11 @@ mod few_unknowns;
 
 use std::sync::Arc;
 
-use self::changes::{changed_entries, nonlinear_changes};
+use self::changes::{Reduced, differences, nonlinear_changes};
 use self::few_unknowns::FewUnknowns;
 use super::newton::equations::{Change, Equations, Verdict, iterate};
 use super::newton::free_equations::{FreeEquations, checked_tangent};
 use super::newton::{LineSearch, NewtonFailure};
-use crate::linear_algebra::CsrMatrix;
 
 /// Iterates from the start to the solution. Without a solver that condenses, all iterates are on all free unknowns.
 ///
@@ -29,13 +28,9 @@ pub(super) fn solve(free: &mut FreeEquations<'_>, guess: Option<Vec<f64>>) -> Re
 }
 
 /// Gives a condensing solver the part that all tangents share, reduced; none where there is no such solver or part.
-fn share_linear_part(free: &mut FreeEquations<'_>) -> Result<Option<Arc<CsrMatrix>>, NewtonFailure> {
+fn share_linear_part(free: &mut FreeEquations<'_>) -> Result<Option<Reduced>, NewtonFailure> {
     let FreeEquations { problem, elimination, solver, .. } = free;
     let Some(solver) = solver.as_condensed() else { return Ok(None) };
-    // With related unknowns the reduced matrix is no submatrix, and is made again for each tangent.
-    if !elimination.only_prescribes() {
-        return Ok(None);
-    }
     let Some(problem) = problem.partly_linear() else { return Ok(None) };
     let Some(part) = problem.linear_part()? else { return Ok(None) };
     let reduced = Arc::new(elimination.reduce_matrix(part.matrix)?);
@@ -44,14 +39,15 @@ fn share_linear_part(free: &mut FreeEquations<'_>) -> Result<Option<Arc<CsrMatri
         true => solver.set_symmetric_linear_part(&reduced)?,
         false => solver.set_linear_part(&reduced)?,
     }
-    Ok(Some(reduced))
+    let full = (!elimination.only_prescribes()).then(|| part.matrix.clone());
+    Ok(Some(Reduced { matrix: reduced, full }))
 }
 
 /// Equations on the free unknowns whose tangents share a linear part K. A condensing solver knows it.
 struct WithLinearPart<'f, 'a> {
     free: &'f mut FreeEquations<'a>,
     /// K, reduced.
-    linear_part: Arc<CsrMatrix>,
+    linear_part: Reduced,
 }
 
 impl WithLinearPart<'_, '_> {
@@ -72,8 +68,10 @@ impl WithLinearPart<'_, '_> {
         // Where positions follow the iterate, a guess tells nothing of them.
         let follows = problem.nonlinear_tangent(&iterates.u)?.is_some();
         if let Some(guess) = guess.filter(|_| !follows) {
-            let entries = changed_entries(problem, elimination, &guess)?;
-            solver.expect_changed(&self.linear_part, &entries)?;
+            let tangent = problem.tangent(&guess)?;
+            let places = tangent.changed.unwrap_or_default();
+            let additions = differences(elimination, &self.linear_part, &tangent.matrix, places)?;
+            solver.expect_added(&additions);
         }
         if iterates.options.line_search != LineSearch::Off || !solver.condenses() {
             return Ok(());
@@ -98,12 +96,16 @@ impl WithLinearPart<'_, '_> {
             && iterates.options.line_search != LineSearch::OnPotential
             && let Some(changes) = nonlinear_changes(problem, elimination, &iterates.u)?
         {
-            return Ok(solver.set_added(&self.linear_part, changes.additions, &changes.near)?);
+            return Ok(solver.set_added(&self.linear_part.matrix, changes.additions, &changes.near)?);
         }
         let tangent = checked_tangent(*problem, elimination, iterates)?;
         if let (Some(changed), Some(solver)) = (tangent.changed, solver.as_condensed()) {
+            if self.linear_part.full.is_some() {
+                let additions = differences(elimination, &self.linear_part, &tangent.matrix, changed)?;
+                return Ok(solver.set_added(&self.linear_part.matrix, additions, &[])?);
+            }
             let entries = elimination.reduce_places(&tangent.matrix, changed)?;
-            return Ok(solver.set_changed(&self.linear_part, &entries)?);
+            return Ok(solver.set_changed(&self.linear_part.matrix, &entries)?);
         }
         let reduced = elimination.reduce_matrix(&tangent.matrix)?;
         drop(tangent);

@@ -199,9 +199,10 @@ impl CondensedSolver {
         if !self.condense_to(&touched)? {
             return self.fall_back(matrix.to_matrix()?);
         }
+        let threads = self.fallback.threads();
         let Some(condensation) = &self.condensation else { return self.fall_back(matrix.to_matrix()?) };
         let start = Instant::now();
-        let dense = (!changes.is_empty()).then(|| condensation.dense_factor(&changes, None));
+        let dense = (!changes.is_empty()).then(|| condensation.dense_factor(threads, &changes, None));
         self.report.factorisation_seconds += start.elapsed().as_secs_f64();
         self.current = Some(Current::Condensed { matrix, dense });
         Ok(())

@@ -8,7 +8,8 @@ use crate::constraints::{Constraints, Relation};
 use crate::instantiate::instantiate;
 use crate::linear_algebra::error::check_size;
 use crate::linear_algebra::{
-    BlockMatrix, CsrMatrix, Entry, LinearAlgebraError, Restriction, SparsityPattern,
+    BlockMatrix, CsrMatrix, Entry, LinearAlgebraError, Restriction, SparsityPattern, WeightedRestriction,
+    Weights,
 };
 
 /// The free unknowns y of a problem whose other unknowns are prescribed or given by free ones, u = C y + d, and the
@@ -20,6 +21,8 @@ pub struct Elimination {
     relations: BTreeMap<usize, Relation>,
     free: Vec<usize>,
     restriction: Option<Restriction>,
+    /// In its place where free unknowns give others.
+    weighted: Option<WeightedRestriction>,
 }
 
 impl Elimination {
@@ -44,7 +47,8 @@ impl Elimination {
             from = unknown + 1;
         }
         free.extend(from..size);
-        Ok(Self { size, prescribed: prescribed.clone(), relations: BTreeMap::new(), free, restriction: None })
+        let (prescribed, relations) = (prescribed.clone(), BTreeMap::new());
+        Ok(Self { size, prescribed, relations, free, restriction: None, weighted: None })
     }
 
     /// Elimination of prescribed and related unknowns. Constraints of several spaces are one system, in which the unknowns
@@ -142,11 +146,16 @@ impl Elimination {
         for (&unknown, &value) in &self.prescribed {
             full[unknown] = value;
         }
+        self.impose_relations(full);
+        Ok(())
+    }
+
+    /// Writes what free entries give into a full vector.
+    pub(crate) fn impose_relations(&self, full: &mut [f64]) {
         for (&unknown, relation) in &self.relations {
             full[unknown] =
                 relation.terms.iter().fold(relation.value, |sum, (free, a)| sum + a * full[*free]);
         }
-        Ok(())
     }
 
     /// d: the prescribed and given values where free unknowns are zero.
@@ -244,63 +253,7 @@ impl Elimination {
         if self.relations.is_empty() {
             return self.restriction(matrix, known)?.apply(matrix);
         }
-        check_size("the set of rows", self.size, matrix.rows())?;
-        check_size("the set of columns", self.size, matrix.columns())?;
-        // Of each unknown the free ones that it depends on, and of each free one the unknowns that depend on it, by reduced numbers.
-        let mut numbers = vec![usize::MAX; self.size];
-        let mut dependent: Vec<Vec<(usize, f64)>> = vec![vec![]; self.free.len()];
-        for (number, &unknown) in self.free.iter().enumerate() {
-            numbers[unknown] = number;
-            dependent[number].push((unknown, 1.0));
-        }
-        let mut terms: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
-        for (&unknown, relation) in &self.relations {
-            let own: Vec<_> = relation.terms.iter().map(|(free, a)| (numbers[*free], *a)).collect();
-            own.iter().for_each(|(number, a)| dependent[*number].push((unknown, *a)));
-            terms.insert(unknown, own);
-        }
-        let count = self.free.len();
-        let (mut pointers, mut indices, mut values) = (vec![0_usize], Vec::<u32>::new(), Vec::<f64>::new());
-        // The place of each column in the row, for the row that it was met in last.
-        let mut places = vec![(usize::MAX, 0_usize); count];
-        let mut entries: Vec<(u32, f64)> = vec![];
-        for (row, unknowns) in dependent.iter().enumerate() {
-            entries.clear();
-            let mut add = |column: usize, value: f64| match places[column] {
-                (known, place) if known == row => entries[place].1 += value,
-                _ => {
-                    places[column] = (row, entries.len());
-                    entries.push((column as u32, value));
-                }
-            };
-            for &(unknown, a) in unknowns {
-                for (column, value) in matrix.row(unknown) {
-                    match numbers[column] {
-                        usize::MAX => {
-                            let others = terms.get(&column).into_iter().flatten();
-                            others.for_each(|(column, b)| add(*column, a * value * b));
-                        }
-                        number => add(number, a * value),
-                    }
-                }
-            }
-            entries.sort_unstable_by_key(|entry| entry.0);
-            indices.extend(entries.iter().map(|entry| entry.0));
-            values.extend(entries.iter().map(|entry| entry.1));
-            pointers.push(indices.len());
-        }
-        // An unknown that others give represents them.
-        let cells = matrix.sparsity().cells().map(|cells| {
-            Arc::new(cells.renumbered(|unknown, visit| match numbers[unknown as usize] {
-                usize::MAX => {
-                    let others = terms.get(&(unknown as usize)).into_iter().flatten();
-                    others.for_each(|(number, _)| visit(*number as u32));
-                }
-                number => visit(number as u32),
-            }))
-        });
-        let pattern = SparsityPattern::new(count, count, pointers, indices)?.with_cells(cells)?;
-        CsrMatrix::from_pattern(&Arc::new(pattern), values)
+        self.weighted(matrix, known)?.apply(matrix)
     }
 
     /// The entries of the reduced matrix whose values are at some places of the full one, as ranges of whole
@@ -319,6 +272,51 @@ impl Elimination {
             });
         }
         self.restriction(matrix, None)?.apply_to_places(matrix, places)
+    }
+
+    /// What a matrix adds to another one on reduced unknowns, Cᵀ (K − K₀) C, where they differ at some places only, given as ranges of whole
+    /// blocks: each entry once. It is made for unknowns that are given by free ones.
+    ///
+    /// # Errors
+    /// If a matrix has the wrong size, or they have different structures.
+    pub(crate) fn reduce_differences(
+        &mut self,
+        matrix: &BlockMatrix,
+        base: &BlockMatrix,
+        places: &[Range<usize>],
+    ) -> Result<Vec<Entry>, LinearAlgebraError> {
+        self.weighted(matrix, None)?.differences(matrix, base, places)
+    }
+
+    /// C, by the numbers of the free unknowns.
+    pub(crate) fn weights(&self) -> Weights {
+        let mut numbers = vec![u32::MAX; self.size];
+        (0..).zip(&self.free).for_each(|(number, unknown)| numbers[*unknown] = number);
+        let mut weights = Weights::default();
+        for unknown in 0..self.size {
+            match (numbers[unknown], self.relations.get(&unknown)) {
+                (u32::MAX, Some(relation)) => {
+                    weights.add(relation.terms.iter().map(|(free, a)| (numbers[*free], *a)));
+                }
+                (u32::MAX, None) => weights.add([]),
+                (number, _) => weights.add([(number, 1.0)]),
+            }
+        }
+        weights
+    }
+
+    fn weighted(
+        &mut self,
+        matrix: &BlockMatrix,
+        known: Option<&Arc<SparsityPattern>>,
+    ) -> Result<&WeightedRestriction, LinearAlgebraError> {
+        check_size("the set of rows", self.size, matrix.rows())?;
+        check_size("the set of columns", self.size, matrix.columns())?;
+        let weighted = match self.weighted.take().filter(|weighted| weighted.fits(matrix)) {
+            Some(weighted) => weighted,
+            None => WeightedRestriction::new(matrix.sparsity(), self.weights(), &self.free, known)?,
+        };
+        Ok(self.weighted.insert(weighted))
     }
 
     fn restriction(

@@ -1,11 +1,9 @@
 //! Small nonlinear problem on the condensed unknowns c: S x_c + N_c(x) = L_c y_c, with the iterates of all unknowns, computed only where
 //! the nonlinearity reads them.
 
-use std::sync::Arc;
-
-use super::changes::{Changes, changes};
+use super::changes::{Changes, Reduced, changes};
 use crate::linear_algebra::vector::{add_scaled, norm};
-use crate::linear_algebra::{CsrMatrix, Entry, LinearAlgebraError};
+use crate::linear_algebra::{Entry, LinearAlgebraError};
 use crate::solve::condensed_solver::{CondensedSolver, CondensedSystem};
 use crate::solve::elimination::Elimination;
 use crate::solve::linear_solver::SolverError;
@@ -20,7 +18,7 @@ pub(super) struct FewUnknowns<'c, 'a> {
     problem: &'c mut dyn PartlyLinear,
     elimination: &'c mut Elimination,
     solver: &'c mut CondensedSolver,
-    linear_part: &'c Arc<CsrMatrix>,
+    linear_part: &'c Reduced,
     iterates: &'c mut Iterates<'a>,
     /// u₀ on the free unknowns.
     start: Vec<f64>,
@@ -51,7 +49,7 @@ impl<'c, 'a> FewUnknowns<'c, 'a> {
         problem: &'c mut dyn PartlyLinear,
         elimination: &'c mut Elimination,
         solver: &'c mut CondensedSolver,
-        (linear_part, residual): (&'c Arc<CsrMatrix>, &[f64]),
+        (linear_part, residual): (&'c Reduced, &[f64]),
         iterates: &'c mut Iterates<'a>,
     ) -> Result<Self, NewtonFailure> {
         let nonlinear = elimination.reduce(&problem.nonlinear_residual(&iterates.u)?)?;
@@ -120,6 +118,7 @@ impl<'c, 'a> FewUnknowns<'c, 'a> {
         for ((unknown, start), x) in self.elimination.free().iter().zip(&self.start).zip(&x) {
             self.iterates.u[*unknown] = start + x;
         }
+        self.elimination.impose_relations(&mut self.iterates.u);
         Ok(true)
     }
 }
@@ -145,7 +144,7 @@ impl Equations for FewUnknowns<'_, '_> {
         };
         let (residual, additions) =
             (system.residual(x_c, &self.nonlinear), std::mem::take(&mut self.additions));
-        let values = self.solver.condensed_step(self.linear_part, additions, &residual)?;
+        let values = self.solver.condensed_step(&self.linear_part.matrix, additions, &residual)?;
         let condensed_unknowns = Some(values.len());
         Ok(Change { values, origin: Origin::Tangent { linear_iterations: 0, condensed_unknowns } })
     }
@@ -162,6 +161,7 @@ impl Equations for FewUnknowns<'_, '_> {
         for &i in &self.watched {
             u[free[i as usize]] = start[i as usize] + x[i as usize];
         }
+        self.elimination.impose_relations(u);
         self.nonlinear = self.elimination.reduce(&self.problem.nonlinear_residual(u)?)?;
         // Rows outside of c hold; N may have got beyond c.
         let mut residual = self.nonlinear.clone();

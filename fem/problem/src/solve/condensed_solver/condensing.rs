@@ -82,15 +82,10 @@ impl CondensedSolver {
         condensed
     }
 
-    /// Names the entries of the linear part that the coming matrices are likely to change, by those of one of them. The guess
+    /// Names the entries of the linear part to which the coming matrices are likely to add, by those of one of them. The guess
     /// may be wrong; it may save a factorisation.
-    pub(in crate::solve) fn expect_changed(
-        &mut self,
-        linear_part: &Arc<CsrMatrix>,
-        entries: &[Entry],
-    ) -> Result<(), SolverError> {
-        self.expected = unknowns_of(&self.changes(&additions(linear_part, entries)?));
-        Ok(())
+    pub(in crate::solve) fn expect_added(&mut self, additions: &[Entry]) {
+        self.expected = unknowns_of(&self.changes(additions));
     }
 
     /// Unknowns of the dense system to which solves with the current matrix are condensed; none if they are not.
@@ -153,14 +148,14 @@ impl CondensedSolver {
         additions: Vec<Entry>,
         r: &[f64],
     ) -> Result<Vec<f64>, SolverError> {
-        let changes = self.changes(&additions);
+        let (changes, threads) = (self.changes(&additions), self.fallback.threads());
         let condensation = self.condensation.as_ref().ok_or(SolverError::NoMatrix)?;
         let start = Instant::now();
         let earlier = match self.current.take() {
             Some(Current::Condensed { dense, .. }) => dense,
             _ => None,
         };
-        let dense = (!changes.is_empty()).then(|| condensation.dense_factor(&changes, earlier));
+        let dense = (!changes.is_empty()).then(|| condensation.dense_factor(threads, &changes, earlier));
         let factored_in = start.elapsed().as_secs_f64();
         let start = Instant::now();
         let mut step = condensation.dense_solve(r, dense.as_ref());

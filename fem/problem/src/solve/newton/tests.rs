@@ -2,6 +2,7 @@
 
 mod failures;
 mod few_unknowns;
+mod related_unknowns;
 
 use super::convergence::Fields;
 use super::*;
