@@ -68,7 +68,7 @@ fn check(mesh: &Arc<Mesh<2>>, constraints: &Constraints<2>) {
 fn contact_with_related_unknowns_iterates_on_few() {
     let mesh = graded(6);
     let space = Space::vector(&mesh, 1).unwrap();
-    // Hanging nodes only; periodic ones, with the corner of the floor; rigid sides, one of which is pressed onto the bed.
+    // Hanging nodes only; periodic ones, with the corner of the floor; rigid sides, also the one that is pressed onto the bed.
     let joined = |space: &Arc<Space<2>>| {
         let mut joined = Constraints::new(space);
         joined.join_hanging_nodes().unwrap();
