@@ -230,7 +230,7 @@ fn what_second_derivatives_lack_is_told_by_name() {
     assert!(told(uncurved).contains("with_curvature_of_controls"));
 }
 
-/// States in files: the same bits, and no file is left; a directory that is not there is named.
+/// States in files: the same bits, and no file is left; a directory that cannot be made is named.
 #[test]
 fn stored_states_may_be_files() {
     let parts = parts();
@@ -246,6 +246,9 @@ fn stored_states_may_be_files() {
     }
     assert_eq!(std::fs::read_dir(&directory).unwrap().count(), 0);
     std::fs::remove_dir(&directory).unwrap();
-    let error = history(&parts).states_on_disk(&directory).gradient(&m).map(|_| ()).unwrap_err().to_string();
+    std::fs::write(&directory, "no directory").unwrap();
+    let below = directory.join("below");
+    let error = history(&parts).states_on_disk(below).gradient(&m).map(|_| ()).unwrap_err().to_string();
+    std::fs::remove_file(&directory).unwrap();
     assert!(error.contains("stored states") && error.contains("forms_stored_states"), "{error}");
 }
