@@ -16,7 +16,7 @@ COUNTS = [
     ("#[inline(never)]", r"#\[inline\(never\)\]", False, 242),
     ("instantiate! blocks", r"^\s*instantiate!\(", False, 80),
 ]
-LINES = [("lines of Rust without tests", False, 135_000), ("lines of Rust", True, 186_800)]
+LINES = [("lines of Rust without tests", False, 139_000), ("lines of Rust", True, 192_500)]
 
 
 def sources():
