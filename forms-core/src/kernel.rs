@@ -30,7 +30,7 @@ pub struct Basis<L, const D: usize> {
 /// Second derivatives ∂²φ/∂x_i∂x_j of a basis function \[1/length²\].
 pub type Hessian<L, const D: usize> = [[L; D]; D];
 
-/// Values of a basis function that few kernels read, separate from [`Basis`]. Zeros where [`Requirements::reads_further`] is false.
+/// Data of a basis function that few kernels read, separate from [`Basis`]. Zeros where [`Requirements::reads_further`] is false.
 #[derive(Clone, Copy, Debug)]
 pub struct Further<L, const D: usize> {
     /// Second derivatives, where [`Requirements::hessian`] asks.

@@ -82,7 +82,7 @@ pub(super) struct Places<const D: usize> {
 }
 
 impl FurtherTables {
-    /// The data that a kernel reads.
+    /// The tables that a kernel reads.
     pub fn of(requirements: &Requirements) -> Self {
         let is_second = |slot: &FieldSlot| slot.order == Order::Hessian;
         let hessians = requirements.hessian || requirements.fields.iter().any(is_second);

@@ -58,7 +58,7 @@ impl<L: SimdLane, const D: usize> SideBuffers<L, D> {
             let (determinant, inverse) = inverse_transposed(&self.jacobian_at(&tables.geometry, q));
             least = least.minimum(determinant);
             let weight = determinant * L::splat(tables.weights[q]);
-            volume = volume + weight;
+            volume += weight;
             for index in 0..reads.len() {
                 if !reads[index].mean {
                     continue;
