@@ -96,7 +96,7 @@ const WORDS: &[(&[&str], &str)] = &[
         &["otherside", "neighbor", "neighbour"],
         "the value in the other cell of an interior facet is `other(u)`",
     ),
-    (&["cell_avg"], "the mean over a cell is `mean(e)`"),
+    (&["cell_avg"], "the mean over a cell is `mean(u)`"),
     (&["average"], "the mean of the two sides of an interior facet is `avg(u)`"),
     // Fields and data.
     (

@@ -196,7 +196,7 @@ fn means_over_cells_are_shown() {
         #[cells] struct Omega;
         fn damped(s: Unknown<Scalar>, r: Test<Scalar>) -> Form { integral(Omega, pow(mean(k * s), 3) * mean(r)) }
     }"#;
-    let lines = ["damped(s, r) = ∫_Ω ⟨k s⟩³ ⟨r⟩ dx", "D damped(s, r)[δs] = ∫_Ω 3 ⟨k s⟩² ⟨k δs⟩ ⟨r⟩ dx"];
+    let lines = ["damped(s, r) = ∫_Ω ⟨k s⟩³ ⟨r⟩ dx", "D damped(s, r)[δs] = ∫_Ω 3 ⟨k s⟩² k ⟨δs⟩ ⟨r⟩ dx"];
     assert_shown(source, "damped", &lines);
     assert!(
         shown(source, "damped").latex().contains("\\langle r\\rangle"),
