@@ -136,8 +136,8 @@ impl BlockElimination {
                 groups.map(|group| self.block(matrix, group, &scales)).collect::<Vec<_>>()
             });
             blocks.extend(found.into_iter().flatten());
-            for group in from..end {
-                if let Some(block) = &mut blocks[group] {
+            for (group, block) in (from..).zip(&mut blocks[from..]) {
+                if let Some(block) = block {
                     self.subtract(group, &std::mem::take(&mut block.product), &mut values);
                 }
             }

@@ -269,16 +269,13 @@ fn components(pattern: &SparsityPattern, owner: &mut [u32]) -> (Vec<u32>, Vec<us
     }
     let mut numbers = vec![NONE; size];
     let mut sizes: Vec<usize> = vec![];
-    for unknown in 0..size {
-        if owner[unknown] == NONE {
-            continue;
-        }
+    for (unknown, own) in owner.iter_mut().enumerate().filter(|(_, own)| **own != NONE) {
         let leader = root(&mut parent, unknown as u32) as usize;
         if numbers[leader] == NONE {
             numbers[leader] = sizes.len() as u32;
             sizes.push(0);
         }
-        owner[unknown] = numbers[leader];
+        *own = numbers[leader];
         sizes[numbers[leader] as usize] += 1;
     }
     let mut next = Vec::with_capacity(sizes.len());
