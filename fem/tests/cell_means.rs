@@ -173,7 +173,7 @@ fn data_without_a_mean_are_errors() {
         Err(AssemblyError::MeanOfFunction { form: "read", field: "seen" })
     ));
     let on_wall = Space::on_facets(&mesh, "boundary", 1).unwrap();
-    let failed = of(Given::field(&Field::zero(&on_wall)));
+    let failed = of(Given::field(Field::zero(&on_wall)));
     assert!(matches!(failed, Err(AssemblyError::MeanOnFacets { field: "seen", .. })), "{failed:?}");
     let data = of_data::data().k(1.0).seen(0.0);
     let form = of_data::tested(&data, &numbers::Wall::on("boundary"));

@@ -207,7 +207,7 @@ fn what_second_derivatives_lack_is_told_by_name() {
             .sensitivities(|at, u, p| Ok(crept(at, None)?.sensitivities(u, at.before()?, p)))
             .criterion(|at| Ok(crept(at, None)?.misfit()))
     };
-    assert!(told(bare()).contains("the history has no second_rates"), "{}", told(bare()));
+    assert!(told(bare()).contains("the history has no second_sensitivities"), "{}", told(bare()));
     let first_again = || {
         bare().second_sensitivities(|at, states| {
             Ok(crept(at, None)?.sensitivities(states.u, at.before()?, states.p))

@@ -175,7 +175,7 @@ fn hessians_of_diffusion_and_what_is_missing() {
     let told = rateless.hessian(&m, &d).map(|_| ()).unwrap_err().to_string();
     assert!(told.contains("`rateless` has no test function `by_rate`"), "{told}");
     let told = bare().hessian(&m, &d).map(|_| ()).unwrap_err().to_string();
-    assert!(told.contains("the history has no second_rates"), "{told}");
+    assert!(told.contains("the history has no second_sensitivities"), "{told}");
     let body = Body::new([3, 1]);
     let mut sprung = body
         .history((STEPS, 0.15), GeneralisedAlpha::mid_point())

@@ -15,8 +15,11 @@ pub struct FromStick<'a, const D: usize, L> {
     sticking: ContactProblem<D, L>,
     start: Cow<'a, Field<D>>,
     solver: Option<&'a mut dyn LinearSolver>,
-    progress: Option<Box<dyn FnMut(&NewtonStep) + 'a>>,
+    progress: Option<Progress<'a>>,
 }
+
+/// A listener to Newton's iterates.
+type Progress<'a> = Box<dyn FnMut(&NewtonStep) + 'a>;
 
 /// Most steps towards a state in which all sticks.
 const STEPS_TO_STICK: usize = 10;

@@ -37,7 +37,7 @@ fn ask<T>(values: &Vec<T>) {
     if bytes >= SMALLEST {
         let pages = pages_in(begin.addr(), bytes);
         let rest = (pages.start + TRIED).min(pages.end)..pages.end;
-        if PrefaultedArray::of(bytes).is_fast(begin, pages.start..rest.start) {
+        if PrefaultedArray::of(bytes).has_fast_pages(begin, pages.start..rest.start) {
             advise(begin, &rest, Advice::Large);
         }
     }

@@ -29,7 +29,7 @@ pub enum HistoryFailure {
     /// Controls that do not fit, or that do not exist.
     #[error(transparent)]
     Control(#[from] ControlError),
-    /// A history without a form of its steps, of their rates, or without a criterion.
+    /// A history without a form of its steps, of their sensitivities, or without a criterion.
     #[error("the history has no {0}: give it with `.{0}(..)`")]
     Missing(&'static str),
     /// A history with a criterion of its own, where its states are wanted.
@@ -38,26 +38,26 @@ pub enum HistoryFailure {
     /// Rates that lack the test function of a control, or of the state before.
     #[error("`{form}` has no test function `by_{name}`: {meaning}")]
     NotTested {
-        /// The form of the rates.
+        /// The form of the sensitivities.
         form: &'static str,
         name: String,
         /// Meaning of the missing test function.
         meaning: &'static str,
     },
-    /// A test function of the rates that belongs to no control.
+    /// A test function of the sensitivities that belongs to no control.
     #[error(
         "the test function `{test}` of `{form}` belongs to no control: it is `by_` and a control's name, `by_before`, or of \
          motions `by_value`, `by_rate`, `by_second_rate`"
     )]
     UnknownTest {
-        /// The form of the rates.
+        /// The form of the sensitivities.
         form: &'static str,
         test: &'static str,
     },
     /// Rates with an unknown.
-    #[error("`{unknown}` of `{form}` is an unknown; rates are of known fields, `State`s")]
+    #[error("`{unknown}` of `{form}` is an unknown; sensitivities are of known fields, `State`s")]
     RateOfUnknown {
-        /// The form of the rates.
+        /// The form of the sensitivities.
         form: &'static str,
         unknown: &'static str,
     },

@@ -45,7 +45,7 @@ pub mod importing {
 
 fn main() {
     let elastic = elasticity::data::<2>().lambda(1.0).shear(1.0).density(1.0);
-    let data = contact::data_from(elastic.clone()).gap(1.0);
+    let data: contact::Data<2> = contact::data_from(elastic.clone()).gap(1.0);
     drop(contact::direct(&data, &contact::Omega::on("all")));
-    drop(importing::data_from(elastic).bulk(1.0));
+    let _: importing::Data<2> = importing::data_from(elastic).bulk(1.0);
 }

@@ -313,8 +313,8 @@ fn defaults_stand_where_nothing_was_given() {
     };
     assert_eq!(constant(data.friction.source()), [0.25]);
     assert_eq!(constant(data.drift.source()), [0.0; 3]);
-    let flat = loaded::data().lambda(data.lambda.clone()).mu(0.7).law(law()).gap(GAP).gamma0(GAMMA0);
-    let data: loaded::Data<3> = flat.into();
+    let data: loaded::Data<3> =
+        loaded::data().lambda(data.lambda.clone()).mu(0.7).law(law()).gap(GAP).gamma0(GAMMA0);
     assert_eq!(constant(data.friction.source()), [0.25]);
     assert_eq!((data.force, data.weight, data.twist), ([0.0; 3], -2.5, [[0.0; 3]; 2]));
     assert_eq!(data.mu, 0.7);

@@ -39,7 +39,7 @@ pub mod strains {
         pow(det(mean(F)) / det(F), 1 / D) * F
     }
 
-    /// ε̄ = ε + (⟨div w⟩ − div w)/D I, which has the cell's mean in place of div w (B-bar): [`f_bar`] at small strains.
+    /// ε̄ = ε + (⟨div w⟩ − div w)/D I, which has the cell's mean in place of div w (B-bar): [`f_bar()`] at small strains.
     #[doc(alias = "ε̄")]
     pub fn strain_bar(w: Vector) -> Tensor {
         eps(w) + (mean(div(w)) - div(w)) / D * I
@@ -112,7 +112,7 @@ pub mod neo_hookean {
     pub use super::linear_elastic::Data;
     use super::strains::deformation_gradient;
 
-    /// W of a deformation gradient: that of a displacement, or [`f_bar`](super::strains::f_bar). P is `diff(density(F), F)`.
+    /// W of a deformation gradient: that of a displacement, or [`f_bar`](fn@super::strains::f_bar). P is `diff(density(F), F)`.
     #[doc(alias = "W")]
     pub fn density(F: Tensor) -> Scalar {
         let J = det(F);

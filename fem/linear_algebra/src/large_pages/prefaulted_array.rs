@@ -49,7 +49,7 @@ impl PrefaultedArray {
     }
 
     /// Has pages handed over, and says whether the large ones among them come quickly.
-    pub(super) fn is_fast<T>(mut self, begin: *const T, pages: Range<usize>) -> bool {
+    pub(super) fn has_fast_pages<T>(mut self, begin: *const T, pages: Range<usize>) -> bool {
         self.prefault_pages(begin, pages);
         self.patience > 0
     }

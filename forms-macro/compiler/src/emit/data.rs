@@ -15,7 +15,7 @@ pub fn emit_data(data: &Data, module: &Module) -> TokenStream {
     let Data { attributes, visibility, name, .. } = data;
     if let Some(path) = imported_path(attributes) {
         let begins = [Some(Data::BEGIN), data.first.as_ref().map(|_| Data::BEGIN_FROM)];
-        let begins = begins.iter().flatten().map(|begin| beside(&path, begin));
+        let begins = begins.iter().flatten().map(|begin| beside(path, begin));
         return quote! {
             #[allow(unused_imports)]
             #visibility use #path as #name;

@@ -250,11 +250,7 @@ fn mutated_inclusions() {
     };
     let [included, module] = [included, module].map(|text| text.parse::<TokenStream>().expect("tokens"));
     let output = resume(included.clone(), module.clone()).to_string();
-    assert!(
-        output.contains("impl < const D : :: core :: primitive :: usize > Rest < D >")
-            && !output.contains("compile_error"),
-        "{output}"
-    );
+    assert!(output.contains("fn data_from") && !output.contains("compile_error"), "{output}");
     for seed in 0..count(3_000) {
         let mut random = Random(seed as u64);
         let changed = random.below(2) == 0;
