@@ -34,7 +34,8 @@ impl Element {
     /// - `degree`: what the estimates of quadrature degrees count.
     ///
     /// ```
-    /// use forms_mesh::element::{CellShape, Element};
+    /// # use forms_mesh as forms_fem;
+    /// use forms_fem::element::{CellShape, Element};
     ///
     /// // Bilinear functions and a bubble on the square.
     /// let vertices = CellShape::Quadrilateral.vertex_points();
