@@ -117,6 +117,12 @@ pub trait WithShapeGradient<const D: usize>: WithAdjoint<D> {
     fn diameter_gradient(&self, u: &Field<D>, p: &Field<D>) -> Form<D>;
 }
 
+/// The form of a law's direct problem, which its module may give as an energy.
+#[doc(hidden)]
+pub fn form_of<const D: usize>(direct: impl Into<Form<D>>) -> Form<D> {
+    direct.into()
+}
+
 /// Makes a contact law of a forms module's `Model`: says which of its functions are what.
 ///
 /// ```
@@ -180,7 +186,7 @@ macro_rules! contact_law {
             $crate::fem::Dim: $crate::fem::Dimension<D>,
         {
             fn direct(&self) -> $crate::fem::Form<D> {
-                $module::Model::$direct(self)
+                $crate::law::form_of($module::Model::$direct(self))
             }
 
             fn contact_region(&self) -> &str {
