@@ -11,6 +11,7 @@ mod cattaneo;
 mod cohesive;
 mod contact_heat;
 mod cylinder;
+mod energy_laws;
 mod far_field;
 mod finite_nitsche;
 mod frictional_nitsche;
