@@ -54,7 +54,7 @@ mod of_data {
         seen: Given<Scalar>,
     }
 
-    /// What is constant on a cell stays itself.
+    /// Constants on a cell, which are their own means.
     pub fn with_coefficients(u: State<Scalar>) -> Functional {
         let whole = mean((k * u + [h, k][1]) * h + mean(u) * u / cell_volume + k * I[0][0]);
         integral(Omega, pow(whole - (k * h * mean(u) + k * h + pow(mean(u), 2) / cell_volume + k), 2))
@@ -237,7 +237,7 @@ mod nonlinear {
     pub fn along(u: State<Vector>, w: State<Vector>, v: Test<Vector>) -> Form {
         derivative(balance(u, v), u, k * w - 2 * h * w)
     }
-    /// What the parameter inside of a mean adds.
+    /// Contribution of the parameter inside a mean.
     pub fn by_parameter(u: State<Vector>, v: Test<Vector>) -> Form {
         derivative(balance(u, v), k, 1)
     }

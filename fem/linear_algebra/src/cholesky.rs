@@ -36,7 +36,7 @@ pub struct SymmetricFactor {
     seconds: f64,
 }
 
-/// What a factor has between L and Lᵀ.
+/// Middle factor between L and Lᵀ.
 #[derive(Debug)]
 enum Kind {
     /// Nothing: LLᵀ.

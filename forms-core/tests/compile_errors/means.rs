@@ -1,7 +1,7 @@
 use forms_core::contract::History;
 use forms_core::forms;
 
-/// What has no mean over a cell, and derivatives of means that are not available.
+/// Expressions without a mean over a cell, and derivatives of means that are not available.
 #[forms(crate = forms_core)]
 pub mod averaged {
     pub struct Data {

@@ -30,6 +30,14 @@ pub struct Nodal {
     pub values: Vec<f64>,
 }
 
+/// A mesh of quadratic simplices, and a random vector and scalar on it.
+pub fn quadratic_state<const D: usize>(random: &mut random::Random) -> (Mesh<D>, [Nodal; 2]) {
+    let mesh = Mesh::quadratic_cube(random);
+    let nodes = mesh.nodes.len();
+    let unknowns = [random.field(nodes, D, 0.1, 0.1), random.field(nodes, 1, 0.15, 0.2)];
+    (mesh, unknowns)
+}
+
 impl DiscreteField for Nodal {
     fn components(&self) -> usize {
         self.components

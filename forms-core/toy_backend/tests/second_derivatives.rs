@@ -9,7 +9,7 @@ use toy_backend::mesh::{Mesh, determinant};
 use toy_backend::operator_module;
 use toy_backend::plain::{Components, Matrix, assert_values, dot, inner, matrix, trace, vector};
 use toy_backend::random::Random;
-use toy_backend::{Nodal, differences, expression, residual, tangent};
+use toy_backend::{Nodal, differences, expression, quadratic_state, residual, tangent};
 
 /// The state at a point: what the independent evaluations read.
 struct At {
@@ -40,9 +40,7 @@ struct State<const D: usize> {
 impl<const D: usize> State<D> {
     fn new(seed: u64) -> Self {
         let mut random = Random(seed);
-        let mesh = Mesh::<D>::quadratic_cube(&mut random);
-        let nodes = mesh.nodes.len();
-        let unknowns = [random.field(nodes, D, 0.1, 0.1), random.field(nodes, 1, 0.15, 0.2)];
+        let (mesh, unknowns) = quadratic_state(&mut random);
         State { mesh, unknowns, random }
     }
 

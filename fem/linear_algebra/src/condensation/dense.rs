@@ -58,7 +58,7 @@ pub(super) fn factor_in_place(
     (0..).zip(&*rows).for_each(|(place, row)| places[*row as usize] = place);
 }
 
-/// What is done with columns other than the panel's.
+/// Work on the columns outside of the panel.
 #[derive(Clone, Copy)]
 enum Work {
     /// Of finished columns rows change places only.

@@ -71,7 +71,7 @@ pub enum ElementError {
     /// The values at the nodes do not determine a polynomial.
     #[error("values at the nodes of the element \"{name}\" on the {} do not determine its polynomials", shape.name())]
     NotUnisolvent { name: String, shape: CellShape },
-    /// What an element must have.
+    /// An invalid table of an element.
     #[error("the element \"{name}\" is not as it must be: {reason}")]
     Table { name: String, reason: &'static str },
     /// Cells are straight or quadratic.

@@ -23,6 +23,7 @@ use super::tangent_solver::{TangentSolver, TangentSolverOptions};
 use crate::linear_algebra::Transpose;
 use crate::linear_algebra::backward_error::Refinement;
 use crate::linear_algebra::equations::Side;
+use crate::linear_algebra::krylov::rough;
 use crate::linear_algebra::singularity::check_regular;
 use crate::linear_algebra::vector::norm;
 use crate::linear_algebra::{
@@ -43,10 +44,6 @@ const DENSE_COST: f64 = 400.0;
 
 /// Relative residual below which refinement of the whole solution stops.
 const ACCURATE: f64 = 1e-15;
-/// The most by which an equation may be off, relative to its terms, where the caller asks for no more than the residual that
-/// there is.
-const ROUGH: f64 = 1e-3;
-
 /// A factor with a pivot below this part of its scale is asked whether K is singular.
 const DOUBTFUL: f64 = 1e-9;
 
@@ -373,7 +370,8 @@ impl LinearSolver for CondensedSolver {
             }
         }
         // Each equation has to hold in its own scale, exactly or as far as the caller asks.
-        let is_enough = relative_residual * scale <= tolerance && found.residual.worst().error <= ROUGH;
+        let is_enough = relative_residual * scale <= tolerance
+            && found.residual.worst().error <= rough(tolerance / scale);
         let finished = if is_enough { Ok(()) } else { found.finish(solve) };
         self.report.solve_seconds += start.elapsed().as_secs_f64();
         if finished.is_ok() {

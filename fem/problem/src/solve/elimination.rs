@@ -274,7 +274,7 @@ impl Elimination {
         self.restriction(matrix, None)?.apply_to_places(matrix, places)
     }
 
-    /// What a matrix adds to another one on reduced unknowns, Cᵀ (K − K₀) C, where they differ at some places only, given as ranges of whole
+    /// Difference of two matrices on reduced unknowns, Cᵀ (K − K₀) C, where they differ at some places only, given as ranges of whole
     /// blocks: each entry once. It is made for unknowns that are given by free ones.
     ///
     /// # Errors

@@ -14,15 +14,12 @@ use super::{CondensedSolver, SolverReport, TangentSolver};
 use crate::linear_algebra::backward_error::Refinement;
 use crate::linear_algebra::equations::Side;
 use crate::linear_algebra::error::check_size;
+use crate::linear_algebra::krylov::rough;
 use crate::linear_algebra::vector::norm;
 use crate::linear_algebra::{
     BlockElimination, Counts, CsrMatrix, Eliminated, Groups, SparsityPattern, Transpose,
 };
 use crate::threads::Threads;
-
-/// The most by which an equation may be off, relative to its terms, where the caller asks for no more than the residual that
-/// there is.
-const ROUGH: f64 = 1e-3;
 
 /// Part of its terms by which an equation is off after rounding alone.
 const ROUNDING: f64 = 1e-15;
@@ -110,7 +107,7 @@ impl<S: LinearSolver> LocalUnknowns<S> {
         self.threads.unwrap_or_else(Threads::all)
     }
 
-    /// What is left of a matrix, and the groups' blocks; none if nothing is eliminated.
+    /// Schur complement of a matrix, and the groups' blocks; none if nothing is eliminated.
     fn eliminate(&mut self, matrix: &CsrMatrix) -> Result<Option<(CsrMatrix, Eliminated)>, SolverError> {
         let is_whole = |pattern: &Arc<SparsityPattern>| {
             Arc::ptr_eq(pattern, matrix.pattern()) || **pattern == **matrix.pattern()
@@ -177,8 +174,9 @@ impl<S: LinearSolver> LocalUnknowns<S> {
         let side = Side::of(matrix, transpose);
         let x = solve(b, absolute_tolerance)?;
         let mut found = Refinement::new(&side, threads, b, x)?;
-        let is_enough =
-            norm(&found.residual.rest) <= absolute_tolerance && found.residual.worst().error <= ROUGH;
+        // What is good enough for the caller need not be exact, but no equation may be left aside.
+        let is_enough = norm(&found.residual.rest) <= absolute_tolerance
+            && found.residual.worst().error <= rough(absolute_tolerance / norm(b));
         if !is_enough {
             for _ in 0..REFINEMENTS {
                 if found.residual.worst().error <= ROUNDING {

@@ -225,7 +225,7 @@ fn emit_setters(name: &Ident, members: &[&Member]) -> TokenStream {
     }
 }
 
-/// What a setter takes, and what the member is of it.
+/// Type of a setter's argument, and the member's value made of it.
 fn setting(member: &Member, value: &Ident) -> (TokenStream, TokenStream) {
     match member.kind {
         MemberKind::Given | MemberKind::Carried => {

@@ -8,7 +8,7 @@ use crate::mesh::Mesh;
 use crate::quadrature::{QuadratureError, cell_rule};
 use crate::space::Space;
 
-/// What a group's tables hold besides values and gradients.
+/// Tables of a group beyond values and gradients.
 #[derive(Clone, Copy)]
 pub(in crate::assemble) struct FurtherTables {
     pub hessians: bool,

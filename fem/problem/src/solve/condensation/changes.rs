@@ -24,7 +24,7 @@ pub(super) struct Reduced {
     pub full: Option<BlockMatrix>,
 }
 
-/// What a tangent adds to the linear part at some places, reduced.
+/// Entries that a tangent adds to the linear part at some places, reduced.
 pub(super) fn differences(
     elimination: &mut Elimination,
     linear_part: &Reduced,

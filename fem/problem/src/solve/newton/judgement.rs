@@ -10,7 +10,8 @@
 //!
 //! Neither depends on the start, nor on how far the residual has dropped. An iterate that meets the first and not the second is
 //! corrected by δ. Where corrections stay, they are what rounding makes of the solution, which is then the best that can be
-//! computed: it is accepted up to 10⁻⁶ of u, and refused beyond.
+//! computed: it is accepted up to 10⁻⁶ of u, and refused beyond. Points that switched with the last step may switch back with such a
+//! correction, which is made first then.
 
 mod correction;
 mod refinement;

@@ -73,7 +73,7 @@ impl Derivative {
         matches!(self, Derivative::MeanValue | Derivative::MeanFirst(_))
     }
 
-    /// What it is read with.
+    /// Quantity by which it is read.
     pub fn kind(self) -> Kind {
         match self {
             Derivative::Value => Kind::Value,
