@@ -3,6 +3,7 @@
 
 use super::equations::{Equations, WorstRow};
 use super::error::LinearAlgebraError;
+use super::vector::norm;
 use crate::threads::Threads;
 
 /// Refinement goes on as long as an equation is off by more than this part of its terms.
@@ -13,6 +14,13 @@ pub const ACCEPTED: f64 = 1e-10;
 const ZEROINGS: usize = 4;
 /// Most further steps of refinement.
 const STEPS: usize = 8;
+
+/// Bound on equations off by a part of their own terms, where a residual of the given part of the right-hand side is enough: ten times that
+/// part, within limits.
+#[doc(hidden)]
+pub fn rough(target: f64) -> f64 {
+    (10.0 * target).clamp(1e-3, 1e-1)
+}
 
 /// b − A x, and the equation that holds worst in it.
 #[derive(Clone, Debug, Default)]
@@ -184,6 +192,13 @@ impl<'a, E: Equations> Refinement<'a, E> {
     /// Those of [`Residual::check`].
     pub fn check(&self, level: f64) -> Result<(), LinearAlgebraError> {
         self.residual.check(self.equations, (&self.x, self.b), level)
+    }
+
+    /// Whether the solution is good enough for a caller who gains nothing from a residual below `absolute_tolerance`: the residual is, and
+    /// no equation is left aside for it ([`rough`]).
+    pub fn is_enough(&self, absolute_tolerance: f64) -> bool {
+        norm(&self.residual.rest) <= absolute_tolerance
+            && self.residual.worst.error <= rough(absolute_tolerance / norm(self.b))
     }
 
     /// Steps until each equation holds up to 1e-12 of its terms, or no step helps.

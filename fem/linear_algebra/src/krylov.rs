@@ -1,6 +1,6 @@
 //! Stopping of the Krylov methods for symmetric operators, and their reports.
 
-use super::backward_error::{ACCEPTED, Refinement};
+use super::backward_error::{ACCEPTED, Refinement, rough};
 use super::equations::Equations;
 use super::error::{LinearAlgebraError, check_finite, check_size};
 use super::operator::{LinearOperator, OperatorError};
@@ -104,12 +104,6 @@ impl KrylovError {
 /// Equations that are off by more than this many times the tolerance, each relative to its own terms, are solved further.
 #[doc(hidden)]
 pub const BESIDE_TERMS: f64 = 100.0;
-/// Bound on equations off by a part of their own terms, where a residual of the given part of the right-hand side is enough: ten times that
-/// part, within limits.
-#[doc(hidden)]
-pub fn rough(target: f64) -> f64 {
-    (10.0 * target).clamp(1e-3, 1e-1)
-}
 /// Most further runs from the residual.
 #[doc(hidden)]
 pub const ROUNDS: usize = 6;

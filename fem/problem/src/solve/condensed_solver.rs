@@ -23,7 +23,6 @@ use super::tangent_solver::{TangentSolver, TangentSolverOptions};
 use crate::linear_algebra::Transpose;
 use crate::linear_algebra::backward_error::Refinement;
 use crate::linear_algebra::equations::Side;
-use crate::linear_algebra::krylov::rough;
 use crate::linear_algebra::singularity::check_regular;
 use crate::linear_algebra::vector::norm;
 use crate::linear_algebra::{
@@ -370,9 +369,7 @@ impl LinearSolver for CondensedSolver {
             }
         }
         // Each equation has to hold in its own scale, exactly or as far as the caller asks.
-        let is_enough = relative_residual * scale <= tolerance
-            && found.residual.worst().error <= rough(tolerance / scale);
-        let finished = if is_enough { Ok(()) } else { found.finish(solve) };
+        let finished = if found.is_enough(tolerance) { Ok(()) } else { found.finish(solve) };
         self.report.solve_seconds += start.elapsed().as_secs_f64();
         if finished.is_ok() {
             let relative_residual = relative(&found.residual.rest);

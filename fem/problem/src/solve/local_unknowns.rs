@@ -14,7 +14,6 @@ use super::{CondensedSolver, SolverReport, TangentSolver};
 use crate::linear_algebra::backward_error::Refinement;
 use crate::linear_algebra::equations::Side;
 use crate::linear_algebra::error::check_size;
-use crate::linear_algebra::krylov::rough;
 use crate::linear_algebra::vector::norm;
 use crate::linear_algebra::{
     BlockElimination, Counts, CsrMatrix, Eliminated, Groups, SparsityPattern, Transpose,
@@ -174,10 +173,7 @@ impl<S: LinearSolver> LocalUnknowns<S> {
         let side = Side::of(matrix, transpose);
         let x = solve(b, absolute_tolerance)?;
         let mut found = Refinement::new(&side, threads, b, x)?;
-        // What is good enough for the caller need not be exact, but no equation may be left aside.
-        let is_enough = norm(&found.residual.rest) <= absolute_tolerance
-            && found.residual.worst().error <= rough(absolute_tolerance / norm(b));
-        if !is_enough {
+        if !found.is_enough(absolute_tolerance) {
             for _ in 0..REFINEMENTS {
                 if found.residual.worst().error <= ROUNDING {
                     break;

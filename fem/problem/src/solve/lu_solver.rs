@@ -88,7 +88,7 @@ impl LinearSolver for LuSolver {
     fn solve_with(
         &mut self,
         b: &[f64],
-        _absolute_tolerance: f64,
+        absolute_tolerance: f64,
         transpose: Transpose,
     ) -> Result<LinearSolution, SolverError> {
         let (matrix, factor) = self.system.as_ref().ok_or(SolverError::NoMatrix)?;
@@ -119,8 +119,11 @@ impl LinearSolver for LuSolver {
             found.accept();
             backward_error = next_error;
         }
-        // Each equation has to hold in its own scale.
-        found.finish(solve)?;
+        // Each equation has to hold in its own scale, or as far as the caller asks where it cannot.
+        match found.finish(solve) {
+            Err(error) if !found.is_enough(absolute_tolerance) => return Err(error.into()),
+            _ => {}
+        }
         let Refinement { x, residual, .. } = found;
         if factor.smallest_ratio() <= ILL_CONDITIONED {
             // Rounding of the entries, with signs that follow no pattern, as forces on the solution.

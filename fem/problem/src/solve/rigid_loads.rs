@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::constraints::RigidMap;
 use crate::instantiate::instantiate;
-use crate::mesh::geometry::inverse;
+use crate::mesh::small_matrices::inverse;
 use crate::mesh::{CarriedSurface, Mesh};
 use crate::space::Space;
 

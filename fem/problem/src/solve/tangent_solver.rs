@@ -213,9 +213,14 @@ impl TangentSolver {
         result
     }
 
-    fn solve_by_lu(&mut self, b: &[f64], transpose: Transpose) -> Result<LinearSolution, SolverError> {
+    fn solve_by_lu(
+        &mut self,
+        b: &[f64],
+        absolute_tolerance: f64,
+        transpose: Transpose,
+    ) -> Result<LinearSolution, SolverError> {
         let start = Instant::now();
-        let solution = self.lu.solve_with(b, 0.0, transpose);
+        let solution = self.lu.solve_with(b, absolute_tolerance, transpose);
         self.report.solve_seconds += start.elapsed().as_secs_f64();
         solution
     }
@@ -373,7 +378,7 @@ impl LinearSolver for TangentSolver {
         let matrix = self.matrix.as_ref().ok_or(SolverError::NoMatrix)?;
         check_size("the right-hand side", matrix.rows(), b.len())?;
         let found = if self.by_lu {
-            self.solve_by_lu(b, transpose)
+            self.solve_by_lu(b, absolute_tolerance, transpose)
         } else {
             self.solve_scaled(b, absolute_tolerance, transpose)
         };
@@ -381,7 +386,7 @@ impl LinearSolver for TangentSolver {
             Err(error) if !self.by_lu && error.is_for_lu() => {
                 self.lu_size = Some(b.len());
                 self.factor_by_lu()?;
-                self.solve_by_lu(b, transpose)?
+                self.solve_by_lu(b, absolute_tolerance, transpose)?
             }
             found => found?,
         };

@@ -4,10 +4,10 @@ use std::time::Instant;
 
 use super::TangentSolver;
 use crate::linear_algebra::Transpose;
-use crate::linear_algebra::backward_error::{ACCEPTED, Refinement};
+use crate::linear_algebra::backward_error::{ACCEPTED, Refinement, rough};
 use crate::linear_algebra::equations::Side;
 use crate::linear_algebra::error::check_size;
-use crate::linear_algebra::krylov::{BESIDE_TERMS, ROUNDS, rough};
+use crate::linear_algebra::krylov::{BESIDE_TERMS, ROUNDS};
 use crate::linear_algebra::vector::norm;
 use crate::linear_algebra::{GmresError, GmresOptions, GmresReport, LinearAlgebraError, gmres};
 use crate::solve::linear_solver::{LinearSolution, SolverError};
