@@ -11,9 +11,9 @@ use faer::perm::PermRef;
 use faer::{Conj, Mat, MatMut, Par};
 
 use crate::cholesky::SymmetricFactor;
+use crate::csr::Entry;
 use crate::error::LinearAlgebraError;
 use crate::partial_solves::lower_times_transposed;
-use crate::restriction::Entry;
 use crate::threads::Threads;
 use crate::transpose::Transpose;
 

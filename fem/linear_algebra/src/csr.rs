@@ -8,7 +8,6 @@ use std::sync::Arc;
 use super::error::{LinearAlgebraError, check_size};
 use super::large_pages::zeros;
 use super::pattern::SparsityPattern;
-use super::restriction::Entry;
 use super::vector::first_not_finite;
 use crate::threads::Threads;
 
@@ -341,6 +340,17 @@ impl CsrMatrix {
             value: self.values[position],
         })
     }
+}
+
+/// An entry of a matrix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entry {
+    /// Row.
+    pub row: u32,
+    /// Column.
+    pub column: u32,
+    /// Value.
+    pub value: f64,
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 //! not, as across a contact, one of its two blocks moves up to the smallest part that holds both.
 
 use super::block_graph::BlockGraph;
-use super::cells::CellBlocks;
+use super::cell_blocks::CellBlocks;
 
 mod axes;
 mod halves;

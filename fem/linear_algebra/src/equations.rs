@@ -3,9 +3,8 @@
 use std::fmt;
 
 use super::block_matrix::BlockMatrix;
-use super::csr::CsrMatrix;
+use super::csr::{CsrMatrix, Entry};
 use super::error::{LinearAlgebraError, check_size};
-use super::restriction::Entry;
 use super::transpose::Transpose;
 use crate::threads::Threads;
 

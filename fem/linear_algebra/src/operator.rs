@@ -1,7 +1,6 @@
 //! Linear operators and preconditioners, as Krylov methods see them.
 
 use super::block_matrix::BlockMatrix;
-use super::cholesky::SymmetricFactor;
 use super::csr::CsrMatrix;
 use super::equations::{Equations, Side, WorstRow};
 use super::error::{LinearAlgebraError, check_size};
@@ -186,12 +185,5 @@ impl Preconditioner for &Jacobi {
             *z = inverse * r;
         }
         Ok(())
-    }
-}
-
-impl Preconditioner for &SymmetricFactor {
-    fn precondition(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), OperatorError> {
-        z.copy_from_slice(r);
-        Ok(self.solve_in_place(z)?)
     }
 }

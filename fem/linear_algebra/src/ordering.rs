@@ -6,7 +6,7 @@ use faer::sparse::linalg::amd;
 use feral_metis::CscPattern;
 
 use super::block_graph::BlockGraph;
-use super::cells::CellBlocks;
+use super::cell_blocks::CellBlocks;
 use super::dissection::dissect;
 use super::error::{LinearAlgebraError, check_size};
 use super::pattern::SparsityPattern;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use super::block_matrix::BlockMatrix;
 use super::block_sparsity::BlockSparsity;
-use super::csr::CsrMatrix;
+use super::csr::{CsrMatrix, Entry};
 use super::error::LinearAlgebraError;
 use super::large_pages::Filling;
 use super::pattern::SparsityPattern;
@@ -27,17 +27,6 @@ pub struct Restriction {
     new_columns: Vec<u32>,
     /// Rows of the submatrix that are whole rows of the matrix.
     whole: Vec<bool>,
-}
-
-/// An entry of a matrix.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Entry {
-    /// Row.
-    pub row: u32,
-    /// Column.
-    pub column: u32,
-    /// Value.
-    pub value: f64,
 }
 
 impl Restriction {

@@ -14,7 +14,7 @@ pub use self::project::nearest_on_facet;
 
 use crate::instantiate;
 use crate::mesh::Mesh;
-use crate::mesh::geometry::inverse;
+use crate::mesh::small_matrices::inverse;
 
 /// Points this far outside a cell, in reference coordinates, still belong to it.
 pub const INSIDE: f64 = 1e-10;

@@ -14,7 +14,7 @@ use crate::element::Elements;
 use crate::element::MAXIMUM_NODES;
 use crate::instantiate::instantiate;
 use crate::linear_algebra::vector::{first_not_finite, is_finite};
-use crate::mesh::geometry::inverse;
+use crate::mesh::small_matrices::inverse;
 use crate::space::{CellInSpace, Scope, Space};
 
 pub use file::FieldFileError;

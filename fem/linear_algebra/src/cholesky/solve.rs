@@ -10,6 +10,7 @@ use crate::backward_error::{Refinement, Residual};
 use crate::csr::CsrMatrix;
 use crate::equations::Side;
 use crate::error::{LinearAlgebraError, check_finite, check_size};
+use crate::operator::{OperatorError, Preconditioner};
 use crate::threads::Threads;
 use crate::vector::{largest, norm};
 
@@ -144,5 +145,12 @@ impl SymmetricFactor {
         let relative_residual = if b_norm == 0.0 { 0.0 } else { norm(&residual.rest) / b_norm };
         let backward_error = residual.worst().error;
         Ok(Refined { solution: x, relative_residual, backward_error, steps })
+    }
+}
+
+impl Preconditioner for &SymmetricFactor {
+    fn precondition(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), OperatorError> {
+        z.copy_from_slice(r);
+        Ok(self.solve_in_place(z)?)
     }
 }

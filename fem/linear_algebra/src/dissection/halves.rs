@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::Part;
 use super::axes::{Axis, axes_of, is_coordinate};
 use super::smoothing::Smoothing;
-use crate::cells::CellBlocks;
+use crate::cell_blocks::CellBlocks;
 
 /// In parts of so few cells one cut is tried alone.
 const SMALL: usize = 30;

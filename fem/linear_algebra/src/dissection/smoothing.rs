@@ -1,6 +1,6 @@
 //! Smoother cuts: cells near a cut change sides where the halves then have fewer blocks in common.
 
-use crate::cells::CellBlocks;
+use crate::cell_blocks::CellBlocks;
 
 /// Most passes over the cells near a cut.
 const PASSES: usize = 4;

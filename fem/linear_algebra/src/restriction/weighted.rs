@@ -3,10 +3,9 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::Entry;
 use crate::block_matrix::BlockMatrix;
 use crate::block_sparsity::BlockSparsity;
-use crate::csr::CsrMatrix;
+use crate::csr::{CsrMatrix, Entry};
 use crate::error::{LinearAlgebraError, check_size};
 use crate::pattern::SparsityPattern;
 

@@ -3,7 +3,8 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::lagrange::{ElementError, Lagrange, MAXIMUM_DEGREE};
+use super::lagrange::{ElementError, Lagrange};
+use super::lattice::MAXIMUM_DEGREE;
 use super::layout::Layout;
 use super::points::RulePoints;
 use super::polynomial::{Polynomial, complete, products, serendipity};

@@ -3,10 +3,7 @@
 use thiserror::Error;
 
 use super::CellShape;
-use super::lattice::{Steps, facet_lattice, lattice, on_facet};
-
-/// The highest degree.
-pub const MAXIMUM_DEGREE: usize = 4;
+use super::lattice::{MAXIMUM_DEGREE, Steps, facet_lattice, lattice, on_facet};
 
 /// The most nodes that an element has: the hexahedron of degree 4.
 pub const MAXIMUM_NODES: usize = 125;

@@ -3,7 +3,9 @@
 use std::sync::LazyLock;
 
 use super::CellShape;
-use super::lagrange::MAXIMUM_DEGREE;
+
+/// The highest degree.
+pub const MAXIMUM_DEGREE: usize = 4;
 
 /// Reference coordinates of a node in steps of 1/degree; the third is zero in two dimensions.
 pub(super) type Steps = [u8; 3];

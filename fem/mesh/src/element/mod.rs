@@ -13,7 +13,8 @@ mod table;
 
 pub use any::Element;
 pub use families::Elements;
-pub use lagrange::{ElementError, Lagrange, MAXIMUM_DEGREE, MAXIMUM_GEOMETRY_NODES, MAXIMUM_NODES, Tables};
+pub use lagrange::{ElementError, Lagrange, MAXIMUM_GEOMETRY_NODES, MAXIMUM_NODES, Tables};
+pub use lattice::MAXIMUM_DEGREE;
 #[doc(hidden)]
 pub use lattice::{inside_quadrilateral, inside_triangle, lattice};
 pub use per_shape::PerShape;

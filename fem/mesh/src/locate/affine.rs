@@ -1,7 +1,7 @@
 //! The inverse of an affine cell's map.
 
 use crate::mesh::Mesh;
-use crate::mesh::geometry::inverse;
+use crate::mesh::small_matrices::inverse;
 
 /// The inverse of an affine cell's map: one step of Newton's method from the centre, of any length.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 //! The point of a cell's boundary that is nearest to a given point.
 
 use crate::element::CellShape;
-use crate::mesh::geometry::inverse;
+use crate::mesh::small_matrices::inverse;
 use crate::mesh::{Facet, Mesh};
 
 // A facet, edge or vertex of the reference cell: origin + Σ s_k tangents[k].

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::geometry::determinant;
+use super::small_matrices::determinant;
 use super::{INTERIOR, Mesh, MeshError, Nesting};
 use crate::quadrature::{cell_rule, facet_rule};
 

@@ -16,8 +16,7 @@ mod disc;
 mod error;
 mod facet_parts;
 mod generators;
-#[doc(hidden)]
-pub mod geometry;
+mod geometry;
 pub mod gmsh;
 mod hanging_facets;
 mod imported;
@@ -44,6 +43,8 @@ mod remeshing;
 mod rigid_surface;
 mod shared_facets;
 mod simplices;
+#[doc(hidden)]
+pub mod small_matrices;
 mod structured;
 pub mod vtk;
 

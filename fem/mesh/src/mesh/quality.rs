@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::determinant::{JacobianDeterminant, Sign};
-use super::geometry::determinant;
+use super::small_matrices::determinant;
 use super::{CellBlock, Mesh, MeshError};
 use crate::element::{CellShape, Lagrange};
 use crate::instantiate;

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::geometry::determinant;
+use super::small_matrices::determinant;
 use super::{CellBlock, CellLists, Facet, Mesh, MeshError};
 use crate::element::{CellShape, Lagrange, PerShape};
 use crate::instantiate;

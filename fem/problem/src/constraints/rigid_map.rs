@@ -3,7 +3,7 @@
 use super::ConstraintsError;
 use crate::field::Field;
 use crate::instantiate::instantiate;
-use crate::mesh::geometry::{determinant, inverse};
+use crate::mesh::small_matrices::{determinant, inverse};
 
 /// Columns of a rotation are of length one and orthogonal to this.
 const ORTHOGONAL: f64 = 1e-12;

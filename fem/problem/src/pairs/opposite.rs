@@ -2,7 +2,7 @@
 
 use super::boundary_edges::BoundaryEdges;
 use super::surface::{SurfaceFacet, SurfacePoint, dot, minus};
-use crate::mesh::geometry::inverse;
+use crate::mesh::small_matrices::inverse;
 
 /// A point this far outside a facet, in its own coordinates, still belongs to it.
 pub(super) const INSIDE: f64 = 1e-8;

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::{Scope, orientation};
 use crate::element::{CellShape, Element, PerShape};
-use crate::mesh::geometry::inverse;
+use crate::mesh::small_matrices::inverse;
 use crate::mesh::{CellLists, Facet, Mesh};
 
 /// The number of a node that is in no cell of the space.

@@ -1,6 +1,6 @@
 //! Coarsening: bisections undone where all cells at a new vertex are parts of them.
 
-use super::refinement::step;
+use super::marked_edges::step;
 use super::{BisectedMesh, Bisection, Origin, Part, opposite, simplex};
 use crate::instantiate;
 use crate::mesh::nesting::{Nesting, Parts};

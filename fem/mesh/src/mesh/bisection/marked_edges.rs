@@ -120,6 +120,18 @@ impl MarkedEdges {
     }
 }
 
+/// A step of a nesting: the part that the division of an edge gives.
+pub(super) fn step(edge: usize, part: Part) -> u8 {
+    2 * edge as u8 + u8::from(part == Part::KeepsSecond)
+}
+
+/// The vertex that a step of a nesting replaces, and the ends of the edge in whose middle the new one lies.
+pub(in crate::mesh) fn step_of_bisection(shape: CellShape, step: u8) -> (usize, [usize; 2]) {
+    let ends = shape.edges()[usize::from(step / 2)];
+    let [_, new] = Part::BOTH[usize::from(step % 2)].kept_and_new(ends);
+    (new, ends)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -11,7 +11,7 @@ use crate::element::CellShape;
 use crate::instantiate;
 use marked_edges::{MarkedEdges, Part};
 
-pub(super) use refinement::step_of_bisection;
+pub(super) use marked_edges::step_of_bisection;
 
 /// A conforming mesh of triangles or tetrahedra, with the data of its refinement and coarsening by bisection.
 ///

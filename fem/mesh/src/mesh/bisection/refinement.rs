@@ -1,9 +1,8 @@
 //! The mesh of a closure's leaves, with regions carried over.
 
 use super::closure::Closure;
-use super::marked_edges::{MarkedEdges, Part};
+use super::marked_edges::{MarkedEdges, Part, step};
 use super::{BisectedMesh, Bisection, Origin, opposite, simplex};
-use crate::element::CellShape;
 use crate::mesh::nesting::{Nesting, Parts};
 use crate::mesh::{Facet, Mesh, MeshError, Surface};
 
@@ -21,18 +20,6 @@ struct Leaves<const D: usize> {
     parts: Parts<D>,
     /// The steps from the coarse cell to the present one.
     path: Vec<u8>,
-}
-
-/// A step of a nesting: the part that the division of an edge gives.
-pub(super) fn step(edge: usize, part: Part) -> u8 {
-    2 * edge as u8 + u8::from(part == Part::KeepsSecond)
-}
-
-/// The vertex that a step of a nesting replaces, and the ends of the edge in whose middle the new one lies.
-pub(in crate::mesh) fn step_of_bisection(shape: CellShape, step: u8) -> (usize, [usize; 2]) {
-    let ends = shape.edges()[usize::from(step / 2)];
-    let [_, new] = Part::BOTH[usize::from(step % 2)].kept_and_new(ends);
-    (new, ends)
 }
 
 pub(super) fn from_closure<const D: usize>(

@@ -12,7 +12,7 @@ mod tests;
 use std::sync::OnceLock;
 
 use self::bernstein::{Bernstein, Cut, Exponents, Half};
-use super::geometry::{determinant, inverse};
+use super::small_matrices::{determinant, inverse};
 use crate::element::{CellShape, Lagrange};
 
 /// Halves of a cell that are asked before the question is given up. A determinant that comes near zero in a point needs

@@ -1,8 +1,8 @@
 //! Refined meshes compared with their parents and with circles.
 
 use super::*;
-use crate::mesh::geometry::inverse;
 use crate::mesh::measures::{close, surface, volume};
+use crate::mesh::small_matrices::inverse;
 use crate::mesh::{INTERIOR, annulus, cuboid, rectangle, structured};
 
 // Regions with their measures, and how many facets there are, before and after.

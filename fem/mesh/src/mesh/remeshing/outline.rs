@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use super::RemeshingError;
-use super::regions::ends_and_middle;
 use crate::facet::Facet;
 use crate::mesh::{BOUNDARY, Mesh};
 
@@ -166,4 +165,17 @@ pub(super) fn to_segment(x: &[f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let product = (x[0] - a[0]) * along[0] + (x[1] - a[1]) * along[1];
     let t = if square > 0.0 { (product / square).clamp(0.0, 1.0) } else { 0.0 };
     (x[0] - a[0] - t * along[0]).hypot(x[1] - a[1] - t * along[1])
+}
+
+/// The start of a facet, the node in its middle or the place between its ends, and the end.
+pub(super) fn ends_and_middle(mesh: &Mesh<2>, facet: Facet) -> [[f64; 2]; 3] {
+    let cell = mesh.cell(facet.cell as usize);
+    let nodes = mesh.cell_element(facet.cell as usize).facet_nodes(facet.local.into());
+    let [a, b] = mesh.cell_shape(facet.cell as usize).edges()[usize::from(facet.local)];
+    let place = |local: usize| mesh.nodes()[cell[local] as usize];
+    let middle = match nodes.iter().find(|local| **local != a && **local != b) {
+        Some(local) => place(*local),
+        None => std::array::from_fn(|k| 0.5 * (place(a)[k] + place(b)[k])),
+    };
+    [place(a), middle, place(b)]
 }

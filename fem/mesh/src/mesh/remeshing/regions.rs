@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::RemeshingError;
-use super::outline::{Arc, Outline};
+use super::outline::{Arc, Outline, ends_and_middle};
 use crate::facet::Facet;
 use crate::mesh::{EVERYWHERE, INTERIOR, Mesh};
 
@@ -87,19 +87,6 @@ fn components(mesh: &Mesh<2>) -> Vec<u32> {
         parent[a.max(b) as usize] = a.min(b);
     }
     (0..mesh.cell_count() as u32).map(|cell| root(&mut parent, cell)).collect()
-}
-
-/// The start of a facet, the node in its middle or the place between its ends, and the end.
-pub(super) fn ends_and_middle(mesh: &Mesh<2>, facet: Facet) -> [[f64; 2]; 3] {
-    let cell = mesh.cell(facet.cell as usize);
-    let nodes = mesh.cell_element(facet.cell as usize).facet_nodes(facet.local.into());
-    let [a, b] = mesh.cell_shape(facet.cell as usize).edges()[usize::from(facet.local)];
-    let place = |local: usize| mesh.nodes()[cell[local] as usize];
-    let middle = match nodes.iter().find(|local| **local != a && **local != b) {
-        Some(local) => place(*local),
-        None => std::array::from_fn(|k| 0.5 * (place(a)[k] + place(b)[k])),
-    };
-    [place(a), middle, place(b)]
 }
 
 /// The mesh with the nodes of a region of facets on a curve.

@@ -4,7 +4,6 @@ use std::collections::HashMap;
 
 use super::array::RawArray;
 use super::error::VtkProblem;
-use super::{legacy, xml};
 use crate::mesh::imported::shortened;
 
 /// Points, cells and data of a file.
@@ -24,16 +23,6 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Reads a file in the format that its beginning tells.
-    pub(super) fn read(bytes: &[u8]) -> Result<Self, VtkProblem> {
-        let start = bytes.trim_ascii_start();
-        match start.first() {
-            Some(b'<') => xml::read(bytes),
-            Some(b'#') => legacy::read(bytes),
-            _ => Err(not_vtk(start)),
-        }
-    }
-
     /// The points of a cell.
     pub(super) fn cell(&self, cell: usize) -> Result<&[i64], VtkProblem> {
         let start = if cell == 0 { 0 } else { self.ends[cell - 1] };

@@ -143,7 +143,7 @@ impl VtkReader {
     }
 
     fn mesh<const D: usize>(&self, bytes: &[u8]) -> Result<VtkMesh<D>, VtkProblem> {
-        let mut grid = Grid::read(bytes)?;
+        let mut grid = grid_of(bytes)?;
         if self.join {
             grid.join_points();
         }
@@ -163,6 +163,16 @@ impl VtkReader {
             array.values.extend(added);
         }
         Ok(VtkMesh { mesh, point_data, cell_data, notes })
+    }
+}
+
+/// The grid of a file in the format that its first byte shows.
+fn grid_of(bytes: &[u8]) -> Result<Grid, VtkProblem> {
+    let start = bytes.trim_ascii_start();
+    match start.first() {
+        Some(b'<') => xml::read(bytes),
+        Some(b'#') => legacy::read(bytes),
+        _ => Err(grid::not_vtk(start)),
     }
 }
 

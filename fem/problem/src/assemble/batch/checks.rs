@@ -11,7 +11,7 @@ use crate::assemble::groups::pair_groups::PairTables;
 use crate::instantiate::instantiate;
 use crate::lanes::{SimdLane, WIDEST};
 use crate::mesh::Mesh;
-use crate::mesh::geometry::determinant;
+use crate::mesh::small_matrices::determinant;
 use crate::pairs::PairGroup;
 
 /// The two sides of an interior facet see a point at the same place up to this part of h.

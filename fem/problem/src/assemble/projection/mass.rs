@@ -17,7 +17,7 @@ use crate::lanes::{Checked, InstructionSet, LaneWork, SimdLane, WIDEST};
 use crate::linear_algebra::equations::Equations;
 use crate::linear_algebra::{Entries, LinearAlgebraError, LinearOperator, OperatorError};
 use crate::mesh::Mesh;
-use crate::mesh::geometry::determinant;
+use crate::mesh::small_matrices::determinant;
 use crate::quadrature::{Quadrature, QuadratureError};
 use crate::space::Space;
 use crate::threads::Threads;

@@ -9,7 +9,7 @@ use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
 use crate::instantiate::instantiate;
 use crate::mesh::EVERYWHERE;
-use crate::mesh::geometry::determinant;
+use crate::mesh::small_matrices::determinant;
 use crate::norms::basis_integrals;
 
 /// Its name in messages.
