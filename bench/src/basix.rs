@@ -7,7 +7,14 @@ use forms_fem::quadrature::{Quadrature, QuadratureError, QuadratureRule, cell_ru
 use serde::Deserialize;
 use thiserror::Error;
 
-use crate::element_batch::Entities;
+/// The entities that a kernel integrates over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entities {
+    /// Cells.
+    Cells,
+    /// Exterior facets.
+    Facets,
+}
 
 /// Which of basix's two node orders an element has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

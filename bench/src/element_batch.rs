@@ -5,7 +5,7 @@ use forms_fem::contract::Form;
 use forms_fem::element::{CellShape, Lagrange};
 use thiserror::Error;
 
-use crate::basix::{NodeOrder, RuleError, node_count, our_node_numbers, quadrature};
+use crate::basix::{Entities, NodeOrder, RuleError, node_count, our_node_numbers, quadrature};
 use crate::forms::given::WithIntegrals;
 
 /// Whether a kernel is that of a residual or of its tangent.
@@ -15,15 +15,6 @@ pub enum Output {
     Residual,
     /// Element matrices.
     Tangent,
-}
-
-/// The entities that a kernel integrates over.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Entities {
-    /// Cells.
-    Cells,
-    /// Exterior facets.
-    Facets,
 }
 
 /// The elements and the rule of a kernel.

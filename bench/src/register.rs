@@ -70,7 +70,8 @@ macro_rules! register {
         /// All kernels of the basket.
         pub const BASKET: &[$crate::register::Entry] = &[$({
             use $crate::basix::{NodeOrder, dimension, node_count};
-            use $crate::element_batch::{Batch, BatchError, Entities, Output, Setting, prepare, test_components};
+            use $crate::basix::Entities;
+            use $crate::element_batch::{Batch, BatchError, Output, Setting, prepare, test_components};
             use $crate::plugin::{CONSTANTS, Kept, Lengths, call};
             const SETTING: Setting = Setting {
                 output: Output::$output,

@@ -3,8 +3,9 @@
 
 use std::collections::BTreeMap;
 
-use forms_bench::basix::{NodeOrder, RuleError, our_facets, our_node_numbers, point_count, quadrature};
-use forms_bench::element_batch::Entities;
+use forms_bench::basix::{
+    Entities, NodeOrder, RuleError, our_facets, our_node_numbers, point_count, quadrature,
+};
 use forms_fem::element::{CellShape, Lagrange};
 use forms_fem::quadrature::{Quadrature, QuadratureRule, cell_rule, facet_reference_rule};
 use serde::Deserialize;

@@ -27,6 +27,7 @@
 #![cfg(feature = "petsc")]
 
 pub mod cases;
+mod dropped_objects;
 mod error;
 mod functional;
 mod matrix;

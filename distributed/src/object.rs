@@ -3,15 +3,12 @@
 
 #![allow(unsafe_code)]
 
-use std::cell::{Cell, RefCell};
 use std::ptr::null_mut;
 
+use crate::dropped_objects::{Destroy, Dropped};
 use crate::error::PetscError;
-use crate::petsc::{Code, Object};
+use crate::petsc::Object;
 use crate::world::World;
-
-/// A function that destroys an object, and sets the handle to null.
-pub(crate) type Destroy = unsafe extern "C" fn(*mut Object) -> Code;
 
 /// An object, until it is dropped.
 #[derive(Debug)]
@@ -48,49 +45,6 @@ impl Drop for Owned<'_> {
                 object: self.object,
                 destroy: self.destroy,
             });
-        }
-    }
-}
-
-/// An object that nothing uses any more.
-#[derive(Debug)]
-struct Dropped {
-    number: u64,
-    object: Object,
-    destroy: Destroy,
-}
-
-/// Objects that wait for their destruction.
-#[derive(Debug, Default)]
-pub(crate) struct DroppedObjects {
-    /// Objects made so far.
-    made: Cell<u64>,
-    list: RefCell<Vec<Dropped>>,
-}
-
-impl DroppedObjects {
-    fn next(&self) -> u64 {
-        self.made.replace(self.made.get() + 1)
-    }
-
-    fn keep(&self, dropped: Dropped) {
-        self.list.borrow_mut().push(dropped);
-    }
-
-    /// Their numbers, ascending.
-    pub fn numbers(&self) -> Vec<u64> {
-        let mut list = self.list.borrow_mut();
-        list.sort_unstable_by_key(|dropped| dropped.number);
-        list.iter().map(|dropped| dropped.number).collect()
-    }
-
-    /// Destroys them in the order of their numbers. All processes have the same ones.
-    pub fn destroy(&self) {
-        let mut list = self.list.take();
-        list.sort_unstable_by_key(|dropped| dropped.number);
-        for mut dropped in list {
-            // SAFETY: a handle whose owner is gone, and the function for its kind.
-            unsafe { (dropped.destroy)(&mut dropped.object) };
         }
     }
 }

@@ -17,9 +17,9 @@ use forms_fem::output::{StandardOutput, one_line, program, tell};
 use forms_fem::solve::communicator::Fingerprint;
 use forms_fem::solve::{CommunicationError, Communicator};
 
+use crate::dropped_objects::DroppedObjects;
 use crate::error::{DistributedError, PetscError};
 use crate::meeting::{Call, Meetings, check_same};
-use crate::object::DroppedObjects;
 use crate::petsc::{self, call};
 
 /// Time for a line on the standard error stream to reach the one who started the processes.

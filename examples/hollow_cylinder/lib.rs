@@ -1,6 +1,7 @@
 //! The paper's experiment: the hollow cylinder pressed onto a flat obstacle, its three adjoint states, a
 //! table of results, a `.vtu` file and pictures.
 
+mod derived_fields;
 mod destinations;
 mod measurements;
 mod options;

@@ -12,7 +12,7 @@ use forms_fem::output::picture::{
 use forms_fem::prelude::*;
 
 use crate::Outcome;
-use crate::visualisation::DerivedFields;
+use crate::derived_fields::DerivedFields;
 
 /// Samples per facet of the curves along Γ_C.
 const SAMPLES: usize = 101;

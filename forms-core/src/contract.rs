@@ -3,12 +3,15 @@
 //! crate that re-exports this module can replace `forms-core` (`#[forms(crate = that_crate)]`).
 
 pub use crate::degree::{Degree, DegreeSum, Derivatives, GeometryDegrees};
-pub use crate::dimension::{Constants, Dim, Dimension, Integrals};
+pub use crate::dimension::{Dim, Dimension};
 pub use crate::dual::{Dual, Seeded};
 pub use crate::external::{External, external, tabulated};
-pub use crate::form::{Dependence, Entity, FieldDescription, Formula, Inputs, Integral, Region, Role};
-pub use crate::function::{Backend, Function, Term, is_on_same_points};
-pub use crate::history::{History, HistoryHandle, QuadratureValues};
+pub use crate::form::{
+    Constants, Dependence, Entity, FieldDescription, Formula, Inputs, Integral, Region, Role,
+};
+pub use crate::function::{Function, is_on_same_points};
+pub use crate::history::History;
+pub use crate::integrals::{Backend, Integrals, Term};
 pub use crate::kernel::{
     Basis, BilinearKernel, CellGeometry, ExpressionKernel, FieldSlot, Further, Hessian, LinearKernel,
     Operations, OppositePoint, Order, PointGeometry, Requirements, Side,
@@ -17,7 +20,9 @@ pub use crate::kernel_constants::{BilinearConstants, ExpressionConstants, Linear
 pub use crate::lane::{Lane, Parts};
 pub use crate::pairing::{Facing, PairQuadrature, Pairing, Projection};
 pub use crate::real::Real;
-pub use crate::source::{Datum, DiscreteField, FieldHandle, FieldValue, Given, Source};
+pub use crate::source::{
+    Datum, DiscreteField, FieldHandle, FieldValue, Given, HistoryHandle, QuadratureValues, Source,
+};
 pub use crate::spectral::{
     TensorExponential, TensorLogarithm, TensorSquareRoot, tensor_exp, tensor_ln, tensor_sqrt,
 };

@@ -1,6 +1,6 @@
 //! A backend without code: forms that only say what they are.
 
-use crate::function::Backend;
+use crate::integrals::Backend;
 use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel};
 use crate::kernel_constants::{BilinearConstants, ExpressionConstants, LinearConstants};
 

@@ -22,57 +22,7 @@
 //! assert_eq!(names::<3>(), ["stiffness", "mass"]);
 //! ```
 
-use crate::form::FieldDescription;
-use crate::function::{Backend, Term};
-use crate::table::Table;
-
-/// The numbers that a form's kernels read: parameters and tables, in the order of [`crate::form::Inputs`].
-#[derive(Clone, Copy, Debug)]
-pub struct Constants<'a> {
-    /// All parameters, flattened.
-    pub parameters: &'a [f64],
-    /// The tabulated laws.
-    pub tables: &'a [Table],
-}
-
-/// The integrals of one compiled function in one dimension, with their kernels. `#[forms]` implements it; users meet values that
-/// hold them, as [`Form`](crate::function::Form). What a function does not have is an empty list.
-pub trait Integrals<const D: usize>: 'static {
-    /// The fields, by index.
-    fn fields() -> &'static [FieldDescription];
-    /// Shape of the value of a derived field.
-    fn shape() -> &'static [usize] {
-        &[]
-    }
-    /// The residual, one term per region and dependence.
-    fn residual<B: Backend<D>>(_: Constants<'_>) -> Vec<Term<B::Linear>> {
-        vec![]
-    }
-    /// One term for all of a region, where several depend on the unknowns.
-    fn joined_residual<B: Backend<D>>(_: Constants<'_>) -> Vec<Term<B::Linear>> {
-        vec![]
-    }
-    /// The tangent, one term per region and dependence.
-    fn tangent<B: Backend<D>>(_: Constants<'_>) -> Vec<Term<B::Bilinear>> {
-        vec![]
-    }
-    /// The tangent, one term for all of a region, where the residual is joined. Only element kernels compile it.
-    fn joined_tangent<B: Backend<D>>(_: Constants<'_>) -> Vec<Term<B::Bilinear>> {
-        vec![]
-    }
-    /// The tangent applied to a direction.
-    fn action<B: Backend<D>>(_: Constants<'_>) -> Vec<Term<B::Linear>> {
-        vec![]
-    }
-    /// The switches of integrals that have kinks.
-    fn switches<B: Backend<D>>(_: Constants<'_>) -> Vec<Term<B::Expression>> {
-        vec![]
-    }
-    /// The densities of a functional, or the value of a derived field, whose region means nothing.
-    fn density<B: Backend<D>>(_: Constants<'_>) -> Vec<Term<B::Expression>> {
-        vec![]
-    }
-}
+use crate::integrals::Integrals;
 
 /// The dimensions of space: `Dim: Dimension<D>` holds for D = 2 and D = 3.
 #[derive(Clone, Copy, Debug)]

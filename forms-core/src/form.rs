@@ -2,7 +2,6 @@
 //! `function.rs`.
 
 use crate::degree::Degree;
-use crate::dimension::Constants;
 use crate::kernel::Side;
 use crate::pairing::Pairing;
 use crate::source::{FieldValue, Source};
@@ -184,4 +183,13 @@ pub struct Formula {
 impl Formula {
     /// That of a form which was not made by `#[forms]`: nothing.
     pub const NONE: Formula = Formula { unicode: "", latex: "" };
+}
+
+/// The numbers that a form's kernels read: parameters and tables, in the order of [`Inputs`].
+#[derive(Clone, Copy, Debug)]
+pub struct Constants<'a> {
+    /// All parameters, flattened.
+    pub parameters: &'a [f64],
+    /// The tabulated laws.
+    pub tables: &'a [Table],
 }

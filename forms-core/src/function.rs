@@ -9,35 +9,8 @@ use std::fmt;
 use std::ops::Deref;
 use std::sync::Arc;
 
-use crate::dimension::Integrals;
 use crate::form::{Dependence, FieldDescription, Formula, Inputs, Integral, Role};
-use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel};
-
-/// A backend, given by its types for the kernels of compiled functions in a dimension.
-pub trait Backend<const D: usize>: Sized + 'static {
-    /// The kernel of an integral that is linear in a test function.
-    type Linear: Send + Sync + 'static;
-    /// The kernel of an integral that is linear in a test and in a trial function.
-    type Bilinear: Send + Sync + 'static;
-    /// The kernel of a density, a derived field, or switches.
-    type Expression: Send + Sync + 'static;
-
-    /// Takes a kernel that is linear in a test function.
-    fn linear<K: LinearKernel<D>>(kernel: K) -> Self::Linear;
-    /// Takes a kernel that is linear in a test and in a trial function.
-    fn bilinear<K: BilinearKernel<D>>(kernel: K) -> Self::Bilinear;
-    /// Takes a kernel without test function.
-    fn expression<K: ExpressionKernel<D>>(kernel: K) -> Self::Expression;
-}
-
-/// One integral of a function: its description, and its kernel as the backend keeps it.
-#[derive(Clone, Debug)]
-pub struct Term<K> {
-    /// Region, test and trial function, dependence, degree.
-    pub integral: &'static Integral,
-    /// The kernel.
-    pub kernel: K,
-}
+use crate::integrals::{Backend, Integrals, Term};
 
 /// A compiled function: its description, its data, and the terms of its residual, tangent, switches and densities. What a
 /// function does not have is an empty list.

@@ -1,29 +1,9 @@
 //! History: values at quadrature points that a step reads and the next one finds changed.
 
-use std::any::Any;
 use std::fmt;
 use std::marker::PhantomData;
-use std::sync::Arc;
 
-use crate::source::{FieldValue, Source};
-
-/// Values at the quadrature points of a region, which live in some backend: the committed ones, which forms
-/// read, and those written since.
-pub trait QuadratureValues: Any + Send + Sync {
-    /// Number of scalar components.
-    fn components(&self) -> usize;
-    /// Commits the written values: forms read them from now on. Without any nothing changes.
-    fn commit(&self);
-    /// Discards values that were written and not committed.
-    fn revert(&self);
-    /// The number of commits: values read before have changed if this number has.
-    fn commits(&self) -> u64;
-    /// For the backend, which knows the type.
-    fn as_any(&self) -> &dyn Any;
-}
-
-/// A shared set of values at quadrature points.
-pub type HistoryHandle = Arc<dyn QuadratureValues>;
+use crate::source::{FieldValue, HistoryHandle, Source};
 
 /// A member of `Data` declared as `History<Scalar>`, `History<Vector>` or `History<Tensor>`: what a material
 /// remembers, as plastic strain. `V` is `f64`, `[f64; D]` or `[[f64; D]; D]`. The backend makes it.

@@ -20,6 +20,7 @@ pub mod external;
 pub mod form;
 pub mod function;
 pub mod history;
+pub mod integrals;
 pub mod kernel;
 pub mod kernel_constants;
 pub mod lane;

@@ -5,8 +5,6 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use crate::history::HistoryHandle;
-
 /// A field that lives in some backend. The contract carries it; only its backend can read it.
 pub trait DiscreteField: Any + Send + Sync {
     /// Number of scalar components.
@@ -17,6 +15,24 @@ pub trait DiscreteField: Any + Send + Sync {
 
 /// A shared discrete field.
 pub type FieldHandle = Arc<dyn DiscreteField>;
+
+/// Values at the quadrature points of a region, which live in some backend: the committed ones, which forms
+/// read, and those written since.
+pub trait QuadratureValues: Any + Send + Sync {
+    /// Number of scalar components.
+    fn components(&self) -> usize;
+    /// Commits the written values: forms read them from now on. Without any nothing changes.
+    fn commit(&self);
+    /// Discards values that were written and not committed.
+    fn revert(&self);
+    /// The number of commits: values read before have changed if this number has.
+    fn commits(&self) -> u64;
+    /// For the backend, which knows the type.
+    fn as_any(&self) -> &dyn Any;
+}
+
+/// A shared set of values at quadrature points.
+pub type HistoryHandle = Arc<dyn QuadratureValues>;
 
 /// A function of position: writes its components to the slice.
 pub type PositionFunction<const D: usize> = Arc<dyn Fn(&[f64; D], &mut [f64]) + Send + Sync>;

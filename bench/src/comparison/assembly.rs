@@ -5,30 +5,16 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use forms_fem::output::{StandardOutput, tell};
-use serde::Serialize;
 
 use super::machine::{ARCHITECTURE, architecture};
 use super::process::{environment_python, output, peers, succeeds, system_python};
+use super::rows::AssemblyRow;
 use super::{ComparisonError, Options, Report};
-use crate::assembly::{Case, ContactUpdate, Measured};
+use crate::assembly::{Case, Measured};
 use crate::bodies::{Bodies, Law};
 
 /// The first argument with which the program that compares becomes one of its own workers.
 pub const WORKER: &str = "--measure";
-
-/// One case in all programs.
-#[derive(Clone, Debug, Serialize)]
-pub struct AssemblyRow {
-    /// The case.
-    pub case: Case,
-    /// n.
-    pub divisions: usize,
-    /// Measurements of each program, ours first.
-    pub programs: Vec<Measured>,
-}
-
-/// The update of a contact tangent on one mesh.
-pub type ContactRow = ContactUpdate;
 
 /// Another program.
 struct Peer {

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use forms_fem::output::tell;
-use serde::{Deserialize, Serialize};
 
 use super::machine::{ARCHITECTURE, CHOSEN, INSTRUCTION_SET, architecture};
 use super::process::{environment_python, output, peers, succeeds, system_python, workspace};
+use super::rows::{KernelRow, Timing};
 use super::{ComparisonError, Options, Report};
 use crate::basket::BASKET;
 
@@ -17,37 +17,6 @@ const OURS: &str = "ours";
 
 /// The end of the names of forms with FFCx's sum-factorised elements.
 const SUM_FACTORISED: &str = "_sumfact";
-
-/// One kernel in one library.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-pub struct Timing {
-    /// Least time per element matrix \[ns\].
-    pub ns: f64,
-    /// Median.
-    pub ns_med: f64,
-    /// Largest difference from the first library over the largest entry.
-    pub relerr: f64,
-}
-
-/// One form in all libraries.
-#[derive(Clone, Debug, Serialize)]
-pub struct KernelRow {
-    /// The form's name.
-    pub form: String,
-    /// Ours.
-    pub ours: Option<Timing>,
-    /// FFCx's fastest variant, with its name.
-    pub best: (String, Timing),
-    /// All variants of FFCx.
-    pub variants: BTreeMap<String, Timing>,
-}
-
-impl KernelRow {
-    /// FFCx's least time over ours.
-    pub fn ratio(&self) -> Option<f64> {
-        self.ours.as_ref().map(|ours| self.best.1.ns / ours.ns)
-    }
-}
 
 /// Builds the plugin and returns its path. It is built as a dependency of this program, an example, because that is
 /// built already. By itself it would be compiled once more, with other features of its dependencies.

@@ -2,23 +2,25 @@
 
 mod assembly;
 mod bodies;
+mod bodies_tables;
 mod kernels;
 mod machine;
 mod plain_names;
 mod process;
 mod report;
+mod rows;
 
 use std::path::PathBuf;
 
 use forms_fem::output::picture::PictureError;
 use thiserror::Error;
 
-pub use assembly::{AssemblyRow, ContactRow, WORKER, work};
-pub use bodies::BodiesRow;
-pub use kernels::{KernelRow, Timing, read_timings};
+pub use assembly::{WORKER, work};
+pub use kernels::read_timings;
 pub use machine::Machine;
 pub use plain_names::plain_name;
 pub use report::Report;
+pub use rows::{AssemblyRow, BodiesRow, ContactRow, KernelRow, Timing};
 
 /// Choices of the comparison, and the directory for its results.
 #[derive(Clone, Debug)]

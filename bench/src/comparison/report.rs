@@ -8,9 +8,10 @@ use forms_fem::output::picture::{BarChart, Picture};
 use forms_fem::output::write_whole;
 use serde::Serialize;
 
-use super::bodies;
+use super::bodies_tables;
 use super::plain_names::plain_name;
-use super::{AssemblyRow, BodiesRow, ComparisonError, ContactRow, KernelRow, Machine};
+use super::rows::{AssemblyRow, BodiesRow, ContactRow, KernelRow};
+use super::{ComparisonError, Machine};
 use crate::assembly::Measured;
 
 /// Everything that was measured.
@@ -68,7 +69,7 @@ impl Report {
             self.write_contact(&mut text);
         }
         if !self.bodies.is_empty() {
-            bodies::write(&self.bodies, &mut text);
+            bodies_tables::write(&self.bodies, &mut text);
         }
         text
     }

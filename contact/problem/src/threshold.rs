@@ -3,20 +3,13 @@
 //! modulo rigid motions (F runs over the contact facets of T). With friction the whole traction counts: ∫_F |σ(v)n|².
 //!
 //! λ_T has the scale of the normal stress, λ + 2μ, and not that of Young's modulus: for ν near ½ the two are far apart, and
-//! [`usual_gamma0`] is the one to take. [`ContactProblem::direct`] looks at the threshold of each law that has one, and
+//! [`usual_gamma0`] is the one to take. [`ContactProblem::direct`](crate::ContactProblem::direct) looks at the threshold of each law that has one, and
 //! [`Solved::notes`](forms_fem::solve::Solved::notes), or the error of a solve that failed, names it where γ₀ is smaller.
 
 mod eigenvalue;
+mod of_laws;
 
-use std::collections::BTreeMap;
-
-use forms_fem::assemble::ElementMatrix;
-use forms_fem::mesh::EVERYWHERE;
-use forms_fem::prelude::*;
-
-use self::eigenvalue::largest_eigenvalue;
-use crate::contact_problem::ContactProblem;
-use crate::law::{ContactLaw, WithThreshold};
+pub use self::of_laws::{largest_eigenvalues, of_law, on_cells_of_facets, required_gamma0, threshold};
 
 /// γ₀ = 10 (λ + 2μ) \[stress\] of an isotropic material with Lamé's parameters λ and μ: above the threshold on cells of usual shapes up
 /// to degree 2, for any θ of −1, 0, 1 and any Poisson's ratio. For ν = 0.3 it is 13.5 E, for ν = 0.4995 it is 3340 E.
@@ -52,147 +45,4 @@ impl Threshold {
             )
         })
     }
-}
-
-/// The γ₀ \[stress\] of [`threshold`] at which s = 1 on the worst contact cell.
-///
-/// # Errors
-/// Data that do not fit.
-pub fn required_gamma0<L: WithThreshold<D>, const D: usize>(
-    problem: &ContactProblem<D, L>,
-    contact_cells: &str,
-) -> Result<f64, AssemblyError>
-where
-    Dim: Dimension<D>,
-{
-    Ok(threshold(problem, contact_cells)?.required)
-}
-
-/// The threshold of γ₀. `contact_cells` names the cells that own the facets of Γ_C; the products ∫_F σ_n σ_n of a
-/// cell's facets add up, since all of them have its γ.
-///
-/// # Errors
-/// Data that do not fit; a cell with a facet of Γ_C that is not among `contact_cells`.
-pub fn threshold<L: WithThreshold<D>, const D: usize>(
-    problem: &ContactProblem<D, L>,
-    contact_cells: &str,
-) -> Result<Threshold, AssemblyError>
-where
-    Dim: Dimension<D>,
-{
-    on_cells(&problem.law, &problem.assembler, &problem.space, contact_cells)
-}
-
-/// The threshold of a law on the cells that own the facets of its Γ_C.
-///
-/// # Errors
-/// Data that do not fit.
-pub fn of_law<L: WithThreshold<D>, const D: usize>(
-    law: &L,
-    assembler: &Assembler<D>,
-    space: &Arc<Space<D>>,
-) -> Result<Threshold, AssemblyError>
-where
-    Dim: Dimension<D>,
-{
-    // Nothing is assembled for the variant without a threshold.
-    if law.theta() == -1.0 {
-        return on_cells(law, assembler, space, EVERYWHERE);
-    }
-    let owned = on_cells_of_facets(assembler, space, law.stress_product().name(), &[law.contact_region()])?;
-    on_cells(law, &owned, space, EVERYWHERE)
-}
-
-/// The assembler of the cells that own some facets.
-///
-/// # Errors
-/// If a region is unknown.
-#[doc(hidden)]
-pub fn on_cells_of_facets<const D: usize>(
-    assembler: &Assembler<D>,
-    space: &Arc<Space<D>>,
-    form: &'static str,
-    regions: &[&str],
-) -> Result<Assembler<D>, AssemblyError> {
-    let refused = |source| AssemblyError::Region { form, symbol: "of contact", source };
-    let mut cells = vec![];
-    for region in regions {
-        cells.extend(space.mesh().facet_region(region).map_err(refused)?.iter().map(|facet| facet.cell));
-    }
-    cells.sort_unstable();
-    cells.dedup();
-    assembler.clone().on_owned_cells(&cells).map_err(refused)
-}
-
-fn on_cells<L: WithThreshold<D>, const D: usize>(
-    law: &L,
-    assembler: &Assembler<D>,
-    space: &Arc<Space<D>>,
-    contact_cells: &str,
-) -> Result<Threshold, AssemblyError>
-where
-    Dim: Dimension<D>,
-{
-    let (gamma0, theta) = (law.gamma0(), law.theta());
-    let factor = (1.0 + theta).powi(2) / 4.0;
-    if factor == 0.0 {
-        return Ok(Threshold { required: 0.0, gamma0, theta, worst: None });
-    }
-    let zero = Field::zero(space);
-    let (unknowns, tests) = ([&zero], [space]);
-    let product = law.stress_product();
-    let energies = assembler.element_matrices(&law.energy_on(contact_cells), &unknowns, &tests)?;
-    let products = assembler.element_matrices(&product, &unknowns, &tests)?;
-    let mesh = space.mesh();
-    let (mut required, mut worst) = (0.0, None);
-    for (cell, largest) in largest_eigenvalues(energies, products, assembler.threads()) {
-        let centre = mesh.cell_centre(cell as usize).to_vec();
-        let Some(largest) = largest else {
-            return Err(AssemblyError::CellOfFacet {
-                form: product.name(),
-                cells: contact_cells.to_owned(),
-                facets: law.contact_region().to_owned(),
-                position: centre,
-            });
-        };
-        let of_cell = factor * largest * mesh.diameter(cell as usize);
-        if of_cell > required {
-            (required, worst) = (of_cell, Some(centre));
-        }
-    }
-    Ok(Threshold { required, gamma0, theta, worst })
-}
-
-impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
-    /// The threshold of the law's γ₀ on this mesh, with the undeformed body's stiffness; none of a law without one.
-    ///
-    /// # Errors
-    /// Data that do not fit.
-    pub fn threshold(&self) -> Result<Option<Threshold>, AssemblyError> {
-        self.law.threshold(&self.assembler, &self.space)
-    }
-}
-
-/// The largest eigenvalue of each cell that has products of stresses on its facets; none where its energy is missing.
-#[doc(hidden)]
-pub fn largest_eigenvalues(
-    energies: Vec<ElementMatrix>,
-    products: Vec<ElementMatrix>,
-    threads: Threads,
-) -> Vec<(u32, Option<f64>)> {
-    let energies: BTreeMap<u32, ElementMatrix> =
-        energies.into_iter().map(|element| (element.cell, element)).collect();
-    let mut stresses: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
-    for element in products {
-        let sum = stresses.entry(element.cell).or_insert_with(|| vec![0.0; element.values.len()]);
-        sum.iter_mut().zip(&element.values).for_each(|(sum, value)| *sum += value);
-    }
-    let stresses: Vec<(u32, Vec<f64>)> = stresses.into_iter().collect();
-    let largest = |(cell, stress): &(u32, Vec<f64>)| {
-        (*cell, energies.get(cell).map(|energy| largest_eigenvalue(energy.rows, stress, &energy.values)))
-    };
-    let count = threads.count().clamp(1, stresses.len().max(1));
-    let parts = (0..count).map(|k| &stresses[k * stresses.len() / count..(k + 1) * stresses.len() / count]);
-    let found = threads.run(parts.collect(), |part: &[_]| part.iter().map(largest).collect::<Vec<_>>());
-    found.into_iter().flatten().collect()
 }

@@ -2,7 +2,8 @@
 
 use super::PictureError;
 use super::colour_map::Colour;
-use super::drawing::{Drawing, Point, Rectangle, Stroke, polyline};
+use super::drawing::{Drawing, Stroke, polyline};
+use super::path::{Point, Rectangle};
 use super::text::{Anchor, CAPITAL_HEIGHT};
 
 /// Font size of tick labels \[pt\].

@@ -2,7 +2,8 @@
 
 use super::axes::{AXIS_LINE, Axis, GAP, LABEL_TEXT, Scale, TICK, TICK_TEXT, TITLE_TEXT};
 use super::colour_map::Colour;
-use super::drawing::{Drawing, Rectangle, Stroke};
+use super::drawing::{Drawing, Stroke};
+use super::path::Rectangle;
 use super::text::{Anchor, CAPITAL_HEIGHT};
 use super::{Picture, PictureError};
 

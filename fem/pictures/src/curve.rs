@@ -3,7 +3,8 @@
 use super::PictureError;
 use super::axes::{Scale, number};
 use super::colour_map::Colour;
-use super::drawing::{Point, Segment, polyline};
+use super::drawing::polyline;
+use super::path::{Point, Segment};
 
 /// The sign drawn at each point of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,8 +3,9 @@
 use super::PictureError;
 use super::axes::{AXIS_LINE, Axis, Frame, GAP, LABEL_TEXT, Scale, TICK, TICK_TEXT, TITLE_TEXT, multiplier};
 use super::colour_map::Colour;
-use super::drawing::{Drawing, Point, Rectangle, Stroke, polyline};
+use super::drawing::{Drawing, Stroke, polyline};
 use super::legend::Legend;
+use super::path::{Point, Rectangle};
 use super::shading::{ShadedSurface, Shading};
 use super::text::{Anchor, CAPITAL_HEIGHT};
 

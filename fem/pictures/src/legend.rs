@@ -3,7 +3,8 @@
 use super::axes::{AXIS_LINE, GAP, LABEL_TEXT};
 use super::colour_map::Colour;
 use super::curve::Marker;
-use super::drawing::{Drawing, Point, Rectangle, Stroke};
+use super::drawing::{Drawing, Stroke};
+use super::path::{Point, Rectangle};
 use super::text::Anchor;
 
 /// Length of the line before a name \[pt\].

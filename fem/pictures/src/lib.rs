@@ -17,6 +17,8 @@ pub mod legend;
 mod line_plot;
 mod panel;
 #[doc(hidden)]
+pub mod path;
+#[doc(hidden)]
 pub mod png_file;
 mod sampling;
 #[doc(hidden)]

@@ -3,8 +3,9 @@
 use super::axes::{AXIS_LINE, Axis, Frame, GAP, Scale, TICK_TEXT, TITLE_TEXT, number};
 use super::colour_map::Colour;
 use super::curve::{Curve, Marker, SlopeTriangle};
-use super::drawing::{Drawing, Point, Rectangle, Segment, Stroke, polyline};
+use super::drawing::{Drawing, Stroke, polyline};
 use super::legend::{Key, Legend, passes};
+use super::path::{Point, Rectangle, Segment};
 use super::text::{Anchor, CAPITAL_HEIGHT};
 use super::{Picture, PictureError};
 

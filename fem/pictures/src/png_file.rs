@@ -4,7 +4,8 @@ use tiny_skia::{FillRule, Mask, Paint, Path, PathBuilder, Pixmap, PixmapPaint, T
 
 use super::PictureError;
 use super::colour_map::Colour;
-use super::drawing::{Drawing, Item, Rectangle, Segment, Stroke};
+use super::drawing::{Drawing, Item, Stroke};
+use super::path::{Rectangle, Segment};
 use super::shading::Pixels;
 
 /// The bytes of a PNG file of the drawing, with its size in print noted in the file.

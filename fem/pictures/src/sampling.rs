@@ -4,7 +4,7 @@
 
 #![allow(unsafe_code)]
 
-use super::drawing::Point;
+use super::path::Point;
 
 /// Samples that are judged at once.
 const LANES: usize = 8;

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use super::colour_map::{Colour, ColourMap};
-use super::drawing::Point;
+use super::path::Point;
 use super::sampling::{Rows, Triangles};
 
 /// Samples per pixel in each direction.

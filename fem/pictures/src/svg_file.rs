@@ -5,7 +5,8 @@ use std::fmt::Write;
 
 use super::PictureError;
 use super::colour_map::Colour;
-use super::drawing::{Drawing, Item, Rectangle, Segment};
+use super::drawing::{Drawing, Item};
+use super::path::{Rectangle, Segment};
 use super::png_file;
 use forms_mesh::files::base64;
 

@@ -5,7 +5,7 @@
 use ttf_parser::{Face, OutlineBuilder};
 
 use super::PictureError;
-use super::drawing::{Point, Segment};
+use super::path::{Point, Segment};
 
 /// The embedded font.
 pub(super) fn typeface() -> Result<Face<'static>, PictureError> {

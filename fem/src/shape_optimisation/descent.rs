@@ -1,13 +1,16 @@
 //! Descent with Armijo's step control, on shapes.
 
+pub(super) mod remeshed;
+
 use std::sync::Arc;
 
+use self::remeshed::Base;
+pub use self::remeshed::{Remesh, Remesher};
 use super::descent_options::DescentOptions;
 use super::direction::longest;
 use super::error::{Failure, ShapeOptimisationError};
 use super::history::{DescentState, Row, Step, StopReason};
 use super::problem::{ShapeProblem, Values};
-use super::remeshed::{Base, Remesh};
 use super::rotations::Rotations;
 use super::smoothing::smoothed;
 use super::wall::Wall;

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use super::descent::Descent;
+use super::descent::remeshed::Base;
 use super::direction::{Constrained, Direction, check_length};
 use super::error::ShapeOptimisationError;
 use super::history::DescentState;
 use super::problem::{ShapeProblem, Values};
-use super::remeshed::Base;
 use crate::constraints::Constraints;
 use crate::dimension::{Dim, Dimension};
 use crate::space::Space;

@@ -4,7 +4,6 @@ use std::fmt::Write;
 
 use serde::{Deserialize, Serialize};
 
-use super::remeshed::Remeshed;
 use super::stored_mesh::StoredMesh;
 
 /// A shape on the way, the next step's length, and the way so far. A descent that goes on from it is the one that would
@@ -40,6 +39,19 @@ pub struct Row {
     pub remeshed: Option<Remeshed>,
     /// The step that led here; none at the start.
     pub step: Option<Step>,
+}
+
+/// The values before the mesh was made again.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Remeshed {
+    /// The criterion on the old mesh.
+    pub criterion: f64,
+    /// The constraint there.
+    pub constraint: Option<f64>,
+    /// The least scaled Jacobian there.
+    pub quality: f64,
+    /// Cells of the new mesh.
+    pub cells: usize,
 }
 
 /// A step that was taken.

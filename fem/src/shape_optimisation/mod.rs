@@ -23,7 +23,6 @@ mod perimeter;
 #[cfg(feature = "pictures")]
 mod pictures;
 mod problem;
-mod remeshed;
 mod rotations;
 mod smoothing;
 mod stored_mesh;
@@ -33,18 +32,17 @@ mod volume;
 mod wall;
 
 pub use checkpoint::{Checkpoint, CheckpointError};
-pub use descent::{Descent, Optimised, Report};
+pub use descent::{Descent, Optimised, Remesh, Remesher, Report};
 pub use descent_options::DescentOptions;
 pub use distance::{BoundaryDistance, boundary_distance};
 pub use error::{Failure, ShapeOptimisationError};
-pub use history::{DescentState, Row, Step, StopReason};
+pub use history::{DescentState, Remeshed, Row, Step, StopReason};
 pub use inner_product::{InnerProduct, movement_product};
 pub use logbook::Logbook;
 pub use perimeter::{perimeter, perimeter_derivative, perimeter_form};
 #[cfg(feature = "pictures")]
 pub use pictures::{history_picture, strip};
 pub use problem::{Derivatives, ShapeProblem, Values};
-pub use remeshed::{Remesh, Remeshed, Remesher};
 pub use rotations::Rotations;
 pub use smoothing::smoothed;
 pub use stored_mesh::StoredMesh;

@@ -1,8 +1,7 @@
 //! The families of reference files, and the files of each.
 
-use std::path::PathBuf;
-
 use super::ReferenceFile;
+use super::format::folder;
 
 /// The families of files: the beginning of the file's name, and of the test that consumes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,8 +76,4 @@ pub fn names() -> Vec<String> {
         .collect();
     names.sort();
     names
-}
-
-pub(super) fn folder() -> PathBuf {
-    [env!("CARGO_MANIFEST_DIR"), "scikit_fem"].iter().collect()
 }

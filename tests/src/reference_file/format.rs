@@ -1,11 +1,10 @@
 //! The format of a reference file.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use serde::Deserialize;
 use serde_json::Value;
-
-use super::family::folder;
 
 /// A file as it is.
 #[derive(Debug, Deserialize)]
@@ -93,4 +92,8 @@ impl ReferenceFile {
     pub fn dimension(&self) -> usize {
         self.dimension
     }
+}
+
+pub(super) fn folder() -> PathBuf {
+    [env!("CARGO_MANIFEST_DIR"), "scikit_fem"].iter().collect()
 }

@@ -2,9 +2,9 @@
 
 use super::formula::{Formula, Measure};
 use super::names::{MOST_DIFFERENTIATED, MOST_SHOWN, Namer, Names, ellipsis};
-use super::outlines::{Outlines, Varied, direction_name};
-use super::read::{Reader, symbol};
-use super::simplify::Simplifier;
+use super::outlines::simplify::Simplifier;
+use super::outlines::{Outlines, direction_name};
+use super::read::{Reader, Varied, symbol};
 use crate::check::{CheckedFunction, Content, Term, outline};
 use crate::parse::syntax::{Entity, Function, Module};
 use crate::tensor::{Arena, FieldInfo, FieldRole, Named, Operator, Tensor, Variable};

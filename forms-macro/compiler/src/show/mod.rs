@@ -11,7 +11,6 @@ mod outlines;
 mod page;
 mod read;
 mod same;
-mod simplify;
 mod symbols;
 #[cfg(test)]
 mod tests;

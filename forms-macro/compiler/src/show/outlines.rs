@@ -1,12 +1,14 @@
 //! The functions of a module as their author wrote them, and their derivatives, each made once: what a
 //! name in a formula means.
 
+pub mod simplify;
+
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use self::simplify::Simplifier;
 use super::names::Names;
-use super::read::Reader;
-use super::simplify::Simplifier;
+use super::read::{Reader, Varied, varied};
 use crate::check::{CheckedFunction, Content, outline};
 use crate::diagnostics::Diagnostics;
 use crate::differentiate::map_operands;
@@ -16,9 +18,6 @@ use crate::tensor::{Arena, FieldInfo, FieldRole, Named, Operator, Tensor, Variab
 
 /// The highest derivative of a field that a node names.
 const HIGHEST_ORDER: usize = 2;
-
-/// Which arguments vary, for each order of a derivative.
-pub type Varied = Vec<Vec<bool>>;
 
 /// A function or one of its derivatives, with its arguments and directions as fields.
 pub struct Definition {
@@ -316,11 +315,6 @@ impl<'a> Outlines<'a> {
     pub fn gives_value(&self, function: usize) -> bool {
         matches!(self.module.functions[function].output, Output::Value(_))
     }
-}
-
-/// Which directions of a call are not zero.
-pub fn varied(arena: &Arena, directions: &[Vec<Tensor>]) -> Varied {
-    directions.iter().map(|row| row.iter().map(|one| !arena.is_zero(*one)).collect()).collect()
 }
 
 /// `δu`, `Δu`, and with numbers from the third on.

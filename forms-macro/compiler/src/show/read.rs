@@ -4,7 +4,6 @@ mod sides;
 
 use super::formula::{Fence, Formula, Infix};
 use super::names::Names;
-use super::outlines::varied;
 use super::same::same;
 use super::symbols::Symbol;
 use crate::parse::syntax::{Comparison, Module};
@@ -385,4 +384,12 @@ pub fn symbol(name: &proc_macro2::Ident, attributes: &[Attribute]) -> Symbol {
             alias
         });
     Symbol::of(&alias.unwrap_or_else(|| name.to_string()))
+}
+
+/// Which arguments vary, for each order of a derivative.
+pub type Varied = Vec<Vec<bool>>;
+
+/// Which directions of a call are not zero.
+pub fn varied(arena: &Arena, directions: &[Vec<Tensor>]) -> Varied {
+    directions.iter().map(|row| row.iter().map(|one| !arena.is_zero(*one)).collect()).collect()
 }

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::drawing::Point;
+use super::path::Point;
 use super::shading::{ShadedSurface, Shading};
 use crate::element::CellShape;
 use crate::field::Field;

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use super::Colour;
 use super::body::{Body, field_values, joined};
-use super::drawing::{Drawing, Point, Rectangle, Segment, Stroke, polyline};
+use super::drawing::{Drawing, Stroke, polyline};
+use super::path::{Point, Rectangle, Segment};
 use crate::field::Field;
 
 /// The line of an arrow.

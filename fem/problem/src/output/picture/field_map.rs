@@ -5,9 +5,10 @@ use super::body::{Body, Lattices, bounds, field_values};
 use super::body_lines::{
     arrow_samples, arrow_stroke, draw_arrows, draw_mesh_lines, draw_polylines, with_margin,
 };
-use super::drawing::{Drawing, Point, Stroke};
+use super::drawing::{Drawing, Stroke};
 use super::layout::Layout;
 use super::legend::{Key, Legend};
+use super::path::Point;
 use super::shading::Shading;
 use super::{Colour, ColourMap};
 use super::{Picture, PictureError};

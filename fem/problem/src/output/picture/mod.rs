@@ -13,7 +13,7 @@ pub use forms_pictures::{
     BarChart, Colour, ColourMap, Curve, DOTS_PER_INCH, Drawing, LinePlot, Marker, Panel, Picture,
     PictureError, Scale, draw_all, write_all_png,
 };
-use forms_pictures::{axes, drawing, layout, legend, shading};
+use forms_pictures::{axes, drawing, layout, legend, path, shading};
 
 pub use field_map::{FieldMap, Shown};
 pub use mesh_drawing::MeshDrawing;

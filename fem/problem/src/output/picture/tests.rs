@@ -101,7 +101,7 @@ fn nothing_leaves_the_page() {
         for item in drawing.items() {
             let drawing::Item::Path { segments, clip: None, .. } = item else { continue };
             for segment in segments {
-                let (drawing::Segment::Move([x, y]) | drawing::Segment::Line([x, y])) = *segment else {
+                let (path::Segment::Move([x, y]) | path::Segment::Line([x, y])) = *segment else {
                     continue;
                 };
                 assert!((0.0..=width).contains(&x) && (0.0..=height).contains(&y), "({x}, {y})");

@@ -1,7 +1,7 @@
 //! Calls of the module's functions and their derivatives: what vanishes, what is linear, what is shorter than its name.
 
 use super::Simplifier;
-use crate::show::outlines::varied;
+use crate::show::read::varied;
 use crate::tensor::{Named, Operator, Tensor, Variable};
 
 impl Simplifier<'_, '_> {

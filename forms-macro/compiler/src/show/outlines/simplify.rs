@@ -5,9 +5,9 @@ mod calls;
 
 use std::collections::HashMap;
 
-use super::outlines::{Outlines, gradient};
-use super::same::Comparison;
+use super::{Outlines, gradient};
 use crate::differentiate::map_operands;
+use crate::show::same::Comparison;
 use crate::tensor::{Arena, FieldInfo, Function, Named, Operator, Tensor, Variable};
 
 /// Rewrites the nodes of one arena, each once.

@@ -1,15 +1,13 @@
 //! New meshes on the way of a descent: the cells that its steps move, and when they make place for others.
 
-use serde::{Deserialize, Serialize};
-
-use super::descent::{Descent, Shape, coordinates};
-use super::error::{Failure, ShapeOptimisationError};
-use super::history::DescentState;
-use super::problem::ShapeProblem;
-use super::rotations::Rotations;
-use super::stored_mesh::StoredMesh;
+use super::{Descent, Shape, coordinates};
 use crate::dimension::{Dim, Dimension};
 use crate::mesh::Mesh;
+use crate::shape_optimisation::error::{Failure, ShapeOptimisationError};
+use crate::shape_optimisation::history::{DescentState, Remeshed};
+use crate::shape_optimisation::problem::ShapeProblem;
+use crate::shape_optimisation::rotations::Rotations;
+use crate::shape_optimisation::stored_mesh::StoredMesh;
 use crate::space::Space;
 
 /// Factors of the sizes of cells that are tried one after the other.
@@ -30,21 +28,8 @@ pub struct Remesh<'a, const D: usize> {
     pub tolerance: f64,
 }
 
-/// The values before the mesh was made again.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Remeshed {
-    /// The criterion on the old mesh.
-    pub criterion: f64,
-    /// The constraint there.
-    pub constraint: Option<f64>,
-    /// The least scaled Jacobian there.
-    pub quality: f64,
-    /// Cells of the new mesh.
-    pub cells: usize,
-}
-
 /// The mesh whose cells are moved, where its nodes were when it was made, with the pattern that its nodes have.
-pub(super) struct Base<const D: usize> {
+pub struct Base<const D: usize> {
     pub mesh: Mesh<D>,
     pub pattern: Option<Rotations<D>>,
 }

@@ -1,0 +1,37 @@
+//! The derived fields of a solution.
+
+use forms_contact_problem::forms;
+use forms_contact_problem::hollow_cylinder::{CONTACT, CylinderSolution};
+use forms_fem::prelude::*;
+
+use crate::Outcome;
+
+/// Fields that follow from the displacement.
+pub struct DerivedFields {
+    /// σ(u_h), projected \[MPa\].
+    pub stress: Field<2>,
+    /// Von Mises stress, projected \[MPa\].
+    pub von_mises: Field<2>,
+    /// g − u_n, the height above the obstacle \[cm\]; on the whole body, because zero would mean contact.
+    pub gap: Field<2>,
+    /// The contact pressure at the nodes of Γ_C, zero at all others \[MPa\].
+    pub contact_pressure: Field<2>,
+}
+
+impl DerivedFields {
+    pub fn new(solution: &CylinderSolution) -> Outcome<DerivedFields> {
+        let (problem, u) = (&solution.problem, &solution.u);
+        let (assembler, data, mesh) = (&problem.assembler, &problem.law.data, problem.space.mesh());
+        let (scalars, tensors) = (Space::scalar(mesh, 2)?, Space::tensor(mesh, 2)?);
+        Ok(DerivedFields {
+            stress: assembler.project(&forms::stress(data, u), &tensors)?,
+            von_mises: assembler.project(&forms::von_mises(data, u), &scalars)?,
+            gap: assembler.project(&forms::current_gap(data, u), &scalars)?,
+            contact_pressure: assembler.at_facet_nodes(
+                &forms::contact_pressure(data, u),
+                CONTACT,
+                &scalars,
+            )?,
+        })
+    }
+}
