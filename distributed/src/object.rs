@@ -1,8 +1,6 @@
 //! Objects of PETSc. To destroy one, all processes may have to wait for each other, and a process that drops one may have failed, while
 //! the others are elsewhere: what is dropped is kept until all processes destroy it together.
 
-#![allow(unsafe_code)]
-
 use std::ptr::null_mut;
 
 use crate::dropped_objects::{Destroy, Dropped};

@@ -3,6 +3,7 @@
 
 pub(super) mod block_index;
 mod cells;
+pub(super) mod element_nodes;
 mod on_threads;
 mod rows;
 pub(super) mod sparsity;
@@ -14,7 +15,8 @@ use forms_core::contract::{Role, Side};
 
 use self::block_index::{Across, BlockIndex};
 use self::cells::coupled_cells;
-use self::sparsity::{ElementNodes, couple};
+use self::element_nodes::ElementNodes;
+use self::sparsity::couple;
 use super::{Assembler, AssemblyError, Parts};
 use crate::assemble::binding::entities::Entities;
 use crate::assemble::binding::outline::{Coupling, Outline};

@@ -10,7 +10,8 @@ use forms_core::contract::Side;
 use forms_core::source::PositionFunction;
 
 use super::PairError;
-use super::known::{SearchKey, keep};
+use super::newest::keep;
+use super::search_key::SearchKey;
 use crate::element::CellShape;
 use crate::mesh::Mesh;
 

@@ -6,16 +6,15 @@ use forms_core::contract::Pairing;
 
 use super::candidates::KeptCandidates;
 use super::jumping_data::{ReadFunction, SmoothFunctions};
+use super::newest::{KEPT, keep};
 use super::rest::SurfacesAtRest;
+use super::search_key::SearchKey;
 use super::surface_values::SurfaceNodes;
 use super::{Displacement, PairError, Pairs};
 use crate::instantiate::instantiate;
 use crate::mesh::Mesh;
 use crate::quadrature::Quadrature;
 use crate::threads::Threads;
-
-/// Searches that are kept, of the undeformed mesh and of displaced surfaces, and pairings with candidates; the oldest go.
-pub(super) const KEPT: usize = 8;
 
 /// Pairs that were searched for on one mesh.
 #[derive(Debug, Default)]
@@ -27,43 +26,12 @@ pub(crate) struct KnownPairs<const D: usize> {
     functions: SmoothFunctions<D>,
 }
 
-/// The object of a search.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct SearchKey<const D: usize> {
-    pub pairing: Pairing,
-    pub quadrature: Quadrature<D>,
-    pub degree: usize,
-}
-
 #[derive(Debug)]
 struct Known<const D: usize> {
     key: SearchKey<D>,
     /// The displacement of the surfaces.
     displacement: Option<Vec<f64>>,
     pairs: Arc<Pairs<D>>,
-}
-
-/// Adds to a list with a largest number per kind; the oldest go.
-pub(super) fn keep<T>(list: &mut Vec<T>, entry: T, limit: usize, of_this_kind: impl Fn(&T) -> bool) {
-    if list.iter().filter(|one| of_this_kind(one)).count() == limit
-        && let Some(oldest) = list.iter().position(of_this_kind)
-    {
-        list.remove(oldest);
-    }
-    list.push(entry);
-}
-
-impl<const D: usize> SearchKey<D> {
-    /// The object of a search with a choice of quadrature; `estimated` is the degree where the choice is the compiler's estimate.
-    fn new(pairing: &Pairing, quadrature: &Quadrature<D>, estimated: usize) -> Self {
-        // Where facets are split elsewhere, pairs keep pieces of their own.
-        let mut choice = quadrature;
-        while let Quadrature::Split { whole, .. } = choice {
-            choice = whole;
-        }
-        let degree = if choice.follows_estimates() { estimated } else { 0 };
-        SearchKey { pairing: pairing.clone(), quadrature: choice.clone(), degree }
-    }
 }
 
 impl<const D: usize> KnownPairs<D> {

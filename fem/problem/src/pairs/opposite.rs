@@ -2,13 +2,8 @@
 
 use super::boundary_edges::BoundaryEdges;
 use super::surface::{SurfaceFacet, SurfacePoint, dot, minus};
+use super::tolerances::{INSIDE, STEPS};
 use crate::mesh::small_matrices::inverse;
-
-/// A point this far outside a facet, in its own coordinates, still belongs to it.
-pub(super) const INSIDE: f64 = 1e-8;
-
-/// Steps of Newton's method, at most.
-pub(super) const STEPS: usize = 40;
 
 /// A point of an opposite facet.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 //! Quadratic curves in the plane and the lines that meet them, in closed form.
 
 use super::frame::{dot, minus, splat};
-use super::opposite::INSIDE;
+use super::tolerances::INSIDE;
 use crate::lanes::SimdLane;
 
 /// The curve start + s along + s² bend of a facet in the plane.

@@ -3,8 +3,9 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
 #![allow(clippy::needless_range_loop)]
 
-use super::opposite::{ClosestPoint, INSIDE, STEPS};
+use super::opposite::ClosestPoint;
 use super::surface::{SurfaceFacet, SurfacePoint, dot, minus, splat};
+use super::tolerances::{INSIDE, STEPS};
 use crate::lanes::SimdLane;
 
 /// Lines x + g n with unit vectors n.

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::displacement::Displacement;
 use super::frame::{dot, minus};
-use super::known::keep;
+use super::newest::keep;
 use super::traces::{Coefficients, Traces, add_trace};
 use crate::element::Elements;
 use crate::mesh::{Facet, Mesh};

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use forms_core::contract::Pairing;
 
-use super::known::{KEPT, keep};
+use super::newest::{KEPT, keep};
 use super::surfaces::{names, nodes_on_surfaces};
 use super::{Displacement, PairError};
 use crate::element::Elements;

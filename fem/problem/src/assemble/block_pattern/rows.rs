@@ -9,7 +9,7 @@
 use std::ops::Range;
 
 use super::block_index::Slot;
-use super::sparsity::ElementNodes;
+use super::element_nodes::ElementNodes;
 use crate::linear_algebra::large_pages::{room, zeros};
 
 /// The rows that a thread makes, and where it may write places.
@@ -31,7 +31,7 @@ pub(super) struct MadeRows<P> {
     /// Start of each row's columns, and the end of all.
     pub pointers: Vec<usize>,
     pub columns: Vec<u32>,
-    /// ElementNodes of later threads, and those without a map, that have nodes among the rows.
+    /// Elements of later threads, and those without a map, that have nodes among the rows.
     pub later: Vec<u32>,
     /// The places of each of them; those of other threads' rows mean nothing.
     pub places_of_later: Vec<P>,

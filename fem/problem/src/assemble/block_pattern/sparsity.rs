@@ -6,19 +6,12 @@
 use std::ops::Range;
 
 use super::block_index::{Slot, Slots};
+use super::element_nodes::ElementNodes;
 use super::rows::{MadeRows, RowsOfThread};
 use crate::assemble::scatter::partition::Partition;
 use crate::linear_algebra::BlockRows;
 use crate::linear_algebra::large_pages::zeros;
 use crate::threads::Threads;
-
-/// Sets of test and trial nodes that are all coupled with each other.
-pub(in crate::assemble) struct ElementNodes<'a> {
-    /// Test nodes, set after set.
-    pub rows: Vec<&'a [u32]>,
-    /// Trial nodes of each set.
-    pub columns: Vec<&'a [u32]>,
-}
 
 /// The blocks of the pairs in the cliques; and for the first `mapped` cliques the places of their pairs, clique after
 /// clique.
@@ -55,7 +48,7 @@ struct Coupling<'a> {
     cliques: &'a ElementNodes<'a>,
     /// Starts of the places of each clique that is mapped, and their end.
     begins: Vec<usize>,
-    /// ElementNodes that are mapped, and rows, of each thread.
+    /// Elements that are mapped, and rows, of each thread.
     partition: Partition,
     column_nodes: usize,
     threads: Threads,

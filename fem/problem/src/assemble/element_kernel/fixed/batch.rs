@@ -6,7 +6,7 @@
 
 use forms_core::contract::{Basis, CellGeometry, OppositePoint, PointGeometry, Requirements};
 
-use super::fields::{FieldBuffers, Numbers};
+use super::field_buffers::{FieldBuffers, Numbers};
 use super::tables::{FixedTables, MOST_CORNERS, corner};
 use crate::assemble::batch::{inverse_transposed, largest_distance, surface};
 use crate::assemble::element_kernel::ElementCells;

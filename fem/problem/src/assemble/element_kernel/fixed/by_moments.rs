@@ -7,7 +7,7 @@
 use forms_core::contract::{BilinearConstants, BilinearKernel, Further};
 
 use super::batch::FixedBatch;
-use super::fields::FieldBuffers;
+use super::field_buffers::FieldBuffers;
 use super::store;
 use super::tables::MOST_NUMBERS;
 use crate::assemble::element_kernel::sizes::{Array, Sizes};

@@ -8,7 +8,7 @@ use forms_core::contract::{BilinearConstants, BilinearKernel, Further};
 
 use super::batch::FixedBatch;
 use super::by_moments::{self, ByMoments};
-use super::fields::FieldBuffers;
+use super::field_buffers::FieldBuffers;
 use super::in_place::{self, Destination, Numbers};
 use super::tables::MOST_NUMBERS;
 use super::{Call, FixedIntegral, FixedTables, store};

@@ -4,6 +4,7 @@
 
 mod batch;
 mod by_moments;
+mod field_buffers;
 mod fields;
 mod in_place;
 mod matrices;

@@ -18,7 +18,7 @@
 use forms_core::contract::{Basis, Further, LinearKernel};
 
 use super::batch::FixedBatch;
-use super::fields::FieldBuffers;
+use super::field_buffers::FieldBuffers;
 use super::tables::{MOST_COMPONENTS, MOST_NUMBERS};
 use super::{Call, FixedIntegral, FixedTables, store};
 use crate::assemble::element_kernel::ElementCells;
