@@ -41,6 +41,9 @@ const UNIFORM: f64 = 1e-9;
 /// A component of this part of its field may be zero: corrections of this size that do not become shorter are rounding of the others.
 const ZERO_COMPONENT: f64 = 1e-12;
 
+/// A component below this part of its field counts as zero.
+const ZERO_PART: f64 = 1e-10;
+
 /// Corrections that stay this often are rounding: once with the last tangent, and once with a new one.
 const TRIES: usize = 2;
 

@@ -1,6 +1,6 @@
 //! Correction that is still to be expected, −K⁻¹R with the last tangent, next to the variation of the solution.
 
-use super::{LastChange, Rows, UNIFORM, UNKNOWN_ROUNDING, ZERO_COMPONENT};
+use super::{LastChange, Rows, UNIFORM, UNKNOWN_ROUNDING, ZERO_COMPONENT, ZERO_PART};
 use crate::assemble::{AssemblyError, Terms};
 use crate::linear_algebra::vector::norm;
 use crate::solve::newton::convergence::Component;
@@ -12,9 +12,6 @@ const SOFTNESS: f64 = 100.0;
 
 /// A step of this part of a component leaves the tangent about as it is.
 const SHORT_STEP: f64 = 1e-3;
-
-/// A component below this part of its field counts as zero.
-const ZERO_PART: f64 = 1e-10;
 
 impl FreeEquations<'_> {
     /// Whether the last tangent is far from the one at the last iterate, because the step was long.

@@ -1,6 +1,6 @@
 //! Corrections that do not become shorter: rounding of the solution, or more than that.
 
-use super::{LARGEST_ROUNDING, ROW_ROUNDING, UNIFORM, UNKNOWN_ROUNDING, ZERO_COMPONENT};
+use super::{LARGEST_ROUNDING, ROW_ROUNDING, UNIFORM, UNKNOWN_ROUNDING, ZERO_COMPONENT, ZERO_PART};
 use crate::assemble::Terms;
 use crate::solve::newton::convergence::Component;
 use crate::solve::newton::{FreeEquations, NewtonFailure};
@@ -56,8 +56,12 @@ impl FreeEquations<'_> {
         let mut part = None;
         for (component, _) in unsettled {
             let (change, most) = (component.largest(correction), component.largest(&self.iterates.u));
-            let in_field = component.largest_in_field(&self.iterates.u);
-            if change > LARGEST_ROUNDING * most && change > ZERO_COMPONENT * in_field {
+            let (range, in_field) =
+                (component.range(&self.iterates.u), component.largest_in_field(&self.iterates.u));
+            // An offset is no scale: next to a large one a solution may be all rounding.
+            let scale = if range <= UNIFORM * most { most } else { range.min(most) };
+            let zero = if most <= ZERO_PART * in_field { ZERO_COMPONENT } else { UNKNOWN_ROUNDING };
+            if change > LARGEST_ROUNDING * scale && change > zero * in_field {
                 part = Some(change / most.max(f64::MIN_POSITIVE));
                 component.unknowns().for_each(|unknown| rest[unknown] = correction[unknown].abs());
             }
