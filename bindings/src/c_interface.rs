@@ -31,7 +31,7 @@ fn text(words: &str) -> CString {
     CString::new(words).unwrap_or_default()
 }
 
-/// Runs a call, and keeps what it says if it fails.
+/// Runs a call, and keeps the message of a failure.
 fn status(call: impl FnOnce() -> Result<(), Failure>) -> c_int {
     let Err(why) = caught(call) else { return 0 };
     LAST_ERROR.with(|last| *last.borrow_mut() = text(&why.to_string()));

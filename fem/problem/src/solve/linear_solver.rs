@@ -180,7 +180,7 @@ pub enum SolverError {
         /// The work done, with the history of residuals.
         report: KrylovReport,
     },
-    /// A solver that is none of this crate's failed.
+    /// A failure of a solver from outside of this crate.
     #[error("{solver} failed: {why}{}", residuals(history))]
     Other {
         solver: &'static str,
