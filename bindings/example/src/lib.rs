@@ -37,7 +37,7 @@ pub mod beam {
             + integral(Bottom, nitsche_density(normal_stress(u), u, normal_stress(v), v))
     }
 
-    /// How far the top is from level: ½ ∫ u_y².
+    /// Deviation of the top from level: ½ ∫ u_y².
     pub fn unevenness(u: Unknown<Vector>) -> Energy {
         integral(Top, sqr(u[1]) / 2)
     }

@@ -30,7 +30,7 @@ use crate::threads::Threads;
 
 /// Columns of a panel.
 const PANEL: usize = 64;
-/// Multiplications from which on a product goes through faer's kernels, if its factors are wide.
+/// Least number of multiplications for which a product of wide factors uses faer's kernels.
 const LARGE: usize = 1 << 17;
 /// Columns of the one, and rows of the other factor from which on they are wide.
 const WIDE: usize = 24;

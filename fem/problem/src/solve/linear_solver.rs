@@ -191,7 +191,7 @@ pub enum SolverError {
 }
 
 impl SolverError {
-    /// Whether LU may succeed where this happened.
+    /// Whether LU may succeed after this failure.
     pub(super) fn is_for_lu(&self) -> bool {
         matches!(
             self,
