@@ -99,7 +99,7 @@ impl<'a, P: Pivots> Numeric<'a, P> {
         begin[supernode] as usize..end[supernode] as usize
     }
 
-    /// Where the values of some supernodes are.
+    /// Positions of the values of some supernodes.
     fn values(&self, supernodes: Range<usize>) -> Range<usize> {
         let starts = self.symbolic.col_ptr_for_val();
         starts[supernodes.start] as usize..starts[supernodes.end] as usize

@@ -84,7 +84,7 @@ impl<const D: usize> Closure<D> {
         (first != NONE).then_some(first as usize)
     }
 
-    /// That places of vertices and nodes have numbers for a bisection more.
+    /// Check that the numbers of vertices and nodes suffice for one more bisection.
     fn check_room(&self) -> Result<(), MeshError> {
         if (self.parts.len() + 2) * (D + 1) >= NONE as usize {
             return Err(MeshError::TooLarge { what: "cells" });
