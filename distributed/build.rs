@@ -1,4 +1,4 @@
-//! Finds PETSc and checks that it was built as the bindings take it to be.
+//! Finds PETSc and checks that it was built as the bindings expect.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};

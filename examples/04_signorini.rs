@@ -3,13 +3,12 @@
 //! From the strong to the weak form, by Nitsche's method, with `w_n = w·n_y` along the normal `n_y` into the table:
 //! 1. `−div σ(u) = 0` in Ω, and without friction `σ(u) n = σ_n n_y` on `Γ_C`. Times v, integrated by parts:
 //!    `∫_Ω σ(u):ε(v) − ∫_ΓC σ_n(u) v_n = 0`.
-//! 2. Contact: `u_n ≤ g`, `σ_n ≤ 0`, one of the two an equation. For any `γ > 0` this is one equation with a kink:
+//! 2. Contact: `u_n ≤ g`, `σ_n ≤ 0`, one of the two with equality. For any `γ > 0` this is one equation with a kink:
 //!    `σ_n(u) = −P(u)`, with the pressure `P(u) = [σ_n(u) − γ(u_n − g)]₋`.
-//! 3. With `−P` for `σ_n`, and `(θ/γ)(σ_n + P) σ_n(v)`, which is zero, subtracted under the integral:
+//! 3. Put `−P` for `σ_n`, and subtract `(θ/γ)(σ_n + P) σ_n(v)`, which is zero, under the integral:
 //!    `∫_Ω σ(u):ε(v) − ∫_ΓC (θ/γ) σ_n(u) σ_n(v) + ∫_ΓC P(u) (v_n − (θ/γ) σ_n(v)) = 0`. Here `θ = −1`.
 //!
-//! The block slides freely, so its stress is uniform and the
-//! contact force has a closed form: `E/(1−ν²) · (δ − g)/H · w`, with the height H, the width w, the initial gap
+//! The block slides freely, so its stress is uniform and the contact force has a closed form: `E/(1−ν²) · (δ − g)/H · w`, with the height H, the width w, the initial gap
 //! g and the imposed displacement δ.
 //!
 //! Run it with `cargo run --release --bin 04_signorini`.

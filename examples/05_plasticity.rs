@@ -1,12 +1,12 @@
 //! Tutorial 5: plasticity. J2 plasticity with linear isotropic hardening, small strain, plane strain.
 //!
-//! The plastic strain and its accumulated amount are histories: values at quadrature
-//! points that a step reads and writes. The return map is a function of the module; Newton's tangent is its derivative by the compiler, which
-//! is the consistent tangent (Simo and Hughes, Computational Inelasticity, 1998, section 3.3).
+//! The plastic strain and its accumulated amount are histories: values at quadrature points that a step reads and writes. The
+//! return map is a function of the module. The compiler differentiates it, which gives Newton's method the consistent tangent
+//! (Simo and Hughes, Computational Inelasticity, 1998, section 3.3).
 //!
-//! First a block under uniaxial strain ε, loaded and unloaded into reverse yielding. There the stress is known:
+//! The first problem is a block under uniaxial strain ε, loaded and unloaded into reverse yielding. Its stress is known:
 //! `dσ/dε` is `K + 4μ/3` in the elastic range and `K + 4μ/3 · h/(μ + h)` with h = H/3 in the plastic one. Yielding
-//! begins at `ε = σ_y/(2μ)`. Then a clamped plate whose end is pulled sideways, step by step.
+//! begins at `ε = σ_y/(2μ)`. The second one is a clamped plate whose end is pulled sideways, step by step.
 //!
 //! Run it with `cargo run --release --bin 05_plasticity`.
 

@@ -1,8 +1,7 @@
 //! Tutorial 7: discontinuous elements. Poisson's equation by the symmetric interior penalty method.
 //!
-//! Neighbouring cells share no unknowns. Integrals over the facets between them join them. The exact
-//! solution `u = cos(πx) eʸ` is known, so that the program can measure the order at which the error falls: the
-//! degree of the elements plus one.
+//! Neighbouring cells share no unknowns. Integrals over the facets between cells couple them. The exact solution
+//! `u = cos(πx) eʸ` is known, so the program can measure the order at which the error falls: the degree plus one.
 //!
 //! Run it with `cargo run --release --bin 07_interior_penalty`.
 

@@ -4,13 +4,13 @@
 //! unknown of its own and lives only on the facets of the contact boundary `Γ_C`.
 //! 1. `−div σ(u) = 0` in Ω, and without friction `σ(u) n = −p n_y` on `Γ_C`. Times v, integrated by parts:
 //!    `∫_Ω σ(u):ε(v) + ∫_ΓC p v_n = 0`.
-//! 2. Contact: `u_n ≤ g`, `p ≥ 0`, one of the two an equation. For any c > 0 this is one equation with a kink,
+//! 2. Contact: `u_n ≤ g`, `p ≥ 0`, one of the two with equality. For any c > 0 this is one equation with a kink,
 //!    `p − max(0, p + c (u_n − g)) = 0`. Times q/c: `∫_ΓC (p − max(0, p + c (u_n − g))) q/c = 0`.
 //!
-//! The form below has the sum of both. Newton's method differentiates through the kink.
+//! The form below is the sum of both. Newton's method differentiates through the kink.
 //!
-//! Two things are known. Nitsche's method (tutorial 4) solves the same problem on the same mesh without a
-//! multiplier. And for a contact that is small against the block Hertz gives the largest pressure from the
+//! Two results check the solution. Nitsche's method (tutorial 4) solves the same problem on the same mesh without a
+//! multiplier. For a contact that is small compared with the block, Hertz's theory gives the largest pressure from the
 //! force F and the radius R: `p₀ = √(F E' / (π R))` with `E' = E/(1−ν²)`.
 //!
 //! Run it with `cargo run --release --bin 09_multiplier_contact`.

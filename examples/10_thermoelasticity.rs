@@ -1,5 +1,5 @@
-//! Tutorial 10: two fields that act on each other. A pipe is hot inside and cold outside; it wants to expand
-//! more where it is hot, cannot, and is stressed.
+//! Tutorial 10: two fields that act on each other. A pipe is hot inside and cold outside. Its hot part cannot expand
+//! freely, so the pipe is stressed.
 //!
 //! With the temperature `T = ΔT ln(b/r)/ln(b/a)`, plane strain and free surfaces, the hoop stress is
 //! `K (1 − 2b²/(b²−a²) ln(b/a))` inside and `K (1 − 2a²/(b²−a²) ln(b/a))` outside, with `K = E α ΔT / (2 (1−ν) ln(b/a))`.

@@ -1,8 +1,8 @@
-//! Tutorial 11: the derivative of a number by the shape of the domain. A bar is twisted; where must its section grow to
-//! become stiffer?
+//! Tutorial 11: the derivative of a number with respect to the shape of the domain. A bar is twisted; where must its
+//! section grow to become stiffer?
 //!
 //! With `−Δu = 1` and u = 0 on the outline, `J = ∫ u` is proportional to the torsional rigidity (Prandtl). Scaled by s the
-//! section has `s⁴ J`, so the derivative along x is 4 J: exact for the discrete problem, too.
+//! section has `s⁴ J`, so the derivative along x is 4 J, also for the discrete problem.
 //!
 //! Run it with `cargo run --release --bin 11_shape_derivative`.
 

@@ -9,12 +9,12 @@
 //! tangent includes. The law is `sliding_bodies` of `forms-contact`; a law of your own names `gap`, `toward`, `jump(u)` and
 //! integrates over `Touch(u)` in the same way.
 //!
-//! Publications disagree on the forces of this benchmark by a quarter. At the end of pressing and half of the way they have, in
-//! N/mm, vertically and along: Poulios and Renard 268, 55 and 337, 102; Yastrebov 290, 59 and 360, 171; Fischer and Wriggers 298,
+//! Publications disagree on the forces of this benchmark by a quarter. Vertical and tangential forces in N/mm, at the end of
+//! pressing and then half of the way along, are: Poulios and Renard 268, 55 and 337, 102; Yastrebov 290, 59 and 360, 171; Fischer and Wriggers 298,
 //! 62 and 365, 189; Hartmann and others 320, 67 and 408, 160.
 //!
 //! Run it with `cargo run --release --bin 12_two_bodies -- [FINENESS] [STEPS OF PRESSING] [STEPS OF SLIDING]`. A step of sliding is a
-//! fifth of a millimetre; the fineness of the benchmark is 4, and half of the way are 25 steps.
+//! fifth of a millimetre. The benchmark's fineness is 4, and half of its way along takes 25 steps.
 
 use forms_contact::ContactProblem;
 use forms_contact::laws::sliding_bodies as law;

@@ -32,7 +32,7 @@ const START: f64 = 0.9;
 /// The way down, then along \[mm\].
 const DOWN: f64 = 0.15;
 const ALONG: f64 = 1.4;
-/// How far points see \[mm\], and the degree of quadrature.
+/// Largest distance of opposite points \[mm\], and the degree of quadrature.
 const REACH: f64 = 0.2;
 const DEGREE: usize = 4;
 

@@ -30,7 +30,7 @@ const OUTSIDE: f64 = 1.0;
 const TOOL: f64 = 0.4;
 /// The way of each tool \[mm\]; the walls meet after some 0.8.
 const WAY: f64 = 0.88;
-/// Reach of the points' sight \[mm\].
+/// Largest distance of opposite points \[mm\].
 const REACH: f64 = 0.2;
 /// Degree of quadrature.
 const DEGREE: usize = 4;

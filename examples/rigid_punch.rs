@@ -21,7 +21,7 @@ use forms_fem::prelude::*;
 const LAMBDA: f64 = 3.0;
 const MU: f64 = 1.0;
 const FRICTION: f64 = 0.3;
-/// The block is one high; the punch goes so deep \[mm\].
+/// Depth of the punch \[mm\]; the block is 1 mm high.
 const DEPTH: f64 = 0.25;
 /// Half the width of the punch's flat, the radius of its edge, its height above the edge \[mm\].
 const FLAT: f64 = 0.3;

@@ -1,4 +1,4 @@
-//! Our kernels by themselves: `cargo bench -p forms-bench`, or with a part of a name, `cargo bench -p forms-bench -- tet_P2`.
+//! Times of only our kernels: `cargo bench -p forms-bench`, or with a part of a name, `cargo bench -p forms-bench -- tet_P2`.
 //!
 //! One call of a symbol computes the element matrices of eight cells that are in the cache.
 

@@ -168,7 +168,7 @@ fn cpu_seconds() -> Option<f64> {
     Some(ticks / 100.0)
 }
 
-/// The most memory that this process has had resident, where the system says it.
+/// Peak resident memory of this process; `None` where the system does not report it.
 fn peak_gibibytes() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;

@@ -95,7 +95,7 @@ fn residual(matrix: &CsrMatrix, x: &[f64], b: &[f64]) -> Result<f64, Box<dyn Err
     Ok((square / b.iter().map(|b| b * b).sum::<f64>()).sqrt())
 }
 
-/// Largest memory of this process so far, where the system says it.
+/// Peak memory of this process so far, if the system reports it.
 pub fn peak_memory() -> String {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find(|line| line.starts_with("VmHWM:"));

@@ -51,7 +51,7 @@ pub enum Bodies {
 pub enum Law {
     /// No friction.
     Frictionless,
-    /// Coulomb's, κ = 0.3.
+    /// Coulomb's friction, κ = 0.3.
     Friction,
 }
 
@@ -70,7 +70,7 @@ pub struct MeasuredBodies {
     /// A tangent, pairs and insertion included.
     #[serde(default)]
     pub tangent: Vec<f64>,
-    /// The search for pairs alone, where a program has it by itself.
+    /// Only the search for pairs, where a program times it separately.
     #[serde(default)]
     pub search: Vec<f64>,
     /// Norms of residual and tangent, or of the displacement that was solved for: programs that state the same agree.
@@ -78,7 +78,7 @@ pub struct MeasuredBodies {
     /// A whole solve.
     #[serde(default)]
     pub solve: Vec<f64>,
-    /// Newton steps of it.
+    /// Newton steps of the solve.
     #[serde(default)]
     pub steps: usize,
 }

@@ -10,4 +10,4 @@ direction, t = np.cos(np.arange(found.x.size)), 1e-6
 m = beam.start + 1e-3 * direction
 slope = (beam.value(m + t * direction) - beam.value(m - t * direction))[0] / (2 * t)
 print(f"{beam.value(beam.start)[0]:.3e} -> {found.fun:.3e} in {found.nit} iterations;",
-      f"gradient beside differences: {abs(slope / beam.jvp(m, direction)[0] - 1):.1e}")
+      f"gradient and differences differ by {abs(slope / beam.jvp(m, direction)[0] - 1):.1e}")

@@ -1,6 +1,6 @@
 //! Functions with C's calling convention over plain arrays. C's side of them is `include/forms.h`, which says what each does.
 //!
-//! None of them panics across the border; those that return a number return 0 if all went well, and [`last_error`] says what did not.
+//! No panic reaches C. Functions that return a number return 0 on success; otherwise [`last_error`] has the message.
 
 #![allow(unsafe_code)]
 
@@ -31,7 +31,7 @@ fn text(words: &str) -> CString {
     CString::new(words).unwrap_or_default()
 }
 
-/// Runs a call, and keeps what it says if it fails.
+/// Runs a call, and keeps the message of a failure.
 fn status(call: impl FnOnce() -> Result<(), Failure>) -> c_int {
     let Err(why) = caught(call) else { return 0 };
     LAST_ERROR.with(|last| *last.borrow_mut() = text(&why.to_string()));
@@ -151,7 +151,7 @@ pub enum Side {
     Outputs,
 }
 
-/// The number of parts of a side, and of their values.
+/// Number of parts of a side, the inputs or the outputs, and number of their values.
 ///
 /// # Safety
 /// The problem is one that [`open`] gave, the others are places for numbers.

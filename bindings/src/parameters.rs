@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// Numbers by name. A constructor reads those that it knows; a given name that it does not read is a mistake.
+/// Numbers by name. A constructor reads those that it knows; a given name that it does not read is an error.
 #[derive(Clone, Debug, Default)]
 pub struct Parameters {
     given: Vec<(String, f64)>,
@@ -14,7 +14,7 @@ pub struct Parameters {
 #[derive(Clone, Debug, Error, PartialEq)]
 #[allow(missing_docs)]
 pub enum ParameterError {
-    /// A name that nothing asks for.
+    /// A parameter that the constructor does not read.
     #[error("there is no parameter `{name}`; there are {known}")]
     Unknown {
         name: String,

@@ -12,7 +12,7 @@ use thiserror::Error;
 
 use crate::parameters::{ParameterError, Parameters};
 
-/// A failure of a problem, in its own words.
+/// A failure of a problem, with its message.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum Failure {
     /// Arrays or parameters that do not fit.
@@ -38,7 +38,7 @@ impl From<MapError> for Failure {
 /// A problem in a thread of its own. Calls wait for one another; dropping it ends the thread.
 #[derive(Debug)]
 pub struct ProblemThread {
-    /// None only while it is dropped.
+    /// `None` only while the thread is dropped.
     requests: Option<Sender<Request>>,
     thread: Option<JoinHandle<()>>,
     shape: Shape,
@@ -130,7 +130,7 @@ impl ProblemThread {
         self.ask(Box::new(move |map| map.value(&m)))
     }
 
-    /// The value of a map of one output, and behind it its gradient.
+    /// The value of a map with one output, followed by its gradient.
     ///
     /// # Errors
     /// [`Failure`].

@@ -96,7 +96,7 @@ impl Problem {
         array(py, &found, (found.len(),))
     }
 
-    /// F'(m), a row per output: an adjoint each.
+    /// F'(m), a row per output. Each row costs an adjoint solution.
     fn jacobian<'py>(&self, py: Python<'py>, m: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let m = vector("vector of controls", m)?;
         let columns = m.len();
@@ -149,7 +149,7 @@ fn vector(what: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     buffer.to_vec(object.py())
 }
 
-/// The reason for which an object has no buffer of float64.
+/// The error for an object that has no buffer of float64.
 fn no_buffer(what: &str, object: &Bound<'_, PyAny>) -> PyErr {
     if object.getattr("ndim").is_ok_and(|count| count.extract::<usize>().is_ok_and(|count| count == 0)) {
         return PyValueError::new_err(format!(
@@ -225,7 +225,7 @@ fn array<'py>(py: Python<'py>, values: &[f64], shape: impl IntoPyObject<'py>) ->
     Ok(array)
 }
 
-/// Adds a function to a module that makes a problem of keyword numbers; for [`export_python!`](crate::export_python).
+/// Adds to a module a function that makes a problem from numbers given by keyword; for [`export_python!`](crate::export_python).
 #[doc(hidden)]
 pub fn add_problem<M: DifferentiableMap + 'static>(
     module: &Bound<'_, PyModule>,

@@ -23,8 +23,8 @@ pub fn threshold(
     material_threshold(assembler, space, &contact)
 }
 
-/// A plane neo-Hookean body that hits a rigid flat with Coulomb's friction, by Nitsche's method with θ = 1. The flat's normal n_y stays, so
-/// that the gap is affine in u however far the body goes and turns.
+/// A plane neo-Hookean body that hits a rigid flat with Coulomb's friction, by Nitsche's method with θ = 1. The flat's normal n_y is constant, so the
+/// gap is affine in u for any motion of the body.
 ///
 /// The energy, with σ_n = n_y·P n and β(w) = γ (w_n − g) − σ_n(w), is
 ///

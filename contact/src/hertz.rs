@@ -74,8 +74,8 @@ struct Grading {
 
 /// Three fifths of the cells within 0.15 of the way.
 const OF_CYLINDER: Grading = Grading { near: 0.6, size: 0.25, power: 3 };
-/// Three quarters of the cells within 0.18 of the way. By squares, since the middle of a quadratic cell must stay near
-/// its middle.
+/// Three quarters of the cells within 0.18 of the length. Positions grow by squares, because the middle node of a quadratic cell must stay near the
+/// cell's middle.
 const OF_QUARTER: Grading = Grading { near: 0.75, size: 0.24, power: 2 };
 
 impl Grading {

@@ -1,5 +1,5 @@
-//! The threshold of γ₀ of laws on isotropic bodies, by their material: for laws between bodies, at finite strain, and in motion, whose own
-//! forms are none of linear elasticity with a flat.
+//! The threshold of γ₀ from the material of isotropic bodies: for laws between bodies, at finite strain, and in motion, which have no forms of linear
+//! elasticity on a flat obstacle.
 
 use forms_fem::contract::{Datum, Region};
 use forms_fem::forms;

@@ -41,7 +41,7 @@ impl DroppedObjects {
         list.iter().map(|dropped| dropped.number).collect()
     }
 
-    /// Destroys them in the order of their numbers. All processes have the same ones.
+    /// Destroys the objects in the order of their numbers, which are the same on all processes.
     pub fn destroy(&self) {
         let mut list = self.list.take();
         list.sort_unstable_by_key(|dropped| dropped.number);

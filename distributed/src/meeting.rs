@@ -11,19 +11,19 @@ use std::time::{Duration, Instant};
 use crate::error::PetscError;
 use crate::mpi::{self, Handle, call_mpi};
 
-/// Time between two looks at whether the others have come.
+/// Time between two checks whether the other processes have arrived.
 const LOOK: Duration = Duration::from_millis(1);
 
 /// A call that a process is about to make with the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Call {
-    /// It asks whether all succeeded in something, and says whether it did.
+    /// A question whether all processes succeeded, with this process's answer.
     Agree { failed: bool },
-    /// It tells a number.
+    /// A number of each process.
     Gather { number: u64 },
-    /// It adds up vectors.
+    /// A sum of vectors.
     Sum { length: u64 },
-    /// It makes no further call.
+    /// No further call.
     End { failed: bool },
 }
 

@@ -19,7 +19,7 @@ pub(crate) struct Owned<'w> {
 }
 
 impl<'w> Owned<'w> {
-    /// The object that a call makes, and writes to the place that it is given.
+    /// The object that a call creates and writes to the given place.
     pub fn made(
         world: &'w World,
         destroy: Destroy,

@@ -133,7 +133,8 @@ impl World {
         &mesh.cell_order().cells()[self.part(mesh.cell_count())]
     }
 
-    /// The sums over all processes of as many numbers of each; the same on all, and in each run with as many processes.
+    /// Sums over all processes, entry by entry; all give equally long lists. The result is the same on all processes, and in every run with the same
+    /// number of processes.
     ///
     /// # Errors
     /// [`PetscError::Failed`] or [`PetscError::OtherCalls`] where others do not add up as many numbers; MPI's error.

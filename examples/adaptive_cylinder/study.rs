@@ -78,7 +78,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// From the states on its mesh.
+    /// The reference from the states on its mesh.
     pub fn new(states: States) -> Outcome<Reference> {
         let [u, p, ..] = states.fields;
         let assembler = Assembler::new(u.space().mesh()).with_quadrature(Quadrature::Degree(DEGREE));

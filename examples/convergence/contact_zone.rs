@@ -47,7 +47,7 @@ impl ContactZone {
         self.parts.iter().map(|[start, end]| end - start).sum()
     }
 
-    /// The length of what it has outside another zone \[cm\]; exactly zero where it lies inside.
+    /// Length of the part outside another zone \[cm\]; exactly zero if it lies inside.
     pub fn outside(&self, other: &ContactZone) -> f64 {
         let mut outside = 0.0;
         for &[start, end] in &self.parts {

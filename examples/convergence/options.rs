@@ -77,8 +77,8 @@ impl Options {
         Ok(())
     }
 
-    /// The meshes on which errors are measured: each of their cells is some cells of the reference, so that no
-    /// quadrature point's cell has a kink of a coarse field inside.
+    /// The meshes on which errors are measured. Each of their cells consists of whole cells of the reference mesh, so coarse fields have no kink
+    /// inside a cell of the reference.
     pub fn meshes(&self) -> Vec<usize> {
         let nested = |radial: &usize| self.reference.is_multiple_of(*radial);
         (self.coarsest..=self.reference / RATIO).filter(nested).collect()

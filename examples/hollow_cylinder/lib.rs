@@ -25,7 +25,7 @@ use measurements::Measurements;
 pub use options::Options;
 use progress::Reporter;
 
-/// Errors of writing files have no common type.
+/// A result with any error; errors of writing files have no common type.
 pub type Outcome<T> = Result<T, Box<dyn Error>>;
 
 /// The program with its options: solves, prints the table, writes the files.

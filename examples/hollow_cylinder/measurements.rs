@@ -20,7 +20,7 @@ pub struct Measurements {
     pub version: &'static str,
     /// System and processor.
     pub platform: String,
-    /// Whether the compiler was asked for speed; seconds mean little otherwise.
+    /// True for an optimised build; seconds of other builds mean little.
     pub release_build: bool,
     pub settings: SettingsUsed,
     pub cells: usize,
@@ -63,7 +63,7 @@ pub struct Measurements {
     pub required_gamma0: f64,
     pub solver: Solver,
     pub seconds: Seconds,
-    /// 10⁶ bytes; null where the system does not say.
+    /// Peak resident memory in 10⁶ bytes; null if the system does not report it.
     pub peak_rss_mb: Option<f64>,
 }
 
@@ -86,7 +86,7 @@ pub struct SettingsUsed {
     pub xi: f64,
     /// The bound of Tresca's law \[MPa\]; null unless it was asked for.
     pub tresca: Option<f64>,
-    /// The coefficient of Coulomb's law; null unless it was asked for.
+    /// The coefficient of Coulomb's law; null if it was not given.
     pub coulomb: Option<f64>,
     /// Threads of the assembly.
     pub threads: usize,

@@ -1,5 +1,5 @@
-//! Progress of the program: a spinner on a terminal, plain lines elsewhere. Both go to the
-//! standard error stream; results alone go to the standard output.
+//! Progress of the program: a spinner on a terminal, plain lines elsewhere. Both go to the standard error stream; only results go to the standard
+//! output.
 
 use std::io::IsTerminal;
 use std::time::Duration;
@@ -15,7 +15,7 @@ pub struct Reporter {
 }
 
 impl Reporter {
-    /// Begins with the mesh.
+    /// A reporter at the first stage, the mesh.
     pub fn new(settings: &Settings) -> Reporter {
         let spinner = std::io::stderr().is_terminal().then(|| {
             let spinner = ProgressBar::new_spinner();
@@ -44,7 +44,7 @@ impl Reporter {
         }
     }
 
-    /// A stage begins.
+    /// Reports that a stage begins.
     pub fn stage(&self, name: &str) {
         match &self.spinner {
             Some(spinner) => spinner.set_message(name.to_owned()),
@@ -52,7 +52,7 @@ impl Reporter {
         }
     }
 
-    /// Takes the spinner away.
+    /// Removes the spinner.
     pub fn finish(&self) {
         if let Some(spinner) = &self.spinner {
             spinner.finish_and_clear();

@@ -15,7 +15,7 @@ mod conduction {
     pub struct Data {
         /// ρ, of each cell.
         pub density: Given<Scalar>,
-        /// The conductivity of nothing.
+        /// Conductivity where the density is zero.
         pub least: Param,
         /// q, into the slab \[power/area\].
         pub flux: Param,

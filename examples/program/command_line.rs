@@ -7,8 +7,8 @@ use clap::Parser;
 use clap::error::ErrorKind;
 use forms_fem::output::{StandardOutput, one_line, program, tell};
 
-/// A program with options: reads them and runs it. Help and version go to the standard output; an error of the command line
-/// is one line, and the process's code 2. The other codes are those of [`program`].
+/// A program with options: reads them and runs it. Help and version go to the standard output; an error of the command line is one line, with the
+/// exit code 2. The other exit codes are those of [`program`].
 pub fn program_with_options<O: Parser, E: std::fmt::Display>(
     run: impl FnOnce(&O, &mut StandardOutput) -> Result<(), E>,
 ) -> ExitCode {

@@ -29,14 +29,13 @@ pub fn check(option: &str, unknowns: f64, bytes: f64) -> Result<(), String> {
     }
 }
 
-/// Memory that the system can still give \[bytes\]; `None` where it has no file that says it (Linux has one).
+/// Memory that the system can still give \[bytes\]; `None` if the system does not report it (Linux does).
 fn available() -> Option<f64> {
     kibibytes(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")
         .map(|kibibytes| kibibytes * 1024.0)
 }
 
-/// The most memory that this process has had resident \[10⁶ bytes\]; `None` where the system has no file
-/// that says it (Linux has one).
+/// Peak resident memory of this process \[10⁶ bytes\]; `None` if the system does not report it (Linux does).
 pub fn peak_megabytes() -> Option<f64> {
     kibibytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
         .map(|kibibytes| kibibytes * 1024.0 / 1e6)

@@ -90,7 +90,7 @@ impl Run {
     }
 }
 
-/// The results, one line per run: J alone, and with the perimeter penalty, which is what the descent minimises.
+/// The results, one line per run: J, and J with the perimeter penalty, which the descent minimises.
 pub fn table(runs: &[Run]) -> String {
     let mut text = format!(
         "{:<8}{:>14}{:>14}{:>10}{:>14}{:>14}{:>12}{:>10}{:>7}{:>8}{:>7}{:>9}  why it stopped\n",

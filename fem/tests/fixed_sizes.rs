@@ -61,7 +61,7 @@ fn results<I: Integrals<D>, S: Sizes, const D: usize>(
     })
 }
 
-/// The same by a rule of some degree, with the row of each component of a node among those of the given number of nodes.
+/// Matrices and vectors by a rule of the given degree. `row` numbers the rows by node, component and number of nodes.
 #[allow(clippy::too_many_arguments)]
 fn ordered_results<I: Integrals<D>, S: Sizes, const D: usize>(
     form: &Form<D>,

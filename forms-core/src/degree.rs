@@ -10,9 +10,9 @@ pub struct Degree(pub &'static [DegreeSum]);
 pub struct DegreeSum {
     /// The part that does not depend on the fields.
     pub constant: usize,
-    /// The number of factors that are the place of a point.
+    /// The number of factors that are the position of a point.
     pub positions: usize,
-    /// The number of factors of one degree less than the place, as normals are.
+    /// The number of factors whose degree is one less than that of the position, such as normals.
     pub normals: usize,
     /// Of each field among the factors: index, order of the derivative, and how often.
     pub fields: &'static [[usize; 3]],
@@ -30,11 +30,11 @@ pub enum Derivatives {
 /// Degrees of the geometry where an integrand is integrated. A backend finds them from its cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GeometryDegrees {
-    /// That of the place of a point.
+    /// Degree of the position of a point.
     pub position: usize,
-    /// That of the normal.
+    /// Degree of the normal.
     pub normal: usize,
-    /// That of the measure, the determinant of the Jacobian or the surface element: a factor of each integrand.
+    /// Degree of the measure, the determinant of the Jacobian or the surface element: a factor of each integrand.
     pub measure: usize,
     /// Effect of a derivative on a field's degree.
     pub derivatives: Derivatives,

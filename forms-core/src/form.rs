@@ -138,7 +138,7 @@ pub struct Inputs<const D: usize> {
 }
 
 impl<const D: usize> Inputs<D> {
-    /// No data, no regions.
+    /// Inputs without data and regions.
     pub fn empty() -> Self {
         Inputs {
             sources: Vec::new(),

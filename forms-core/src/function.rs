@@ -69,7 +69,7 @@ impl<const D: usize, B: Backend<D>> Function<D, B> {
         &self.inputs
     }
 
-    /// Itself as mathematics.
+    /// The function as mathematics.
     pub fn formula(&self) -> &'static Formula {
         self.formula
     }

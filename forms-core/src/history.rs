@@ -1,4 +1,4 @@
-//! History: values at quadrature points that a step reads and the next one finds changed.
+//! History: values at quadrature points that a step reads, and that are updated for the next step.
 
 use std::fmt;
 use std::marker::PhantomData;

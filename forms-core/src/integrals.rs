@@ -62,7 +62,7 @@ pub trait Integrals<const D: usize>: 'static {
     fn switches<B: Backend<D>>(_: Constants<'_>) -> Vec<Term<B::Expression>> {
         vec![]
     }
-    /// The densities of a functional, or the value of a derived field, whose region means nothing.
+    /// The densities of a functional, or the value of a derived field, whose region has no meaning.
     fn density<B: Backend<D>>(_: Constants<'_>) -> Vec<Term<B::Expression>> {
         vec![]
     }

@@ -42,7 +42,7 @@ pub enum PairQuadrature {
 /// has figures).
 #[derive(Clone, Debug)]
 pub struct Pairing {
-    /// Surfaces and those opposite to them; their integrals add up.
+    /// Pairs of a surface and the one opposite to it; their integrals add up.
     pub surfaces: Vec<Facing>,
     /// The direction of search.
     pub projection: Projection,

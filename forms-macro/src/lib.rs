@@ -15,7 +15,7 @@ pub fn form(input: TokenStream) -> TokenStream {
     forms_compiler::form(input.into()).into()
 }
 
-/// Goes on with a module whose import has arrived; called by compiled modules only.
+/// Continues a module whose import has arrived; only compiled modules call it.
 #[doc(hidden)]
 #[proc_macro]
 pub fn resume_forms(input: TokenStream) -> TokenStream {

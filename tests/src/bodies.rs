@@ -24,9 +24,9 @@ pub const LOADED: &str = "top";
 pub struct Body<const D: usize> {
     /// For messages.
     pub name: &'static str,
-    /// Of degree [`DEGREE`].
+    /// Assembler with a rule of degree [`DEGREE`].
     pub assembler: Assembler<D>,
-    /// Of degree 2.
+    /// Displacements of degree 2.
     pub space: Arc<Space<D>>,
     /// The state.
     pub u: Field<D>,

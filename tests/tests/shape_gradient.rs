@@ -228,7 +228,7 @@ fn with_the_discrete_adjoint_it_is_the_derivative_of_the_discrete_criterion() {
     }
 }
 
-/// With h_T frozen and moving the derivatives differ, by what γ contributes on the contact boundary.
+/// The derivatives with fixed and with moving h_T differ by the contribution of γ on the contact boundary.
 #[test]
 fn diameters_matter_on_the_contact_boundary() {
     let mesh = ring(CellShape::Quadrilateral, 2);

@@ -122,7 +122,7 @@ pub fn work(arguments: &[String], out: &mut StandardOutput) -> Result<(), Box<dy
     Ok(())
 }
 
-/// The rows of JSON that a program prints, one at least.
+/// The rows of JSON that a program prints, at least one.
 pub(super) fn read<T: serde::de::DeserializeOwned>(
     program: &str,
     text: &str,

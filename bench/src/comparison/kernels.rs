@@ -99,7 +99,7 @@ pub(super) fn compare(options: &Options, report: &mut Report) -> Result<(), Comp
     Ok(())
 }
 
-/// Makes FFCx's kernels with sum factorisation further variants of the form that they compute, so that it has one row.
+/// Lists FFCx's kernels with sum factorisation as variants of the form that they compute, so that each form has one row.
 fn count_once(forms: &mut BTreeMap<String, BTreeMap<String, serde_json::Value>>) {
     let factorised: Vec<String> =
         forms.keys().filter(|form| form.ends_with(SUM_FACTORISED)).cloned().collect();

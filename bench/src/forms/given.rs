@@ -77,7 +77,7 @@ where
 
 /// A form with the type of its integrals, which element kernels are compiled from.
 pub trait WithIntegrals<const D: usize> {
-    /// That type.
+    /// The type of the integrals.
     type Integrals: contract::Integrals<D>;
 
     /// The form.

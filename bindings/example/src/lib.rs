@@ -37,7 +37,7 @@ pub mod beam {
             + integral(Bottom, nitsche_density(normal_stress(u), u, normal_stress(v), v))
     }
 
-    /// How far the top is from level: ½ ∫ u_y².
+    /// Deviation of the top from level: ½ ∫ u_y².
     pub fn unevenness(u: Unknown<Vector>) -> Energy {
         integral(Top, sqr(u[1]) / 2)
     }
@@ -51,7 +51,7 @@ pub mod beam {
         derivative(balance(u, p), gap, by_gap) + derivative(balance(u, p), load, by_load)
     }
 
-    /// The rates with the ground as the only control.
+    /// The sensitivities with the ground as the only control.
     pub fn rates_by_gap(u: State<Vector>, p: State<Vector>, by_gap: Test<Scalar>) -> Form {
         derivative(balance(u, p), gap, by_gap)
     }
@@ -62,7 +62,7 @@ struct Setting {
     space: Arc<Space<2>>,
     assembler: Assembler<2>,
     clamped: Constraints<2>,
-    /// How far the ground is from the beam at the nodes of its lower side.
+    /// Distance of the ground from the beam at the nodes of its lower side.
     gap: Field<2>,
 }
 
@@ -101,7 +101,7 @@ fn model(at: &ControlValues<2>, load: f64) -> Result<beam::Model<2>, ControlErro
     Ok(beam::Model { data, regions: beam::Regions::default().beam("all").top("top").bottom("bottom") })
 }
 
-/// How far the top is from level, as a function of the ground. Parameters: `cells` along the beam, `load`.
+/// Deviation of the top from level, ½ ∫ u_y², as a function of the ground. Parameters: `cells` along the beam, `load`.
 ///
 /// # Errors
 /// Parameters that do not fit.

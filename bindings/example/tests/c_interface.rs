@@ -1,4 +1,4 @@
-//! The C interface and the same problems in Rust: same bits, and messages in place of numbers where something does not fit.
+//! The C interface compared with the same problems in Rust: results are bit-identical, and wrong arguments give messages in place of numbers.
 #![cfg(unix)]
 
 use std::path::{Path, PathBuf};

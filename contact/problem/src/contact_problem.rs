@@ -29,8 +29,8 @@ pub struct ContactProblem<const D: usize, L = forms::Model<D>> {
 /// Splits the facets of Γ_C for a law at a displacement.
 type Split<const D: usize, L> = fn(&Assembler<D>, &L, &Field<D>) -> Result<Assembler<D>, AssemblyError>;
 
-/// Resolution of an indicator along a facet that may be split: the degree of its interpolation in the plane,
-/// where on straight facets of degree k it has degree k; triangles along an edge in space.
+/// Resolution of an indicator along a facet that may be split. In the plane it is the degree of its interpolation (on straight facets an indicator of
+/// degree k needs k), in space the number of triangles along an edge.
 #[doc(hidden)]
 pub const RESOLUTION: usize = 8;
 
@@ -154,7 +154,7 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
         })
     }
 
-    /// Any problem for a state that vanishes on Γ_D, as an adjoint state at the displacement u.
+    /// A problem for a state that vanishes on Γ_D, such as an adjoint state, at the displacement u.
     ///
     /// # Errors
     /// A parameter out of its range, data that do not fit.

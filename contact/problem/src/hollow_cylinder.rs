@@ -163,7 +163,7 @@ impl Settings {
         }
     }
 
-    /// u_D on the inner circle at the end \[cm\]; that of the paper where no load step is given, which [`Settings::check`] finds.
+    /// u_D on the inner circle after the last load step \[cm\]. Without load steps, which [`Settings::check`] refuses, it is the paper's.
     fn last_push(&self) -> [f64; 2] {
         self.pushes.last().copied().unwrap_or(IMPOSED_DISPLACEMENT)
     }

@@ -44,7 +44,7 @@ pub enum ShapeError {
     /// Movements that do not fit.
     #[error(transparent)]
     Movement(#[from] MovementError),
-    /// The movement lives on another space than the gradient.
+    /// The movement is in another space than the gradient.
     #[error("the movement has {found} coefficients, the gradient {expected}: it lives on another space")]
     Length {
         /// Entries of the gradient.

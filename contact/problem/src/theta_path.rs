@@ -13,7 +13,7 @@ pub struct ThetaPath {
     pub from: f64,
     /// Equal steps from there to the problem's own θ.
     pub steps: usize,
-    /// For the first problem; on its potential only where `from` is 1 and the law has one.
+    /// Line search of the first problem. A search on the potential needs `from` = 1 and a law with a potential.
     pub line_search: LineSearch,
 }
 

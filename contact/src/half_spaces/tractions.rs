@@ -29,7 +29,7 @@ impl<const D: usize> Traction<D> {
 /// Tractions of both surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tractions<const D: usize> {
-    /// At all points with an opposite one.
+    /// Tractions at all points that have an opposite point.
     pub points: Vec<Traction<D>>,
 }
 

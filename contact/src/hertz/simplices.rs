@@ -44,7 +44,7 @@ pub fn quarter_mesh(body: Body, divisions: usize) -> Result<Mesh<3>, HertzError>
     named(mesh, |centre| centre[0].max(centre[1]) < QUARTER_REACH, &["right", "back"])
 }
 
-/// Names Γ_C and [`FREE`]: some sides, and the bottom beyond Γ_C.
+/// Names the regions Γ_C and [`FREE`]. The latter has some of the sides, and the bottom outside of Γ_C.
 fn named<const D: usize>(
     mut mesh: Mesh<D>,
     touches: impl Fn(&[f64; D]) -> bool,

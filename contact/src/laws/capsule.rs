@@ -1,5 +1,4 @@
-//! Friction with a round rigid obstacle that moves and turns, by Nitsche's method with θ = 0, finite strains of a neo-Hookean
-//! body.
+//! Friction with a round rigid obstacle that moves and turns, by Nitsche's method with θ = 0, for a neo-Hookean body at finite strain.
 
 use forms_fem::forms;
 use forms_fem::prelude::*;

@@ -93,7 +93,7 @@ pub mod cohesive {
             - integral(Touch, share * dot(opposite_traction(u), jump(v)))
     }
 
-    /// The adjoint of the discrete problem of one step, the history held.
+    /// The adjoint of the discrete problem of one step, with a fixed history.
     pub fn discrete_adjoint(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
         derivative(direct(u, p), u, q) + derivative(criterion(u), u, q)
     }

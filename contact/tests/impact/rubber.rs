@@ -28,7 +28,7 @@ fn rubber(step: forms_fem::time::operators::vector::Data<2>, direction: [f64; 2]
     rubber_with(400.0, step, direction)
 }
 
-/// In flight, where γ₀ leaves nothing of Nitsche's terms, the moment of momentum about the body's own centre stays.
+/// In flight, with γ₀ so large that Nitsche's terms vanish, the angular momentum about the body's centre is constant.
 #[test]
 fn rubber_that_flies_keeps_its_spin() -> Outcome {
     let mesh = rectangle([0.0; 2], [1.0; 2], [3; 2], CellShape::Quadrilateral, 1)?;

@@ -232,7 +232,7 @@ fn heat_across_a_contact() {
     );
 }
 
-/// The ways to a solution ask for the check by themselves.
+/// Every way to a solution checks the parameters by itself.
 #[test]
 fn nothing_is_solved_with_a_bad_parameter() {
     let negative = "`friction` is -0.1; it must be zero or positive";

@@ -37,7 +37,7 @@ fn check(label: &str, exact: [f64; 2], found: (f64, Hertz, f64), tolerance: f64,
     assert!(error < profile, "{label}: the profile is {error:.2e} off in the L² norm");
 }
 
-/// Cells over a: more of them in a sweep.
+/// Numbers of cells over a; a sweep has more of them.
 fn finenesses(usual: &[usize], more: &[usize]) -> Vec<usize> {
     let more = if std::env::var_os("FORMS_SWEEPS").is_some() { more } else { &[] };
     usual.iter().chain(more).copied().collect()

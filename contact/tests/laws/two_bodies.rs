@@ -1,5 +1,5 @@
-//! A layer in two bodies, periodic sideways, one on the other: pressure, sticking and slipping with answers in closed form, on
-//! meshes that do not match; tangents and adjoints.
+//! A layer of two bodies, one on the other and periodic sideways: pressure, stick and slip compared with closed forms on meshes that do not match;
+//! tangents and adjoints.
 
 use forms_contact::ContactProblem;
 use forms_contact::laws::sliding_bodies as sliding;

@@ -3,7 +3,7 @@
 use forms_fem::mesh::EVERYWHERE;
 use forms_fem::prelude::*;
 
-/// Its equilibrium.
+/// Equilibrium of the block.
 #[forms]
 pub mod equilibrium {
     use forms_contact::operators::linear_elastic::stress;

@@ -1,4 +1,4 @@
-//! Poisson's equation on the unit square, with what may differ from process to process where a program is wrong.
+//! Poisson's equation on the unit square, with inputs that may differ from process to process in a wrong program.
 
 use std::error::Error;
 
@@ -63,7 +63,7 @@ pub struct Poisson {
 }
 
 impl Poisson {
-    /// Of what is given, on quadrilaterals.
+    /// The problem with these inputs on quadrilaterals.
     ///
     /// # Errors
     /// No cells, or a region that does not exist.
@@ -72,7 +72,7 @@ impl Poisson {
         Self::on(rectangle([0.0; 2], [1.0; 2], cells, CellShape::Quadrilateral, 1)?, given)
     }
 
-    /// The same on a mesh.
+    /// The problem with these inputs on a mesh.
     ///
     /// # Errors
     /// A region that does not exist.

@@ -6,7 +6,7 @@ use forms_fem::prelude::*;
 
 use crate::world::World;
 
-/// Prints a line of a name and numbers, to the last bit, on the first process.
+/// Prints a line with a name and numbers, exact to the last bit, on the first process.
 pub fn tell(world: &World, name: &str, numbers: &[f64]) {
     let numbers: Vec<String> = numbers.iter().map(|number| format!("{number:e}")).collect();
     world.print(format!("{name} {}", numbers.join(" ")));

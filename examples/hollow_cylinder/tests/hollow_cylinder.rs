@@ -243,7 +243,7 @@ fn what_needs_too_much_memory_is_refused() {
     assert_eq!(names_in(directory.path()), Vec::<String>::new(), "nothing was made");
 }
 
-/// Results on disk do not depend on who reads the standard output; the exit code tells that it was lost.
+/// Results on disk do not depend on who reads the standard output; the exit code reports that it was lost.
 #[cfg(target_os = "linux")]
 #[test]
 fn results_are_written_whatever_the_standard_output_does() {

@@ -42,8 +42,8 @@ pub struct Analysis {
 }
 
 impl Analysis {
-    /// Analysis of the pattern of a symmetric matrix. Where entries that vanish are stored on one side of the diagonal alone, the matrix on
-    /// the pattern that was analysed, which has both, comes with it.
+    /// Analysis of the pattern of a symmetric matrix. If entries that are zero are stored on only one side of the diagonal, the analysed pattern has
+    /// both sides, and the matrix on that pattern is returned, too.
     ///
     /// # Errors
     /// As [`Analysis::new`], except for a pattern that is not symmetric.

@@ -51,7 +51,7 @@ pub enum EigenError {
     /// The shift is an eigenvalue.
     #[error("the shift {shift:e} is an eigenvalue, up to rounding ({source}): take one below it")]
     ShiftIsEigenvalue { shift: f64, source: LinearAlgebraError },
-    /// Fewer eigenvalues than asked for.
+    /// Fewer eigenvalues than requested.
     #[error("{asked} eigenvalues above {shift:e} were asked for, and there are {found}")]
     TooFew {
         /// The number asked for.

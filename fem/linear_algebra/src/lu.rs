@@ -41,8 +41,7 @@ pub struct LuFactor {
 }
 
 impl LuFactor {
-    /// Factors of a square matrix. `earlier` is the factor of a matrix with the same pattern, whose column order
-    /// serves again.
+    /// Factors of a square matrix. `earlier` is the factor of a matrix with the same pattern, whose column order is used again.
     ///
     /// # Errors
     /// If the matrix is singular (the error names an unknown that it does not determine), is not square, has

@@ -68,7 +68,7 @@ impl Runs {
         Runs { begins, pointers, earlier, tree: Vec::with_capacity(graph.blocks()) }
     }
 
-    /// Whole blocks in some order.
+    /// Runs of whole blocks in the given order.
     pub(super) fn of_blocks(graph: &BlockGraph, order: &[u32], place: &[u32]) -> Self {
         let mut runs = Runs::with_room(graph);
         for (run, &block) in (0..).zip(order) {

@@ -80,7 +80,7 @@ pub enum PictureError {
         /// The facet region of its space.
         region: String,
     },
-    /// A field that is not known from the reference cell in all cells.
+    /// A field on a space that pictures do not show.
     #[error("\"{name}\" has {space}, which pictures do not show")]
     Space {
         name: String,

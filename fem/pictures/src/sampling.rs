@@ -134,7 +134,7 @@ struct Row {
     last: f64,
 }
 
-/// The least barycentric coordinate of a sample inside: rounding leaves no seam.
+/// The least barycentric coordinate of a sample that counts as inside. It is negative, so that rounding leaves no gap between triangles.
 const INSIDE: f64 = -1e-9;
 
 impl Row {

@@ -15,7 +15,7 @@ pub(super) fn typeface() -> Result<Face<'static>, PictureError> {
 /// Which point of a line of text lies at the given place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Anchor {
-    /// 0 for the left end, 0.5 for the middle, 1 for the right end.
+    /// Horizontal anchor: 0 for the left end, 0.5 for the middle, 1 for the right end.
     pub along: f64,
     /// 0 for the base line, 0.5 for the middle of a capital letter, 1 for its top.
     pub above: f64,

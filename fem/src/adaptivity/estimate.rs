@@ -25,7 +25,7 @@ pub struct ErrorEstimate {
 #[derive(Clone, Debug, Error, PartialEq)]
 #[allow(missing_docs)]
 pub enum EstimateError {
-    /// The square of an indicator that is none.
+    /// A square of an indicator that is negative or not finite.
     #[error("the square of the indicator of cell {cell} is {value}")]
     Square { cell: usize, value: f64 },
     /// An adjoint state whose space is not richer than that of the solution has no weight: the residual vanishes on it.

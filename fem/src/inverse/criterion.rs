@@ -40,7 +40,7 @@ impl<'a, const D: usize> Criterion<'a, D> {
         }
     }
 
-    /// Whether there is something of a history's states in it.
+    /// Check that the criterion reads states of the history.
     ///
     /// # Errors
     /// [`HistoryFailure::Missing`].

@@ -57,7 +57,7 @@ impl<const D: usize> Readings<D> {
         self.rows.len()
     }
 
-    /// Whether they are of states on a space.
+    /// Whether they can be read from states on a space.
     pub(super) fn fit(&self, space: &Arc<Space<D>>) -> bool {
         self.space.numbers_as(space)
     }

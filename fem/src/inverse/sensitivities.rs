@@ -1,4 +1,4 @@
-//! The rates of a step: which test function belongs to which control, and the rows that they give.
+//! The sensitivities of a step: which test function belongs to which control, and the rows that they give.
 
 use std::sync::Arc;
 
@@ -62,8 +62,8 @@ impl Wanted {
     }
 }
 
-/// Assembles a form of rates: adds the rows by the controls to the gradient, and gives those of its own test functions on the space of
-/// the states, zero where a test function is not wanted, or not there.
+/// Assembles a form of sensitivities. It adds the rows by the controls to the gradient, and returns those of its own test functions on the space of
+/// the states, zeros for one that is not wanted or missing.
 pub(super) fn rows<const D: usize, const N: usize>(
     rates: &Form<D>,
     own: &[Own; N],

@@ -29,7 +29,7 @@ pub(super) struct StepEquations<'a, const D: usize> {
     tangent_of: Option<Solution>,
 }
 
-/// The number of a solution, by which its adjoint knows it again.
+/// The number of a solution, by which its adjoint finds it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Solution {
     /// That of the start's second rate.

@@ -26,7 +26,7 @@ pub struct Gradient {
 /// Account of a sweep.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
-    /// Steps solved, those that were repeated among them.
+    /// Steps solved, including repeated ones.
     pub steps_solved: usize,
     /// Adjoint steps solved.
     pub steps_reversed: usize,

@@ -86,7 +86,7 @@ where
         Ok(Direction::new(criterion, movement, constraint, penalty, longest_move, D))
     }
 
-    /// A movement that stays clear of the wall, and takes the inside along.
+    /// A movement that is shortened at the wall; inner nodes follow.
     pub(super) fn clear(
         &self,
         movements: &Arc<Space<D>>,

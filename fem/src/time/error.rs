@@ -60,7 +60,7 @@ pub enum StepFailure {
         /// The residual of the first equation that does not hold \[unit of R\].
         residual: f64,
     },
-    /// An affine form whose equations the solution of its own matrix does not fulfil.
+    /// A solution that does not satisfy the equations of its affine form.
     #[error("an equation of the step is off by {residual:e} with what the linear solver found")]
     Inaccurate {
         /// The residual of the first equation that does not hold \[unit of R\].

@@ -28,8 +28,8 @@ impl GeneralisedAlpha {
         GeneralisedAlpha { alpha_m: 0.0, alpha_f: 0.0, beta: 0.25, gamma: 0.5 }
     }
 
-    /// The mid-point rule: forces at (u₀ + u₁)/2, inertia (u̇₁ − u̇₀)/Δt. It has no accelerations at the ends of a step: the
-    /// second rate of its states is (u̇₁ − u̇₀)/Δt, that of the middle of the step before them, and zero in the first one.
+    /// The mid-point rule: forces at (u₀ + u₁)/2, inertia (u̇₁ − u̇₀)/Δt. It has no accelerations at the ends of a step: the second rate of a state
+    /// is (u̇₁ − u̇₀)/Δt, the acceleration in the middle of the step that ends there, and zero in the first state.
     pub fn mid_point() -> Self {
         GeneralisedAlpha { alpha_m: 0.5, alpha_f: 0.5, beta: 0.25, gamma: 0.5 }
     }

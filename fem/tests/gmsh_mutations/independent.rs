@@ -1,5 +1,5 @@
-//! Folds and overlaps of a mesh's cells, from nodes and numbers alone: with basis functions, quadrature and facets
-//! written again, after the description of the mesh's public order of nodes.
+//! Folds and overlaps of a mesh's cells, found from only nodes and numbers: basis functions, quadrature and facets are written a second time, from
+//! the public description of the order of nodes.
 
 use forms_fem::element::CellShape;
 use forms_fem::mesh::Mesh;

@@ -25,7 +25,7 @@ pub mod contact {
     #[facets]
     pub struct GammaC;
 
-    /// Of the same name as a private function of `elasticity` that `stress` needs.
+    /// A function with the name of a private one of `elasticity` that `stress` needs.
     fn strain(w: Vector) -> Tensor {
         grad(w)
     }
@@ -65,7 +65,7 @@ pub mod elasticity {
 mod library {
     use forms_core::forms;
 
-    /// It imports, and is imported from.
+    /// A module that imports, and that others import from.
     #[forms(crate = toy_backend)]
     pub mod obstacle {
         pub use crate::elasticity::stress;
@@ -289,7 +289,7 @@ pub mod keywords {
     }
 }
 
-/// Names that they import came under another name, and has one here.
+/// Imports whose origin imported them under another name, and which are renamed here.
 #[forms(crate = toy_backend)]
 pub mod again {
     pub use super::keywords::{r#dyn as r#enum, r#struct};

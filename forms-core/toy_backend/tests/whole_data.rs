@@ -348,7 +348,7 @@ fn a_value_is_differentiated_by_an_included_member() {
     close(&on_facets(mu).1, &differences, 1e-7);
 }
 
-/// What a value of the first included data has comes along, members with a default among it; the others have their defaults.
+/// A value of the first included data brings all of its members, also those with a default; the others have their defaults.
 #[test]
 fn a_value_of_the_first_included_data_is_handed_over() {
     let given = contact::<2>(0.7, Given::constant(GAP)).friction(0.5).drift([0.1, 0.2]);

@@ -20,7 +20,7 @@ pub struct Options {
     pub dimensions: Vec<usize>,
     /// The path of the crate that has the contract.
     pub backend: Path,
-    /// How a tangent is multiplied.
+    /// The way to products of the tangent with a vector.
     pub products: Products,
     written: TokenStream,
 }

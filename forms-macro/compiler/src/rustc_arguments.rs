@@ -48,8 +48,7 @@ fn emits_no_code(arguments: impl Iterator<Item = String>) -> bool {
     kinds.peek().is_some() && !kinds.any(is_code)
 }
 
-/// The last `opt-level` among the arguments, `0` where there is none. `None` for the arguments of another program than rustc
-/// as cargo calls it.
+/// The last `opt-level` among the arguments, `0` where there is none. `None` if the program is not rustc, called by cargo.
 fn level(arguments: impl Iterator<Item = String>) -> Option<String> {
     let arguments: Vec<String> = arguments.flat_map(in_file).collect();
     let name = arguments.iter().position(|argument| argument == "--crate-name")?;

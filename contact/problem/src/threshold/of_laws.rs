@@ -121,7 +121,7 @@ where
 }
 
 impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
-    /// The threshold of the law's γ₀ on this mesh, with the undeformed body's stiffness; none of a law without one.
+    /// The threshold of the law's γ₀ on this mesh, with the undeformed body's stiffness; `None` for a law without a threshold.
     ///
     /// # Errors
     /// Data that do not fit.

@@ -30,7 +30,7 @@ use crate::threads::Threads;
 
 /// Columns of a panel.
 const PANEL: usize = 64;
-/// Multiplications from which on a product goes through faer's kernels, if its factors are wide.
+/// Least number of multiplications for which a product of wide factors uses faer's kernels.
 const LARGE: usize = 1 << 17;
 /// Columns of the one, and rows of the other factor from which on they are wide.
 const WIDE: usize = 24;
@@ -99,7 +99,7 @@ impl<'a, P: Pivots> Numeric<'a, P> {
         begin[supernode] as usize..end[supernode] as usize
     }
 
-    /// Where the values of some supernodes are.
+    /// Positions of the values of some supernodes.
     fn values(&self, supernodes: Range<usize>) -> Range<usize> {
         let starts = self.symbolic.col_ptr_for_val();
         starts[supernodes.start] as usize..starts[supernodes.end] as usize

@@ -7,7 +7,7 @@ use super::aggregation::{Aggregates, NONE};
 use super::diagonal::BlockDiagonal;
 use crate::threads::Threads;
 
-/// A column that loses all but this part of its length to the columns before it depends on them.
+/// A column that keeps at most this part of its length after orthogonalisation depends on the columns before it.
 const DEPENDENT: f64 = 1e-6;
 
 /// The prolongation P from aggregates to nodes with P N_c = N, and N_c, for a near-null space N given as vectors. A node

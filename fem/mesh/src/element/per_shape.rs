@@ -24,7 +24,7 @@ impl<T> PerShape<T> {
 }
 
 /// # Panics
-/// Where the shape has no value.
+/// A shape without a value.
 impl<T> Index<CellShape> for PerShape<T> {
     type Output = T;
 

@@ -3,7 +3,7 @@
 use super::{Facet, Mesh};
 use crate::element::{CellShape, PerShape};
 
-/// Part of a cell's shortest edge by which nodes may lie off an affine map: cells that are made by formulas round differently.
+/// Largest distance of nodes from an affine map, as a part of the cell's shortest edge: coordinates that are made by formulas have rounding errors.
 const ROUNDED: f64 = 1e-12;
 
 /// The same in units in the last place of the largest coordinate of the cell.

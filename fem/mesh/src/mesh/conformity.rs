@@ -82,7 +82,7 @@ impl<const D: usize> Mesh<D> {
         Conformity { cracks, hanging_nodes, overlaps: self.overlaps() }
     }
 
-    /// That no exterior facets coincide with their cells on the same side, and that no vertex hangs.
+    /// Check that no exterior facets coincide with their cells on the same side, and that no vertex hangs.
     pub(super) fn check_conformity(&self) -> Result<(), MeshError> {
         let touching = self.touching();
         touching.check_sides(self)?;
@@ -263,7 +263,7 @@ impl<const D: usize> Mesh<D> {
 }
 
 impl<const D: usize> Touching<D> {
-    /// That no facets coincide with their cells on the same side.
+    /// Check that no facets coincide with their cells on the same side.
     pub(super) fn check_sides(&self, mesh: &Mesh<D>) -> Result<(), MeshError> {
         match self.same_side {
             Some(sides) => {

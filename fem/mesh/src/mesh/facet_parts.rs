@@ -193,7 +193,7 @@ impl<const D: usize> Mesh<D> {
         found
     }
 
-    /// That all nodes of small facets lie on the larger ones.
+    /// Check that all nodes of small facets lie on the larger ones.
     pub(super) fn check_parts(&self) -> Result<(), MeshError> {
         for (node, large, reference) in self.nodes_on_parts() {
             let (here, there) = (self.nodes[node as usize], self.map(large.cell as usize, &reference).0);

@@ -107,7 +107,7 @@ impl<const D: usize> Mesh<D> {
         (lower, upper)
     }
 
-    /// That the Jacobian determinant of every cell is positive everywhere in it, and its edges are of sizes that differ by less than double
+    /// Check that the Jacobian determinant of every cell is positive everywhere in it, and its edges are of sizes that differ by less than double
     /// precision does.
     pub(super) fn check_jacobians(&self) -> Result<(), MeshError> {
         self.blocks().iter().try_for_each(|block| {
@@ -119,7 +119,8 @@ impl<const D: usize> Mesh<D> {
         })
     }
 
-    /// That no cell has an edge that is round-off of its longest one. Determinants do not see it: they are small as the edge is.
+    /// Check that no cell has an edge that is round-off compared with its longest one. Determinants do not show it, because they are as small as the
+    /// edge.
     fn check_edges(&self, block: &CellBlock) -> Result<(), MeshError> {
         let edges = block.shape.edges();
         for cell in block.cells.clone() {

@@ -69,7 +69,7 @@ pub(super) fn measures<const D: usize>(mesh: &Mesh<D>) -> Result<BTreeMap<String
     Ok(found)
 }
 
-/// That the parts of cells lie where the nesting says.
+/// Asserts that the parts of cells lie where the nesting says.
 pub(super) fn check_nesting<const D: usize>(coarse: &Mesh<D>, fine: &Mesh<D>, nesting: &Nesting<D>) {
     assert_eq!(nesting.coarse_cell_count(), coarse.cell_count());
     assert_eq!(nesting.fine_cell_count(), fine.cell_count());

@@ -37,7 +37,7 @@ impl<const D: usize> Mesh<D> {
         data.order = super::order::LazyOrder::new();
     }
 
-    /// That nodes are at finite places, where no cell is inverted and none of those that hang leaves its facet.
+    /// Check that nodes are at finite positions, no cell is inverted, and no hanging node leaves its facet.
     pub(super) fn check_places(&self) -> Result<(), MeshError> {
         super::connectivity::check_nodes(&self.nodes)?;
         self.check_jacobians()?;

@@ -6,8 +6,8 @@ use super::Mesh;
 use super::bisection::step_of_bisection;
 use crate::element::CellShape;
 
-/// For each cell of a mesh the cell of a coarser mesh that it is a part of, and where in it: between a mesh and what
-/// [`super::BisectedMesh`] or [`super::OctreeMesh`] make of it by refining or coarsening. Parts of a cell have consecutive numbers.
+/// For each cell of a mesh the cell of a coarser mesh that contains it, and its place there. Refining or coarsening a [`super::BisectedMesh`] or
+/// [`super::OctreeMesh`] returns one. Parts of a cell have consecutive numbers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Nesting<const D: usize> {
     /// The shape of all cells.

@@ -7,7 +7,7 @@ use crate::element::{CellShape, PerShape};
 type Between = (&'static [usize], usize);
 
 impl<const D: usize> Mesh<D> {
-    /// That the two cells at each interior facet lie on its two sides and have the same nodes on it, and that all cells
+    /// Check that the two cells at each interior facet lie on its two sides and have the same nodes on it, and that all cells
     /// at an edge have the same node in its middle. The cells themselves are taken to be sound: then the order of the
     /// vertices around a facet tells on which side a cell lies.
     pub(super) fn check_shared_facets(&self) -> Result<(), MeshError> {

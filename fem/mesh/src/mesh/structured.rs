@@ -184,7 +184,7 @@ impl<const D: usize> Grid<D> {
     }
 }
 
-/// Room for a list of the given number of nodes or cells, each of `length` parts; an error where the system has none, and no abort.
+/// Memory for a list of the given number of nodes or cells, each of `length` parts. Too little memory is an error, not an abort.
 fn room<T>(what: &'static str, count: usize, length: usize) -> Result<Vec<T>, MeshError> {
     let mut list = Vec::new();
     let parts = count.saturating_mul(length);

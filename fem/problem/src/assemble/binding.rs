@@ -359,7 +359,7 @@ impl<'a, const D: usize> Binding<'a, D> {
         Ok(OwnedCells::among(self.owned, all))
     }
 
-    /// The degree of the rule whose points a field or a test or trial function that an integral reads is known at.
+    /// The degree of the rule at whose points the fields, test and trial functions of an integral are known.
     ///
     /// # Errors
     /// [`AssemblyError::OffItsPoints`]: several rules, one of them that of a history.

@@ -3,8 +3,8 @@
 //! ```text
 //! binding   a form's data against a mesh: regions, fields, parameters checked. Inside: entities (a region's cells or
 //!           facets), owned_cells (an assembler of some of the cells), outline (a form without its type), pair_histories
-//! walk      a region as groups of entities with common tables. Inside: facets, contact pairs (whose points differ from
-//!           entity to entity), facets that are split at zeros
+//! groups    a region as groups of entities with common tables. Inside: facets, contact pairs (whose points differ from
+//!           entity to entity), facets that are split at zeros, means, degrees of rules
 //! batch     geometry, basis functions and fields at the points of some cells, one per lane
 //! element_loops   what a kernel gives for each entity of a range, as matrices and vectors; its node_pairs, reference_tensor and
 //!           sum_factorisation: three ways

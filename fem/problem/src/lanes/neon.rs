@@ -1,5 +1,4 @@
-//! Lanes of AArch64: four doubles in two NEON registers. Every such processor has NEON, so that nothing is asked at
-//! start-up.
+//! Lanes of AArch64: four doubles in two NEON registers. Every such processor has NEON, so no check is needed at start-up.
 
 // The loops over registers and lanes are as plain as those of the other sets.
 #![allow(clippy::needless_range_loop)]

@@ -13,9 +13,9 @@ pub(super) struct Parabola<'a, const D: usize> {
 }
 
 impl<const D: usize> Parabola<'_, D> {
-    /// The coordinate s at which a line through x along n meets the curve: of two meetings that at which the curve faces the line
-    /// (its normal has a negative product with n), where this lies on the facet, and else that nearer to the facet's middle, s = 1/2.
-    /// No number where the line passes the curve by.
+    /// The coordinate s at which a line through x along n meets the curve. If there are two points, it is the one at which the curve faces the line
+    /// (its normal has a negative product with n), provided that it lies on the facet, and otherwise the one nearer to the facet's middle, s = 1/2.
+    /// Not a number if the line misses the curve.
     #[inline(always)]
     pub fn met_by<L: SimdLane>(&self, x: &[L; D], n: &[L; D]) -> L {
         // With t = s − 1/2 the curve is middle + t tangent + t² bend, and across · (curve − x) = 0 for the normal of the line.

@@ -81,8 +81,8 @@ fn finite<L: SimdLane>(pair: &[L; 2]) -> L::Mask {
     L::and(pair[0].abs().less(infinity), pair[1].abs().less(infinity))
 }
 
-/// Newton's method for the coordinates at which rays meet a facet's surface, which goes on beyond the facet, from those on the flat
-/// facet, for some of the rays; and for which it ended.
+/// Newton's method for the coordinates at which the `open` rays meet a facet's surface, continued beyond the facet. It starts from the coordinates on
+/// the flat facet. The mask has the rays for which it ended.
 #[inline(always)]
 fn newton<L: SimdLane, const D: usize>(
     facet: &SurfaceFacet<D>,

@@ -180,7 +180,7 @@ pub enum SolverError {
         /// The work done, with the history of residuals.
         report: KrylovReport,
     },
-    /// A solver that is none of this crate's failed.
+    /// A failure of a solver from outside of this crate.
     #[error("{solver} failed: {why}{}", residuals(history))]
     Other {
         solver: &'static str,
@@ -191,7 +191,7 @@ pub enum SolverError {
 }
 
 impl SolverError {
-    /// Whether LU may succeed where this happened.
+    /// Whether LU may succeed after this failure.
     pub(super) fn is_for_lu(&self) -> bool {
         matches!(
             self,

@@ -15,7 +15,7 @@ use crate::inverse::tangent_state::{Linearised, halves};
 use crate::linear_algebra::vector::add_scaled;
 use crate::solve::Transpose;
 
-/// The states that a form of second rates reads.
+/// The states that a form of second sensitivities reads.
 #[derive(Clone, Copy, Debug)]
 pub struct SecondOrderState<'f, const D: usize> {
     /// The state u after the step.
@@ -39,7 +39,7 @@ pub(super) const STATE: &str = "state";
 pub(super) const ADJOINT: &str = "adjoint";
 
 impl<'a, const D: usize> LoadHistory<'a, D> {
-    /// The change of a step's rates: with the work R(u, before, m; p) of the step, the derivative of
+    /// The change of a step's sensitivities: with the work R(u, before, m; p) of the step, the derivative of
     ///
     /// ```text
     /// derivative(work, u, by_state) + derivative(work, before, by_before) + derivative(work, p, by_adjoint)
@@ -48,7 +48,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
     ///
     /// by u along `du`, by the state before along `dbefore`, by p along `dp`, and by each control along its direction, each by
     /// `derivative`. The criterion's own second variation by the state is taken from its energy; where that energy reads controls, its
-    /// derivatives by state and control, and by control twice, have to be in the second rates.
+    /// derivatives by state and control, and by control twice, have to be in the second sensitivities.
     pub fn second_sensitivities<F: Into<Form<D>>>(
         mut self,
         form: impl Fn(&ControlValues<D>, &SecondOrderState<D>) -> Result<F, ControlError> + 'a,
@@ -59,7 +59,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
 }
 
 impl<const D: usize> LoadHistory<'_, D> {
-    /// The rows of the second rates by state, state before and adjoint state; those by the controls are added to `action`.
+    /// The rows of the second sensitivities by state, state before and adjoint state; those by the controls are added to `action`.
     fn second_rows(
         &mut self,
         along: &Controls<D>,

@@ -41,7 +41,8 @@ impl<const D: usize> MotionHistory<'_, D> {
         Ok(by_before)
     }
 
-    /// Adds the derivatives of a step's residual R(u; p) by the controls to the gradient, and those by the row before to the slope by it.
+    /// Adds the derivatives of a step's residual R(u; p) by the controls to the gradient, and those by the row of states before the step to the slope
+    /// by that row.
     pub(super) fn add_derivatives(
         &mut self,
         (interval, step): (&StepMap, &Step<D>),

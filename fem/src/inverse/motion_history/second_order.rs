@@ -42,7 +42,7 @@ pub(super) type SecondSensitivitiesOf<'a, const D: usize> =
 pub(super) const ADJOINT: &str = "adjoint";
 
 impl<'a, const D: usize> MotionHistory<'a, D> {
-    /// The change of a step's rates: with the work R(u, m; p) of the step, the derivative of
+    /// The change of a step's sensitivities: with the work R(u, m; p) of the step, the derivative of
     ///
     /// ```text
     /// derivative(work, known_value, by_value) + derivative(work, known_rate, by_rate)
@@ -61,7 +61,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         self
     }
 
-    /// The rows of the second rates by what is evaluated and by the adjoint state; those by the controls are added to `action`.
+    /// The rows of the second sensitivities by the evaluated known parts and by the adjoint state; those by the controls are added to `action`.
     fn second_rows(
         &mut self,
         along: &Controls<D>,

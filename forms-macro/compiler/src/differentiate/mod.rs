@@ -20,7 +20,7 @@ pub use lowering::multi_indices;
 pub use map_operands::map_operands;
 pub use sources::Source;
 
-/// A function, free of derivatives still to be taken.
+/// A function in which all derivatives have been carried out.
 pub struct Derived {
     pub function: usize,
     pub dimension: usize,

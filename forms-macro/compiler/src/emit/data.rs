@@ -10,7 +10,7 @@ use crate::parse::syntax::*;
 use crate::reuse::import::imported_path;
 use crate::sorted::SortedSet;
 
-/// Writes the structs; members that have a mistake are there, too.
+/// Writes the structs, including members that have a mistake.
 pub fn emit_data(data: &Data, module: &Module) -> TokenStream {
     let Data { attributes, visibility, name, .. } = data;
     if let Some(path) = imported_path(attributes) {

@@ -24,7 +24,7 @@ pub struct Body {
     pub operations: usize,
 }
 
-/// The text of one part of a function, with what it keeps.
+/// The text of one part of a function, with the values that it keeps.
 pub struct PartBody {
     pub statements: TokenStream,
     pub results: Vec<TokenStream>,
@@ -47,7 +47,7 @@ struct Line {
 }
 
 impl Line {
-    /// Gives the value its name, by which later lines read it.
+    /// Gives the value a name, by which later lines read it.
     fn new(value: Value, right: TokenStream, reads: Vec<Value>, texts: &mut Texts) -> Self {
         let name = format_ident!("t{}", value.0);
         texts.insert(value, quote! { #name });

@@ -30,7 +30,7 @@ pub struct DegreeSum {
 #[derive(Clone, Debug)]
 pub struct Degree(pub Vec<DegreeSum>);
 
-/// Past this many sums the rest is dropped in favour of the constant 2 (a guess, as any estimate).
+/// Largest number of sums that are kept; the others are replaced by the constant 2, a guess.
 const MOST: usize = 12;
 
 /// No rule has more than this degree, and no sum of degrees runs over.

@@ -107,7 +107,7 @@ pub struct Setting<'a> {
 }
 
 impl Setting<'_> {
-    /// Whether a node is what an integral reads of an unknown.
+    /// Whether a node is a value or derivative of an unknown that an integral reads.
     fn is_of_unknown(&self, node: &Node) -> bool {
         matches!(node, Node::Field { field, .. } if matches!(self.fields[*field].role, FieldRole::Unknown(_)))
     }

@@ -352,7 +352,7 @@ impl Scalariser<'_> {
     }
 }
 
-/// The row-major places of what is selected.
+/// Row-major indices of the selected entries.
 fn slice(shape: &[usize], selections: &[Selection]) -> Vec<usize> {
     shape.iter().zip(selections).fold(vec![0], |places, (extent, selection)| {
         let taken = match *selection {

@@ -66,7 +66,7 @@ pub enum Mistaken {
         name: Ident,
         /// The number of arguments that are neither unknowns nor test functions.
         arguments: usize,
-        /// What it most likely gives.
+        /// The most likely kind of result.
         output: Output,
     },
 }
@@ -193,7 +193,7 @@ pub struct External {
     pub name: Ident,
     /// Its path from inside the module.
     pub path: TokenStream,
-    /// All [`ArgumentRole::Plain`].
+    /// Arguments, all with the role [`ArgumentRole::Plain`].
     pub arguments: Vec<Argument>,
     pub output: Rank,
     /// The place of the output's type.

@@ -15,7 +15,7 @@ use crate::tensor::{FieldRole, Side};
 const DISTANCE: f64 = 1e-3;
 /// Larger numbers are not compared.
 const MAGNITUDE: f64 = 1e6;
-/// Relative to the largest intermediate number: 4e6 units in the last place, for what cancels twice.
+/// Tolerance relative to the largest intermediate number: 4e6 units in the last place, because terms may cancel twice.
 const TOLERANCE: f64 = 1e-9;
 
 /// The budget of the reference for all numbers of a module, in products: two to five seconds.

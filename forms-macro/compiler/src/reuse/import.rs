@@ -34,8 +34,8 @@ pub fn read(imports: Vec<Import>, received: &[String], diagnostics: &mut Diagnos
     arrived
 }
 
-/// Puts the data struct and the regions that are imported among the module's own, `#[imported(path)]` tells them apart; and
-/// the members of included data among those of the data struct.
+/// Adds the imported data struct and regions to the module's own, marked by `#[imported(path)]`, and the members of included data to those of the
+/// data struct.
 pub fn add_declarations(item: &mut ItemMod, arrived: &mut Vec<Arrived>, diagnostics: &mut Diagnostics) {
     let Some((_, items)) = &mut item.content else { return };
     // Those of a module are in the order in which it declares them, whatever that of the imports.

@@ -2,7 +2,7 @@
 
 use super::symbols::Symbol;
 
-/// The strength with which a formula holds together, loosest first.
+/// Precedence of a formula, lowest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
     /// a < b, and what is chosen by cases.

@@ -1,4 +1,4 @@
-//! Printing a [`Formula`]: one walk, which knows where parentheses are needed, over several notations.
+//! Printing of a [`Formula`] in several notations, by one traversal that knows where parentheses are needed.
 
 use super::formula::{Fence, Formula, Infix, Level, Measure};
 use super::symbols::Symbol;

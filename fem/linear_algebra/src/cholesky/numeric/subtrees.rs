@@ -155,7 +155,7 @@ impl<P: Pivots> Numeric<'_, P> {
         failed.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
     }
 
-    /// What supernodes depend on, and their costs.
+    /// Dependencies of supernodes, and their costs.
     fn tree(&self) -> Tree {
         let count = self.symbolic.n_supernodes();
         let (mut first, mut cost) = (Vec::with_capacity(count), vec![0.0]);

@@ -37,8 +37,8 @@ pub(super) struct Closure<const D: usize> {
 impl<const D: usize> Closure<D> {
     /// The closure of a marking, given in ascending order.
     ///
-    /// Where an edge gets a node, all cells at it are bisected until none has the edge. That this ends for every first mesh is
-    /// shown by Arnold, Mukherjee and Pouly (2000) in space, and by M. Karkulik, D. Pavlicek and D. Praetorius, On 2D newest vertex
+    /// Where an edge gets a node, all cells at it are bisected until none has the edge. Proofs that this ends for every first mesh: Arnold, Mukherjee
+    /// and Pouly (2000) in space, and M. Karkulik, D. Pavlicek and D. Praetorius, On 2D newest vertex
     /// bisection, Constr. Approx. 38 (2013), in the plane.
     pub(super) fn of(coarse: &BisectedMesh<D>, marked: &[u32]) -> Result<Self, MeshError> {
         let mesh = &coarse.mesh;
@@ -84,7 +84,7 @@ impl<const D: usize> Closure<D> {
         (first != NONE).then_some(first as usize)
     }
 
-    /// That places of vertices and nodes have numbers for a bisection more.
+    /// Check that the numbers of vertices and nodes suffice for one more bisection.
     fn check_room(&self) -> Result<(), MeshError> {
         if (self.parts.len() + 2) * (D + 1) >= NONE as usize {
             return Err(MeshError::TooLarge { what: "cells" });

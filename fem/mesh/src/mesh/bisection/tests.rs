@@ -12,7 +12,7 @@ use crate::mesh::measures::{check_nesting, close, measures, volume};
 use crate::mesh::random_markings::{Random, markings};
 use crate::mesh::{annulus, ball, cuboid, onto_sphere, rectangle, structured};
 
-/// That a mesh is sound and conforming, and covers what the first one did, with the same regions.
+/// Asserts that a mesh is sound and conforming, and covers the same domain and regions as the first one.
 fn check<const D: usize>(mesh: &Mesh<D>, first: &BTreeMap<String, [f64; 2]>) -> Result<(), MeshError> {
     mesh.check_conformity()?;
     // The length of what is curved is no integral of a polynomial; volumes and fluxes are.

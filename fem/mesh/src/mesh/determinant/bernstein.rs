@@ -69,8 +69,8 @@ impl Bernstein {
         self.exponents.iter().enumerate().map(|(place, exponents)| (*exponents, place)).collect()
     }
 
-    /// The coefficients that are values at the cell's vertices, and for each the coordinates of the vertex, as the number
-    /// of the vertex on simplices, and as lower or upper end of each axis otherwise.
+    /// The coefficients that are values at the cell's vertices, each with its vertex: on simplices as the vertex's number, otherwise as lower or
+    /// upper end of each axis.
     pub(super) fn corners(&self) -> Vec<(usize, Exponents)> {
         let simplex = self.shape.is_simplex();
         let at_end = |exponents: &Exponents| match simplex {

@@ -52,7 +52,7 @@ fn check_balance<const D: usize>(mesh: &OctreeMesh<D>) {
     }
 }
 
-/// That interior facets fit: the parts of each facet that others hang on cover it, and the facets of all cells are there once.
+/// Asserts that interior facets fit: the small facets on a large one cover it, and each cell's facets occur once.
 fn check_facets<const D: usize>(mesh: &Mesh<D>, first: &Mesh<D>) -> Result<(), MeshError> {
     mesh.check_places()?;
     let mut covered: BTreeMap<Facet, f64> = BTreeMap::new();
@@ -82,7 +82,7 @@ fn check_facets<const D: usize>(mesh: &Mesh<D>, first: &Mesh<D>) -> Result<(), M
     Ok(())
 }
 
-/// That a mesh covers what the first one did, with the same regions.
+/// Asserts that a mesh covers the same domain and regions as the first one.
 fn check<const D: usize>(
     mesh: &OctreeMesh<D>,
     first: &Mesh<D>,

@@ -48,7 +48,7 @@ pub enum VtkProblem {
     /// The values of an array cannot be read.
     #[error("array \"{array}\": {reason}")]
     Array { array: String, reason: String },
-    /// A type of cell that VTK does not have, or that has another number of points.
+    /// A type of cell that VTK does not have, or a wrong number of points.
     #[error("cell {cell} is of type {code} and has {points} points; {advice}")]
     CellType {
         cell: usize,

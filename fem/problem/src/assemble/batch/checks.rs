@@ -78,7 +78,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         Ok(())
     }
 
-    /// That a cell's map keeps its orientation at a place.
+    /// Check that a cell's map keeps its orientation at a place.
     fn check_map(
         &self,
         cell: usize,

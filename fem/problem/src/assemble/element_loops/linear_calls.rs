@@ -10,7 +10,7 @@ use crate::lanes::{SharedWork, SimdLane};
 
 /// A call for the cells of a batch.
 pub(in crate::assemble) enum VectorCall<'a, L, const D: usize> {
-    /// What is constant on the cells, before the first point.
+    /// Quantities that are constant on the cells, before the first point.
     Cell(&'a CellGeometry<L>),
     /// The contributions of a point to some test functions.
     Point {

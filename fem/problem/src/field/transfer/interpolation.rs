@@ -7,8 +7,8 @@ use crate::field::Field;
 use crate::instantiate::instantiate;
 use crate::space::Scope;
 
-/// Nodes are looked up from a point so far towards the centre of their cell, in parts of the way: far enough for a point to
-/// lie in one cell of a mesh whose edges go through the node, near enough not to leave it.
+/// Part of the way from a node to the centre of its cell at which the node is located. It is large enough for the point to lie in one cell of a mesh
+/// whose edges go through the node, and small enough not to leave that cell.
 const INWARD: f64 = 1e-6;
 
 impl<const D: usize> Transfer<'_, D> {

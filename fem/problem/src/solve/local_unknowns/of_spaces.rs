@@ -7,8 +7,8 @@ use crate::linear_algebra::Groups;
 use crate::solve::Elimination;
 use crate::space::{Owner, Scope, Space};
 
-/// The nodes of a space that live in one cell or facet each. Nodes of continuous elements inside cells are not among them: they cost a
-/// factorisation little, and are as many as the others.
+/// The nodes of a space that live in one cell or facet each. Nodes of continuous elements inside cells are not included, because their elimination
+/// would gain little: they are about as many as the others, and a factorisation eliminates them cheaply.
 fn local_nodes<const D: usize>(space: &Space<D>) -> Vec<(Owner, &[u32])> {
     match space.scope().sharing() {
         Scope::Nodes => vec![],

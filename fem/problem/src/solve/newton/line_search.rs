@@ -12,7 +12,7 @@ use crate::solve::elimination::Elimination;
 /// Whether Newton's method shortens its steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LineSearch {
-    /// Each step is taken whole.
+    /// Full steps.
     #[default]
     Off,
     /// A step is shortened where the potential rises again before its end: to a place where the slope along the step

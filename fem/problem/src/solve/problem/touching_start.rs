@@ -29,8 +29,8 @@ fn diameter<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> f64 {
 }
 
 impl<const D: usize, const N: usize> Problem<'_, D, N> {
-    /// Moves the cells at surfaces that slide and just touch into each other by a trace, where an unknown that displaces them starts
-    /// from zero and is not at rest there.
+    /// Makes surfaces that slide and just touch overlap by a trace, if the unknown that displaces them starts from zero and something acts on it
+    /// there.
     pub(super) fn overlap_touching(
         &self,
         elimination: &Elimination,

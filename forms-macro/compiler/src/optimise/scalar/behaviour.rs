@@ -85,7 +85,7 @@ impl Graph {
         found
     }
 
-    /// Removes terms with a zero, except for those that are singular where no other term is.
+    /// Removes terms with a zero coefficient, except for those with a singularity that no other term has.
     pub(super) fn drop_what_cancels(&self, terms: &mut Vec<(f64, Scalar)>) {
         let mut seen: Vec<Scalar> = Vec::new();
         for (_, term) in terms.iter().filter(|(coefficient, _)| *coefficient != 0.0) {

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// That two meshes are one, to the bits: nodes, cells, regions and what bisections go by.
+/// Asserts that two meshes are equal to the last bit: nodes, cells, regions, and the data of bisections.
 fn assert_same<const D: usize>(a: &BisectedMesh<D>, b: &BisectedMesh<D>) {
     assert_eq!(a.mesh.nodes, b.mesh.nodes);
     assert_eq!(a.mesh.cells, b.mesh.cells);

@@ -17,7 +17,7 @@ pub(super) const fn by_pairs<K: BilinearKernel<D>, L: SimdLane, const D: usize>(
     L::STORES_FEW && K::TEST_COMPONENTS == 2 && K::TRIAL_COMPONENTS == 2
 }
 
-/// Where results go that are written as they are computed.
+/// Destination of results that are written as they are computed.
 #[derive(Default)]
 pub(super) struct Destination {
     /// Of the blocks of the computed pairs, where rows and columns are two per node.

@@ -227,7 +227,7 @@ const fn beforehand<K: BilinearKernel<D>, L: SimdLane, S: Sizes, const D: usize>
     FixedTables::<S, D>::AFFINE && K::REQUIREMENTS.fields.is_empty() && L::REGISTERS < 32
 }
 
-/// What the cells of a call have in common.
+/// Data that the cells of a call have in common.
 struct Work<'a, K, L, S: Sizes, const D: usize> {
     kernel: &'a K,
     tables: &'a FixedTables<S, D>,

@@ -39,7 +39,7 @@ struct Vectors<K, L, S: Sizes, const D: usize> {
     tables: FixedTables<S, D>,
     order: Order,
     fields: FieldBuffers<L>,
-    /// What a kernel adds to each function that it is asked for, at each point.
+    /// Contributions of a kernel to each requested function, at each point.
     fluxes: Vec<L>,
     sums: Vec<L>,
 }

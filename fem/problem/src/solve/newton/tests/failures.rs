@@ -1,4 +1,4 @@
-//! What failures of Newton's method report.
+//! Reports of failures of Newton's method.
 
 use super::*;
 
