@@ -195,8 +195,7 @@ fn plate() -> Result<(), Failure> {
             let outcome = step.failure.as_deref().unwrap_or("equilibrium");
             println!("load factor {:.3}: {outcome}", step.factor);
         })
-        .run(Field::zero(&space), solve)
-        .map_err(|error| error.to_string())?;
+        .run(Field::zero(&space), solve)?;
     println!("residuals of the last step, relative to its first:");
     let last = histories.last().ok_or("no step was made")?;
     for step in last {

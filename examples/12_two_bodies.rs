@@ -105,8 +105,7 @@ fn main() -> Result<(), Failure> {
     };
     let steps = (1..=pressing).map(|step| step as f64 / pressing as f64);
     let steps = steps.chain((1..=sliding).map(|step| 1.0 + 0.2 * step as f64 / ALONG));
-    let path =
-        LoadSteps::through(steps).advance(Field::zero(&space), solve).map_err(|error| error.to_string())?;
+    let path = LoadSteps::through(steps).advance(Field::zero(&space), solve)?;
 
     LinePlot::new()
         .x_axis("way of the block: down to 1, then along", Scale::Linear)

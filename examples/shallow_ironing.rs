@@ -59,8 +59,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Failure> {
     };
     let ways = (1..=pressing).map(|step| step as f64 / pressing as f64);
     let ways = ways.chain((1..=sliding).map(|step| 1.0 + 0.02 * step as f64));
-    let path = LoadSteps::through(ways).advance(Field::zero(&space), solve);
-    let path = path.map_err(|error| error.to_string())?;
+    let path = LoadSteps::through(ways).advance(Field::zero(&space), solve)?;
 
     let getfem: Run = serde_json::from_str(include_str!("../tests/getfem/shallow_ironing.json"))?;
     out.line("| way | down | GetFEM | published, least | most | along | GetFEM | published, least | most |");

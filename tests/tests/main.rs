@@ -37,6 +37,8 @@ mod identities;
 mod imported_operators;
 mod loaded_adjoint;
 mod operators_page;
+#[rustfmt::skip]
+mod page_code;
 mod related_adjoint;
 mod separate_crate;
 mod shape_gradient;

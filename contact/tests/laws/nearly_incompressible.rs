@@ -97,13 +97,13 @@ impl Punch {
             .theta(theta)
     }
 
-    /// In `steps` load steps. A failed one is halved twice at most.
+    /// In `steps` load steps.
     fn solve<L: ContactLaw<2>>(self, law: L, cells: usize, steps: usize) -> Found {
         let mesh = self.block(cells);
         let space = Space::vector(&mesh, 2).unwrap();
         let mut last = None;
         let mut path = LoadSteps::uniform(steps, 0.05);
-        path.smallest_increment = 0.0125 / steps as f64;
+        path.smallest_increment = 1e-4;
         let reached = path.advance(Field::zero(&space), |step| {
             let mut held = Constraints::new(&space);
             held.fix("bottom", |_| [0.0, step.factor]).unwrap();
@@ -160,20 +160,22 @@ fn flat_punch() {
     pressed("flat punch", Punch::Flat);
 }
 
-/// At finite strain, in load steps, compared with γ₀ = 3 (λ + 2μ). For larger ν Newton's method fails in these steps whatever γ₀ is: of a γ₀
-/// below the threshold its error says so.
+/// At finite strain, in load steps, compared with γ₀ = 3 (λ + 2μ). With 10 E and ν from 0.49995 on no step is small enough, and the error names
+/// the threshold.
 #[test]
 fn round_punch_at_finite_strain() {
-    table("round punch, finite strain", &RATIOS[..4], |poisson| {
+    let all = std::env::var_os("FORMS_SWEEPS").is_some();
+    let ratios: Vec<f64> =
+        RATIOS.into_iter().filter(|ratio| all || [0.3, 0.4995, 0.49999].contains(ratio)).collect();
+    table("round punch, finite strain", &ratios, |poisson| {
         let material = Material::usual(poisson);
         let expected = Punch::Round.finite(material.with_gamma0(0.3 * material.gamma0)).force.unwrap();
         let usual = Punch::Round.finite(material);
         assert!(!usual.warns(), "{}", usual.words);
         let of_young = Punch::Round.finite(material.with_gamma0(10.0));
+        assert!(of_young.force.is_some() || of_young.words.contains("lambda + 2 mu"), "{}", of_young.words);
         [usual, of_young].map(|found| found.check("at finite strain", expected))
     });
-    let failed = Punch::Round.finite(Material::usual(0.49995).with_gamma0(10.0));
-    assert!(failed.warns() && failed.words.contains("lambda + 2 mu"), "{}", failed.words);
 }
 
 /// p · 2πr of a ring that is pressed together between two radii, u_r = A r + B/r.

@@ -146,7 +146,10 @@ pub enum ConstraintsError {
         position: Vec<f64>,
     },
     /// A sum of no unknowns, or of too many.
-    #[error("{name}: {count} unknowns are related; one at least and {most} at most can be")]
+    #[error(
+        "{name}: {count} unknowns are related; one at least and {most} at most can be. A mean of more is an equation of an unknown of \
+         the whole body (`Scope::Body`): add `integral(Omega, m * v + (u - value) * w)` to the form, m and w its unknown and test function"
+    )]
     Terms {
         name: String,
         /// Unknowns in it.

@@ -11,7 +11,8 @@ const MOST: usize = 4096;
 impl<const D: usize> Constraints<D> {
     /// Prescribed mean of one component (counted from 0, row-major) over a region of cells or facets:
     /// ∫_ω u_c = value · |ω|. One unknown is given by all others there, which so get to know each other: the tangent
-    /// has a dense block of the size of the region.
+    /// has a dense block of the size of the region. On larger regions state the mean as an equation of an unknown m of the whole body, from
+    /// [`Scope::Body`](crate::space::Scope): with its test function w, `integral(Omega, m * v + (u - value) * w)`.
     ///
     /// # Errors
     /// An unknown region, a component that the space does not have, a value that is not finite, more than 4096

@@ -8,6 +8,8 @@ use std::fmt;
 use increment::Secant;
 pub use increment::{Extrapolate, Increment, StepStart};
 
+use crate::output::Failure;
+
 /// Load factors to be reached one after the other, and how a step that fails is repeated.
 ///
 /// A failed step is tried again with half its increment, down to a smallest one; after two successes in a row the
@@ -119,6 +121,13 @@ impl<S, E: fmt::Debug> fmt::Debug for LoadStepError<S, E> {
 impl<S, E: Error + 'static> Error for LoadStepError<S, E> {
     fn source(&self) -> Option<&(dyn Error + 'static)> {
         Some(&self.why)
+    }
+}
+
+// So that `?` ends a program whose steps fail with a [`Failure`].
+impl<S> From<LoadStepError<S, Failure>> for Failure {
+    fn from(error: LoadStepError<S, Failure>) -> Self {
+        Failure::from(error.to_string())
     }
 }
 

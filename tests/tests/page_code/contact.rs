@@ -1,0 +1,106 @@
+//! `docs/contact_between_bodies.md`, `docs/friction.md` and `docs/new_contact_law.md`.
+
+use forms_contact::laws::sliding_bodies;
+use forms_contact::{ContactProblem, contact_law};
+use forms_fem::constraints::RigidMap;
+use forms_fem::mesh::RigidSurface;
+use forms_fem::pairs::Approach;
+use forms_fem::prelude::*;
+
+type Sliding = ContactProblem<2, sliding_bodies::Model<2>>;
+
+pub fn materials(
+    mesh: &Mesh<3>,
+    height: f64,
+    (soft, stiff): (f64, f64),
+    (mu, gamma0): (Field<3>, Field<3>),
+) -> Result<sliding_bodies::Data<3>, Failure> {
+    let cells = Space::discontinuous_scalar(&mesh, 0)?;
+    let lambda = Field::interpolate(&cells, |x| if x[2] < height { soft } else { stiff })?;
+    let data = sliding_bodies::data().lambda(&lambda);
+    Ok(data.mu(&mu).gamma0(&gamma0).share(1.0))
+}
+
+pub fn first_touch(
+    assembler: &Assembler<2>,
+    space: &Arc<Space<2>>,
+    (pairing, problem): (Pairing, Sliding),
+) -> Result<Field<2>, Failure> {
+    let down = Approach { moving: "punch".to_owned(), direction: [0.0, -1.0], overlap: 1e-3 };
+    let touch = assembler.first_touch(&pairing, 4, &Field::zero(&space), &down)?;
+    let solved = problem.direct()?.start(&touch.start).solve()?;
+    Ok(solved.into_field())
+}
+
+pub fn steps(
+    space: &Arc<Space<2>>,
+    problem: impl Fn(f64, &Field<2>) -> Result<Sliding, Failure>,
+) -> Result<Field<2>, Failure> {
+    let path = LoadSteps::uniform(10, 0.6).advance(Field::zero(&space), |step| {
+        let solved = problem(step.factor, step.before)?.direct()?.increment(step).solve()?;
+        Ok::<_, Failure>(solved.into_field())
+    })?;
+    Ok(path.state)
+}
+
+pub fn tools(
+    block: &Mesh<3>,
+    constraints: &mut Constraints<3>,
+    solved: Solved<3>,
+) -> Result<(Mesh<3>, Pairing, f64), Failure> {
+    let mesh = block.with_rigid_surfaces(&[("punch", &RigidSurface::from_stl_file("punch.stl")?)])?;
+    let down = RigidMap::translation([0.0, 0.0, -0.2]);
+    constraints.move_rigidly("punch", &RigidMap::<3>::turn([0.0, 0.0, 0.1], [0.0; 3]).then(&down))?;
+    let touch = Pairing::onto("block top", "punch");
+    let (force, moment) = (solved.reaction("punch")?, solved.reaction_moment("punch", [0.0; 3])?);
+    Ok((mesh, touch, force[2] + moment[2]))
+}
+
+pub fn two_steps_with_friction(
+    space: &Arc<Space<2>>,
+    contact_data: forms_contact::nitsche::Data<2>,
+    (regions, constraints): (forms_contact::laws::frictional_nitsche::Regions, Constraints<2>),
+) -> Result<(), Failure> {
+    use forms_contact::laws::frictional_nitsche as law;
+
+    let data = law::data_from(contact_data).friction(0.3);
+    let problem = ContactProblem::new(&space, law::Model { data, regions }, constraints);
+    let mut problem = problem.quadrature(Quadrature::Degree(6));
+    let u = problem.from_stick()?.solve()?.into_field();
+    problem.law.data.displacement_before = Given::field(&u);
+    Ok(())
+}
+
+#[forms]
+pub mod tresca {
+    use forms_contact::operators::friction::{augmented_traction, contact_traction};
+    use forms_contact::operators::linear_elastic::stress;
+    use forms_contact::operators::obstacle::{current_gap, gamma};
+
+    // The imported functions read λ, μ (of the first struct) and n_y, g, γ₀, θ (of the second).
+    #[includes(forms_contact::operators::linear_elastic::Data, forms_contact::operators::obstacle::Data)]
+    pub struct Data { pub slip_stress: Param }
+    #[cells] pub struct Omega;
+    #[facets] pub struct GammaC;
+
+    fn traction(w: Vector) -> Vector {
+        let P = augmented_traction(stress(w) * n, current_gap(w), w, gamma(), obstacle_normal);
+        contact_traction(P, slip_stress, obstacle_normal)
+    }
+    pub fn direct(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        let tested = theta * (stress(v) * n) - gamma() * v;
+        integral(Omega, inner(stress(u), eps(v)))
+            - integral(GammaC, theta / gamma() * dot(stress(u) * n, stress(v) * n) - dot(traction(u), tested) / gamma())
+    }
+    pub fn slip(u: State<Vector>) -> Functional {
+        integral(GammaC, dot(u, u) / 2)
+    }
+    pub fn adjoint(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
+        derivative(direct(u, p), u, q) + derivative(slip(u), u, q)
+    }
+}
+
+contact_law!(tresca {
+    direct: direct, region: gamma_c, criterion: slip, adjoint: adjoint,
+    positive: gamma0, non_negative: slip_stress, line_search: OnResidual
+});

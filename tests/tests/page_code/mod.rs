@@ -1,0 +1,67 @@
+//! Code blocks of the pages for users. They are compiled here, each next to what its page takes for granted.
+
+// Pages borrow what is borrowed here already. What they show is compiled, and not run.
+#![allow(dead_code, clippy::needless_borrow, clippy::needless_borrows_for_generic_args, clippy::let_and_return)]
+
+mod adaptivity;
+mod contact;
+mod dynamics;
+mod histories;
+mod language;
+
+/// The pages with blocks in Rust, and what compiles them elsewhere.
+const PAGES: [(&str, Option<&str>); 11] = [
+    ("adaptivity", None),
+    ("coming_from", Some("the documentation tests of this crate")),
+    ("contact_between_bodies", None),
+    ("contact_with_adjoint", Some("the program of that name")),
+    ("eigenproblems", None),
+    ("friction", None),
+    ("inverse_problems", None),
+    ("language", None),
+    ("new_contact_law", None),
+    ("python", Some("the example of the bindings")),
+    ("time", None),
+];
+
+/// Code without comments and white space.
+fn bare(code: &str) -> String {
+    let lines = code.lines().map(|line| line.split("//").next().unwrap_or_default());
+    lines.flat_map(str::chars).filter(|c| !c.is_whitespace()).collect()
+}
+
+/// The blocks in Rust of a page.
+fn blocks(page: &str) -> Vec<&str> {
+    let pieces = page.split("```").skip(1).step_by(2);
+    pieces.filter(|block| block.starts_with("rust")).filter_map(|block| Some(block.split_once('\n')?.1)).collect()
+}
+
+#[test]
+fn every_block_of_a_page_is_compiled() {
+    let compiled = [
+        include_str!("adaptivity.rs"),
+        include_str!("contact.rs"),
+        include_str!("dynamics.rs"),
+        include_str!("histories.rs"),
+        include_str!("language.rs"),
+    ];
+    let compiled = bare(&compiled.concat());
+    let directory = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs");
+    let mut found = vec![];
+    for entry in std::fs::read_dir(directory).expect("the pages are there") {
+        let path = entry.expect("it can be read").path();
+        let name = path.file_stem().expect("it has a name").to_string_lossy().into_owned();
+        let Ok(page) = std::fs::read_to_string(&path) else { continue };
+        let blocks = if path.extension().is_some_and(|end| end == "md") { blocks(&page) } else { vec![] };
+        if blocks.is_empty() {
+            continue;
+        }
+        let listed = PAGES.iter().find(|(page, _)| *page == name);
+        let (_, elsewhere) = listed.unwrap_or_else(|| panic!("docs/{name}.md is not in the list of pages"));
+        for block in blocks.iter().filter(|_| elsewhere.is_none()) {
+            assert!(compiled.contains(&bare(block)), "docs/{name}.md has code that is compiled nowhere:\n{block}");
+        }
+        found.push(name);
+    }
+    assert_eq!(found.len(), PAGES.len(), "pages with code: {found:?}");
+}
