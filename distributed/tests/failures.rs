@@ -99,7 +99,7 @@ fn a_panic_of_one_process_ends_all() {
 #[test]
 fn a_bad_argument_of_one_process_ends_all() {
     fails_on_two_and_four(&["argument"], &["invalid digit found in string", ELSEWHERE]);
-    fails(2, &["region"], &["boundry", ELSEWHERE]);
+    fails_on_two_and_four(&["region"], &["boundry", ELSEWHERE]);
 }
 
 #[test]
@@ -110,34 +110,34 @@ fn a_missing_file_of_one_process_ends_all() {
 #[test]
 fn a_process_that_ends_early_ends_all() {
     fails_on_two_and_four(&["early"], &["at the end, this process at a comparison"]);
-    fails(2, &["exit"], &["exited with non-zero status"]);
+    fails_on_two_and_four(&["exit"], &["exited with non-zero status"]);
 }
 
 #[test]
 fn a_world_without_run_ends_as_well() {
-    fails(2, &["error", "by hand"], &["no further step on this process", "at the end, this process at"]);
-    fails(2, &["panic", "by hand"], &["a mistake on this process", "it panicked"]);
-    fails(
-        4,
-        &["file", "by hand"],
-        &["missing.msh: No such file or directory", "at the end, this process at"],
+    fails_on_two_and_four(
+        &["error", "by hand"],
+        &["no further step on this process", "at the end, this process at"],
     );
+    fails_on_two_and_four(&["panic", "by hand"], &["a mistake on this process", "it panicked"]);
+    let causes = ["missing.msh: No such file or directory", "at the end, this process at"];
+    fails_on_two_and_four(&["file", "by hand"], &causes);
 }
 
 #[test]
 fn problems_that_differ_are_refused() {
     let solvers = "the processes have different unknowns";
     fails_on_two_and_four(&["mesh"], &[solvers]);
-    fails(2, &["space"], &[solvers]);
+    fails_on_two_and_four(&["space"], &[solvers]);
     let problems = "the processes have different problems: what differs is";
     fails_on_two_and_four(&["parameter"], &[&format!("{problems} the parameters")]);
-    fails(2, &["boundary"], &[&format!("{problems} the constraints")]);
+    fails_on_two_and_four(&["boundary"], &[&format!("{problems} the constraints")]);
 }
 
 /// The same cell of all processes, and no other one.
 #[test]
 fn cells_that_are_no_partition_are_refused() {
-    fails(2, &["cells"], &["the processes' own cells are no partition of the mesh's"]);
+    fails_on_two_and_four(&["cells"], &["the processes' own cells are no partition of the mesh's"]);
 }
 
 #[test]
@@ -159,11 +159,11 @@ fn on_without_a_petsc_solver_is_refused() {
 #[test]
 fn an_error_that_all_share_ends_all() {
     fails_on_two_and_four(&["assembly"], &["of the other processes failed", "weight"]);
-    fails(2, &["twice"], &["PETSc was started already in this process"]);
+    fails_on_two_and_four(&["twice"], &["PETSc was started already in this process"]);
 }
 
 #[test]
 fn a_solver_that_did_not_converge_says_why_and_how_far_it_came() {
     let cause = "CG with GAMG failed: stopped after 3 iterations: DIVERGED_ITS; residuals: [";
-    fails(2, &["convergence"], &[cause]);
+    fails_on_two_and_four(&["convergence"], &[cause]);
 }
