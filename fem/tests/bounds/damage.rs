@@ -42,19 +42,19 @@ mod bar {
 
 const YOUNG: f64 = 2.0;
 const TOUGHNESS: f64 = 0.75;
-const LENGTH: f64 = 0.5;
 
-fn model() -> bar::Model<2> {
-    bar::Model::new(bar::data().young(YOUNG).toughness(TOUGHNESS).length(LENGTH))
+fn model(length: f64) -> bar::Model<2> {
+    bar::Model::new(bar::data().young(YOUNG).toughness(TOUGHNESS).length(length))
 }
 
 #[test]
 fn a_bar_softens_as_its_closed_form_and_keeps_its_damage() -> Outcome {
-    // Shorter than the length over which damage would localise.
+    // The bar is shorter than the length over which damage would localise.
+    const LENGTH: f64 = 2.0;
     let mesh = rectangle([0.0; 2], [1.0, 0.25], [8, 2], CellShape::Quadrilateral, 1)?;
     let space = Space::scalar(&mesh, 1)?;
     let critical = (3.0 * TOUGHNESS / (8.0 * LENGTH * YOUNG)).sqrt();
-    let form = model().both();
+    let form = model(LENGTH).both();
     let (mut u, mut damage) = (Field::zero(&space), Field::zero(&space));
     let (mut worst, mut work, mut last) = ([0.0_f64; 3], 0.0, (0.0, 0.0));
     let up = (1..=40).map(|k| f64::from(k) * 0.05);
@@ -91,8 +91,8 @@ fn a_bar_softens_as_its_closed_form_and_keeps_its_damage() -> Outcome {
         // Work by the closed form between the factors, compared with what is stored and dissipated.
         work += 0.5 * (force + last.1) * (strain - last.0);
         last = (strain, force);
-        let spent = (assembler.functional(&model().elastic_energy(&u, &damage))?
-            + assembler.functional(&model().crack_energy(&damage))?)
+        let spent = (assembler.functional(&model(LENGTH).elastic_energy(&u, &damage))?
+            + assembler.functional(&model(LENGTH).crack_energy(&damage))?)
             / 0.25;
         done = if largest <= 1.0 {
             0.5 * YOUNG * strain * strain
@@ -115,6 +115,7 @@ fn a_bar_softens_as_its_closed_form_and_keeps_its_damage() -> Outcome {
 #[test]
 fn a_crack_has_the_profile_and_the_energy_of_its_closed_form() -> Outcome {
     // d = 1 on a line: d = (1 − |x|/2ℓ)² up to 2ℓ, and 0 beyond, where the bound holds; one half costs G/2.
+    const LENGTH: f64 = 0.5;
     let mut errors = vec![];
     for count in [20, 40, 80] {
         let mesh = rectangle([0.0; 2], [2.0, 0.1], [count, 1], CellShape::Quadrilateral, 1)?;
@@ -123,9 +124,9 @@ fn a_crack_has_the_profile_and_the_energy_of_its_closed_form() -> Outcome {
         broken.fix("left", |_| 1.0)?;
         let mut bounds = Bounds::new(&space);
         bounds.at_least("all", |_| 0.0)?.at_most("all", |_| 1.0)?;
-        let form = model().of_damage();
+        let form = model(LENGTH).of_damage();
         let solved = Problem::new(&form, &space).constrained(&broken).bounded(&bounds).solve()?;
-        let energy = solved.functional(&model().crack_energy(solved.field()))? / 0.1;
+        let energy = solved.functional(&model(LENGTH).crack_energy(solved.field()))? / 0.1;
         errors.push((energy - TOUGHNESS / 2.0).abs());
         for (d, x) in solved.field().values().iter().zip(space.positions()) {
             let exact = (1.0 - x[0] / (2.0 * LENGTH)).max(0.0).powi(2);
