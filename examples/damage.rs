@@ -14,7 +14,7 @@
 use std::error::Error;
 use std::process::ExitCode;
 
-use forms_fem::output::picture::{Curve, FieldMap, LinePlot, Scale, Shown};
+use forms_fem::output::picture::{Curve, FieldMap, LinePlot, Picture, Scale, Shown};
 use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 
@@ -142,7 +142,10 @@ impl Beam {
             rounds += 1;
             let balance = model.balance(&*d);
             let problem = Problem::new(&balance, &self.displacements).constrained(&self.supports);
-            *u = problem.assembler(&self.assembler).start(&*u).solver(&mut by_u).solve()?.into_field();
+            let mut problem = problem.assembler(&self.assembler).start(&*u).solver(&mut by_u);
+            let moved = problem.solve()?.into_field();
+            drop(problem);
+            *u = moved;
             let damaged = model.damaged(&*u).into();
             let problem = Problem::new(&damaged, &self.damages).bounded(&bounds).assembler(&self.assembler);
             let next = problem.start(&*d).solver(&mut by_d).solve()?.into_field();
@@ -198,9 +201,9 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     }
     let last = steps.last().ok_or("no steps")?;
     out.line(format!(
-        "the crack costs {:.4e}, a straight one through the beam {:.4e} times 1 + 3h/8ℓ",
+        "the crack costs {:.4e}, a straight one through the beam G H (1 + 3h/8ℓ) = {:.4e} (h: width of a cell)",
         last.dissipated,
-        TOUGHNESS * HEIGHT
+        TOUGHNESS * HEIGHT * (1.0 + 3.0 / 8.0 * HALF / along as f64 / LENGTH)
     ));
     FieldMap::of(&d, Shown::Component(0), "d")
         .range(0.0, 1.0)

@@ -9,7 +9,7 @@ use std::error::Error;
 use std::f64::consts::PI;
 use std::process::ExitCode;
 
-use forms_fem::output::picture::{Curve, FieldMap, LinePlot, Scale, Shown};
+use forms_fem::output::picture::{Curve, FieldMap, LinePlot, Picture, Scale, Shown};
 use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 use forms_fem::solve::Solved;
@@ -31,6 +31,13 @@ mod membrane {
     /// Its residual at a held unknown is the derivative of the criterion with respect to the bound.
     pub fn adjoint(u: State<Scalar>, p: Unknown<Scalar>, q: Test<Scalar>) -> Form {
         derivative(balance(u, p), u, q) + derivative(criterion(u), u, q)
+    }
+    /// The same of functions of the radius x₀ only.
+    pub fn radial_balance(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, x[0] * dot(grad(u), grad(v)))
+    }
+    pub fn radial_energy(u: State<Scalar>) -> Functional {
+        integral(Omega, x[0] * dot(grad(u), grad(u)) / 2)
     }
     /// The area of each node.
     pub fn areas(v: Test<Scalar>) -> Form {
@@ -85,8 +92,7 @@ impl Membrane {
         let mut bounds = Bounds::new(&self.space);
         bounds.at_least_field(below)?;
         let form = membrane::Model::default().balance();
-        let options = NewtonOptions { max_iterations: 200, ..NewtonOptions::default() };
-        let problem = Problem::new(&form, &self.space).constrained(&self.held).options(options);
+        let problem = Problem::new(&form, &self.space).constrained(&self.held);
         Ok(problem.bounded(&bounds).solve()?)
     }
 }
@@ -167,6 +173,41 @@ fn table(
     Ok(())
 }
 
+/// Energy and force by linear elements along a radius.
+fn radial(out: &mut StandardOutput, counts: &[usize]) -> Result<(), Box<dyn Error>> {
+    out.line(
+        "Linear elements along a radius\n| cells | steps | energy | error | force | error | contact radius | error |\n\
+         | --: | --: | --: | --: | --: | --: | --: | --: |",
+    );
+    for count in counts {
+        let width = 1.0 / *count as f64;
+        let mesh = rectangle([0.0; 2], [1.0, width], [*count, 1], CellShape::Quadrilateral, 1)?;
+        let space = Space::scalar(&mesh, 1)?;
+        let mut held = Constraints::new(&space);
+        held.fix("right", |_| 0.0)?;
+        let mut bounds = Bounds::new(&space);
+        bounds.at_least("all", |x| obstacle(x[0]))?;
+        let model = membrane::Model::default();
+        let form = model.radial_balance();
+        // The first set reaches thousands of layers beyond the contact.
+        let options = NewtonOptions { max_iterations: 200, ..NewtonOptions::default() };
+        let problem = Problem::new(&form, &space).constrained(&held).bounded(&bounds);
+        let solved = problem.options(options).solve()?;
+        let whole = 2.0 * PI / width;
+        let force = whole * solved.held().iter().map(|one| one.reaction).sum::<f64>();
+        let energy = whole * solved.functional(&model.radial_energy(solved.field()))?;
+        let radius = radius_of(force);
+        out.line(format!(
+            "| {count} | {} | {energy:.12} | {:.1e} | {force:.12} | {:.1e} | {radius:.12} | {:.1e} |",
+            solved.iterations(),
+            (energy - ENERGY).abs(),
+            (force + 2.0 * PI * SLOPE).abs(),
+            (radius - CONTACT_RADIUS).abs()
+        ));
+    }
+    Ok(())
+}
+
 /// The derivative of the criterion along a change of the obstacle, by the adjoint and by central differences.
 fn derivative(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let (membrane, model) = (Membrane::new(true, 8, CellShape::Triangle, 1)?, membrane::Model::default());
@@ -199,7 +240,8 @@ fn pictures(core: usize) -> Result<(), Box<dyn Error>> {
     let mut pressure = vec![0.0; areas.len()];
     solved.held().iter().for_each(|one| pressure[one.unknown] = one.reaction / areas[one.unknown]);
     FieldMap::of(&Field::from_values(&membrane.space, pressure)?, Shown::Component(0), "force per area")
-        .size(420.0, 400.0)
+        .without_mesh_lines()
+        .size(360.0, 330.0)
         .title("Reaction of the obstacle")
         .write_png("out/obstacle.png")?;
     let positions: Vec<f64> = (0..=200).map(|k| f64::from(k) / 200.0 - 1e-9).map(|r| r.max(0.0)).collect();
@@ -207,14 +249,15 @@ fn pictures(core: usize) -> Result<(), Box<dyn Error>> {
         .iter()
         .map(|r| Ok(solved.field().evaluate(&[*r, 0.0])?[0]))
         .collect::<Result<_, Box<dyn Error>>>()?;
-    let below: Vec<f64> = positions.iter().map(|r| obstacle(*r).max(-0.1)).collect();
+    let shown: Vec<f64> = positions.iter().copied().filter(|r| *r < 0.6).collect();
+    let below: Vec<f64> = shown.iter().map(|r| obstacle(*r)).collect();
     LinePlot::new()
         .title("A membrane over an obstacle")
         .x_axis("distance from the centre", Scale::Linear)
         .y_axis("height", Scale::Linear)
         .grid()
         .curve(Curve::new("membrane", &positions, &membrane_values).without_markers())
-        .curve(Curve::new("obstacle", &positions, &below).without_markers())
+        .curve(Curve::new("obstacle", &shown, &below).without_markers())
         .write_png("out/obstacle_section.png")?;
     Ok(())
 }
@@ -225,6 +268,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     table(out, "Linear triangles", &cores, CellShape::Triangle, 1)?;
     table(out, "Bilinear quadrilaterals", &cores, CellShape::Quadrilateral, 1)?;
     table(out, "Quadratic triangles", &cores[..cores.len().saturating_sub(1)], CellShape::Triangle, 2)?;
+    radial(out, &[100, 1000, 10_000, 100_000])?;
     derivative(out)?;
     pictures(cores.last().copied().unwrap_or(4).min(16))?;
     out.line("pictures: out/obstacle.png, out/obstacle_section.png");

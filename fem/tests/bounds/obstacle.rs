@@ -19,6 +19,13 @@ mod membrane {
     pub fn energy(u: State<Scalar>) -> Functional {
         integral(Omega, dot(grad(u), grad(u)) / 2)
     }
+    /// The same of functions of the radius x₀ only.
+    pub fn radial_balance(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, x[0] * dot(grad(u), grad(v)))
+    }
+    pub fn radial_energy(u: State<Scalar>) -> Functional {
+        integral(Omega, x[0] * dot(grad(u), grad(u)) / 2)
+    }
     pub fn criterion(u: State<Scalar>) -> Functional {
         integral(Omega, u * u / 2 + u * u * u / 3)
     }
@@ -131,6 +138,35 @@ fn quadratic_elements_gain_half_an_order() -> Outcome {
         [4, 8].map(|core| errors(core, CellShape::Triangle, 2)).into_iter().collect::<Outcome<Vec<_>>>()?;
     let order = (found[0][0] / found[1][0]).log2();
     assert!((1.2..1.9).contains(&order), "{order}");
+    Ok(())
+}
+
+#[test]
+fn a_set_that_shrinks_by_thousands_of_layers_is_found_in_few_steps() -> Outcome {
+    // Along a radius: the first set reaches to where the obstacle is zero, 0.2 of the radius beyond the contact.
+    let mut steps = vec![];
+    for count in [500, 5000] {
+        let width = 1.0 / f64::from(count);
+        let mesh = rectangle([0.0; 2], [1.0, width], [count as usize, 1], CellShape::Quadrilateral, 1)?;
+        let space = Space::scalar(&mesh, 1)?;
+        let mut held = Constraints::new(&space);
+        held.fix("right", |_| 0.0)?;
+        let mut bounds = Bounds::new(&space);
+        bounds.at_least("all", |x| obstacle(&[x[0], 0.0]))?;
+        let form = membrane::Model::default().radial_balance();
+        let solved = Problem::new(&form, &space).constrained(&held).bounded(&bounds).solve()?;
+        let whole = 2.0 * std::f64::consts::PI / width;
+        let force = whole * solved.held().iter().map(|one| one.reaction).sum::<f64>();
+        let energy = whole * solved.functional(&membrane::Model::default().radial_energy(solved.field()))?;
+        println!("{count}: {} steps, energy {energy:.12}, force {force:.12}", solved.iterations());
+        assert!((energy - ENERGY).abs() < 0.5 * width * width, "{energy}");
+        assert!((force - FORCE).abs() < 10.0 * width * width, "{force}");
+        // The edge of the contact is between the nodes held and the next ones.
+        let edge = solved.held().iter().map(|one| space.positions()[one.unknown][0]).fold(0.0, f64::max);
+        assert!((edge - RADIUS).abs() < 1.5 * width, "{edge}");
+        steps.push(solved.iterations());
+    }
+    assert!(steps.iter().all(|steps| *steps < 40), "{steps:?}");
     Ok(())
 }
 

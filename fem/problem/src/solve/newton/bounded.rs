@@ -11,13 +11,16 @@
 
 mod judging;
 mod masks;
+mod peeling;
 mod steps;
 mod update;
 
+use self::peeling::Peeling;
 pub(super) use self::steps::Moved;
 use super::convergence::Fields;
 use super::{LineSearch, NewtonFailure};
 use crate::bounds::Side;
+use crate::linear_algebra::CsrMatrix;
 use crate::solve::elimination::Elimination;
 
 /// Lower and upper bounds of all unknowns, one number per unknown; −∞ and ∞ where there is none.
@@ -128,7 +131,8 @@ pub(in crate::solve) struct ActiveSet {
     /// Whether the last step was taken to its end, with no bound in its way.
     unhindered: bool,
     visits: Vec<Visit>,
-    /// Unknowns that the last iterate holds or frees.
+    peeling: Peeling,
+    /// Unknowns that the last iterate holds or frees, ascending.
     pub(super) restless: Vec<usize>,
 }
 
@@ -170,8 +174,14 @@ impl ActiveSet {
             unsettled: false,
             unhindered: false,
             visits: vec![],
+            peeling: Peeling::default(),
             restless: vec![],
         })
+    }
+
+    /// Keeps the pattern of a tangent on the free unknowns.
+    pub(super) fn keep_pattern(&mut self, matrix: &CsrMatrix) {
+        self.peeling.keep_pattern(matrix);
     }
 
     /// Number of held unknowns.

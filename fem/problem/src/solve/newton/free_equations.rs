@@ -147,7 +147,8 @@ impl<'a> FreeEquations<'a> {
         let tangent = checked_tangent(self.problem, &mut self.elimination, &self.iterates)?;
         let mut reduced = self.elimination.reduce_matrix(&tangent.matrix)?;
         drop(tangent);
-        if let Some(bounds) = &self.bounds {
+        if let Some(bounds) = &mut self.bounds {
+            bounds.keep_pattern(&reduced);
             bounds.mask_matrix(&mut reduced);
         }
         Ok(self.solver.set_matrix(reduced)?)
@@ -206,6 +207,7 @@ impl Equations for FreeEquations<'_> {
     }
 
     fn newton_change(&mut self) -> Result<Change, NewtonFailure> {
+        self.peel();
         loop {
             self.set_tangent()?;
             let change = self.change_by_solver()?;

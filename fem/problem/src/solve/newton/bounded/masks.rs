@@ -13,15 +13,15 @@ pub(in crate::solve::newton) struct Lead {
 }
 
 impl ActiveSet {
-    /// Takes the held rows out of a residual of the free unknowns.
+    // The held rows leave a residual of the free unknowns.
     pub fn mask(&self, reduced: &mut [f64]) {
         for one in self.unknowns.iter().filter(|one| one.held.is_some()) {
             reduced[one.place] = 0.0;
         }
     }
 
-    /// Takes the held rows and columns out of a matrix of the free unknowns. The diagonal keeps its scale, so that solvers see
-    /// rows of like size.
+    // The held rows and columns leave a matrix of the free unknowns. The diagonal keeps its scale, so that solvers see rows of like
+    // size.
     pub fn mask_matrix(&self, matrix: &mut CsrMatrix) {
         let mut is_held = vec![false; matrix.rows()];
         for one in self.unknowns.iter().filter(|one| one.held.is_some()) {

@@ -130,7 +130,7 @@ impl ActiveSet {
         let drawn: Vec<bool> =
             self.unknowns.iter().zip(rounding).map(|(one, rounding)| is_drawn_off(one, *rounding)).collect();
         let gives_up = self.way != Way::Potential || self.unhindered || self.others_are_settled(&drawn);
-        let (mut unsettled, mut restless) = (false, vec![]);
+        let (mut unsettled, mut restless, mut freed) = (false, vec![], 0);
         let pairs = self.unknowns.iter_mut().zip(margins).zip(rounding).zip(&drawn);
         for (((one, margin), rounding), drawn) in pairs {
             let value = u[one.unknown];
@@ -142,10 +142,16 @@ impl ActiveSet {
             };
             if held != one.held {
                 restless.push(one.unknown);
+                freed += usize::from(held.is_none());
             }
             unsettled |= held != one.held || (*drawn && !gives_up);
             unsettled |= held.is_some_and(|side| value != one.bound(side));
             one.held = held;
+        }
+        let came_back = self.peeling.enter(freed, restless.len() - freed, self.count());
+        if came_back {
+            // It is no cycle of single layers.
+            self.visits.clear();
         }
         (self.unsettled, self.restless) = (unsettled, restless);
     }
@@ -165,7 +171,7 @@ impl ActiveSet {
     }
 
     /// A hash of the set.
-    fn fingerprint(&self) -> u64 {
+    pub(super) fn fingerprint(&self) -> u64 {
         let mut hasher = DefaultHasher::new();
         for one in &self.unknowns {
             one.held.hash(&mut hasher);
