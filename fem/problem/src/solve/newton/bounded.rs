@@ -66,6 +66,9 @@ pub enum BoundFailure {
     NotANumber { lower: f64, upper: f64 },
 }
 
+/// A prescribed value may be beyond a bound by this part of the largest number of either.
+const SAME: f64 = 1e-13;
+
 /// Steps of an iteration with bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Way {
@@ -215,10 +218,13 @@ impl Elimination {
                 return refuse(unknown, BoundFailure::Empty { lower: low, upper: high });
             }
         }
-        let is_outside = |value: f64, (low, high): (f64, f64)| {
-            let rounding = 1e-13 * value.abs();
-            value < low - rounding || value > high + rounding
-        };
+        // Formulas for a bound and for a prescribed value may differ by their rounding.
+        let numbers = bounds.lower.iter().chain(&bounds.upper).chain(self.prescribed().values());
+        let scale =
+            numbers.filter(|number| number.is_finite()).fold(0.0, |most: f64, one| most.max(one.abs()));
+        let rounding = SAME * scale;
+        let is_outside =
+            |value: f64, (low, high): (f64, f64)| value < low - rounding || value > high + rounding;
         for (&unknown, &value) in self.prescribed() {
             let (low, high) = of(unknown);
             if is_outside(value, (low, high)) {

@@ -89,7 +89,7 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
     ) -> Result<f64, AssemblyError> {
         let before = self.values_at(functional, u)?;
         let name = functional.name();
-        if let Some((value, position)) = least(&before).filter(|(value, _)| !(*value > 0.0)) {
+        if let Some((value, position)) = least(&before).filter(|(value, _)| value.is_nan() || *value <= 0.0) {
             let position = position.to_vec();
             return Err(AssemblyError::other(PositivityError::NotPositive {
                 functional: name,
@@ -135,9 +135,10 @@ fn least<const D: usize>(values: &Values<D>) -> Option<(f64, [f64; D])> {
 fn shorter<const D: usize>(before: &Values<D>, after: &Values<D>) -> Option<f64> {
     if before.len() != after.len() {
         // Other points: those of pairs that slide.
-        return after.iter().any(|(value, _)| !(*value > 0.0)).then_some(0.5);
+        return after.iter().any(|(value, _)| value.is_nan() || *value <= 0.0).then_some(0.5);
     }
-    let falls = before.iter().zip(after).filter(|((before, _), (after, _))| !(*after >= KEPT * before));
+    let falls =
+        before.iter().zip(after).filter(|((before, _), (after, _))| after.is_nan() || *after < KEPT * before);
     let parts = falls.map(|((before, _), (after, _))| {
         let part = (1.0 - AIM) * before / (before - after);
         if part.is_finite() { part } else { 0.5 }

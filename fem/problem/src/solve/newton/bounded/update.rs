@@ -109,7 +109,7 @@ impl Bounded {
     }
 
     /// The bound at which an unknown that was free is to be held.
-    fn to_be_held(&self, value: f64, margin: f64, residual: f64, rounding: f64) -> Option<Side> {
+    fn side_to_hold(&self, value: f64, margin: f64, residual: f64, rounding: f64) -> Option<Side> {
         if value < self.lower - margin || (value <= self.lower && residual > rounding) {
             Some(Side::Lower)
         } else if value > self.upper + margin || (value >= self.upper && residual < -rounding) {
@@ -138,7 +138,7 @@ impl ActiveSet {
                 Some(_) if *drawn && gives_up => None,
                 Some(side) => Some(side),
                 None if one.lower == one.upper => Some(Side::Lower),
-                None => one.to_be_held(value, *margin, self.reactions[one.place], *rounding),
+                None => one.side_to_hold(value, *margin, self.reactions[one.place], *rounding),
             };
             if held != one.held {
                 restless.push(one.unknown);

@@ -65,7 +65,8 @@ fn dense(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     let n = b.len();
     for k in 0..n {
         let pivot = (k..n).max_by(|i, j| a[*i][k].abs().total_cmp(&a[*j][k].abs())).unwrap();
-        (a.swap(k, pivot), b.swap(k, pivot));
+        a.swap(k, pivot);
+        b.swap(k, pivot);
         for i in k + 1..n {
             let factor = a[i][k] / a[k][k];
             let above = a[k].clone();
@@ -256,4 +257,6 @@ fn bounds_that_cannot_be_kept_are_refused() {
     assert!(matches!(refused([inf, 0.0], [inf; 2], &[]), Some((0, BoundFailure::NotANumber { .. }))));
     assert_eq!(refused([0.5; 2], [0.5; 2], &[]), None);
     assert_eq!(refused([0.0; 2], [1.0; 2], &[(1, 1.0)]), None);
+    // A formula for the bound that rounds, as sin π.
+    assert_eq!(refused([-1.0, 1.2e-16], [1.0; 2], &[(1, 0.0)]), None);
 }
