@@ -1,6 +1,7 @@
 //! The programs of `examples` as a user runs them: one test program, so that the long ones run in parallel with the others.
 
 mod adaptive;
+mod bounds;
 mod convergence;
 mod readme;
 mod rolling_ring;

@@ -239,8 +239,9 @@ impl<const D: usize> Constraints<D> {
         same
     }
 
+    // At least one node.
     #[inline(never)]
-    fn nodes_on(&self, region: &str, place: &str) -> Result<Vec<u32>, ConstraintsError> {
+    pub(crate) fn nodes_on(&self, region: &str, place: &str) -> Result<Vec<u32>, ConstraintsError> {
         if *self.space.elements() == Elements::Dual {
             return Err(ConstraintsError::NotNodal { place: place.to_owned() });
         }
@@ -252,7 +253,7 @@ impl<const D: usize> Constraints<D> {
         Ok(nodes)
     }
 
-    fn check_component(&self, place: &str, component: usize) -> Result<usize, ConstraintsError> {
+    pub(crate) fn check_component(&self, place: &str, component: usize) -> Result<usize, ConstraintsError> {
         let components = self.space.components();
         if component < components {
             return Ok(components);

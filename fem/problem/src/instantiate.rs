@@ -48,6 +48,7 @@ where
             Self::assemble_projection(),
             Self::binding(),
             Self::block_pattern(),
+            Self::bounds(),
             Self::constraints(),
             Self::derived(),
             Self::eigenproblem(),

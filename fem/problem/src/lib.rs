@@ -8,6 +8,7 @@
 extern crate self as forms_fem;
 
 pub mod assemble;
+pub mod bounds;
 #[doc(hidden)]
 pub mod coincident;
 pub mod constraints;

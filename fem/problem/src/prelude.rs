@@ -3,6 +3,7 @@
 pub use std::sync::Arc;
 
 pub use crate::assemble::{Assembler, AssemblyError, Parts, TangentAction};
+pub use crate::bounds::Bounds;
 pub use crate::constraints::Constraints;
 pub use crate::contract::{
     Energy, Entity, Expression, Form, Functional, Given, History, Pairing, Real, Table,

@@ -65,6 +65,29 @@ impl<const D: usize> Assembler<D> {
         Ok(chunks.into_iter().fold(0.0, |sum, chunks| sum + chunks.into_iter().sum::<f64>()))
     }
 
+    /// The values of the integrands of a functional of unknowns at its quadrature points, whatever they are, with their positions.
+    ///
+    /// # Errors
+    /// As [`Assembler::functional`].
+    pub(crate) fn values_of(
+        &self,
+        functional: &Function<D>,
+        unknowns: &[&Field<D>],
+    ) -> Result<Vec<(f64, [f64; D])>, AssemblyError> {
+        let binding = self.bind(functional, &views(unknowns))?;
+        // Test functions count in the estimate of the degree, as in that of a residual.
+        let spaces: Vec<_> = unknowns.iter().map(|field| field.space()).collect();
+        let degrees = binding.degrees(&spaces);
+        let points =
+            PointWalk { binding: &binding, quadrature: &self.quadrature, threads: self.threads, degrees };
+        let receive = |found: &mut Vec<(f64, [f64; D])>, value: &[f64], _: f64, x: &[f64; D]| {
+            found.push((value[0], *x));
+            Ok(())
+        };
+        let found = points.all_chunks(functional.densities(), &receive)?;
+        Ok(found.into_iter().flatten().flatten().collect())
+    }
+
     /// For every quadrature point of the nonlinear integrals that have kinks, in the order of the walk,
     /// which of its switches are on (bit k: the k-th `neg_part`, `max`, comparison, …). `None` if the
     /// form has no kinks. Two iterates with equal lists have the same active set.

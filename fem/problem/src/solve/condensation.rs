@@ -19,7 +19,8 @@ use super::newton::{LineSearch, NewtonFailure};
 pub(super) fn solve(free: &mut FreeEquations<'_>, guess: Option<Vec<f64>>) -> Result<(), NewtonFailure> {
     let given = free.impose()?;
     // A problem that can be taken apart computes its residuals by parts from here on.
-    let linear_part = share_linear_part(free)?;
+    // Held rows and columns are taken out of the whole tangent.
+    let linear_part = if free.bounds.is_some() { None } else { share_linear_part(free)? };
     free.enter_start(&given)?;
     match linear_part {
         Some(linear_part) => WithLinearPart { free, linear_part }.solve(guess),

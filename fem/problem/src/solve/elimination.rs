@@ -132,6 +132,16 @@ impl Elimination {
         held
     }
 
+    /// Prescribed values, by unknown.
+    pub(crate) fn prescribed(&self) -> &BTreeMap<usize, f64> {
+        &self.prescribed
+    }
+
+    /// Unknowns that free ones give.
+    pub(crate) fn relations(&self) -> &BTreeMap<usize, Relation> {
+        &self.relations
+    }
+
     /// Free unknowns, ascending.
     pub fn free(&self) -> &[usize] {
         &self.free

@@ -49,14 +49,15 @@ pub use local_unknowns::LocalUnknowns;
 pub use lu_solver::LuSolver;
 pub use multigrid_solver::{MultigridSolver, MultigridSolverOptions, MultigridSolverReport};
 pub use newton::{
-    ActivePoints, FieldUnknowns, LineSearch, LinearPart, NewtonError, NewtonFailure, NewtonOptions,
-    NewtonSolution, NewtonStep, NonlinearProblem, NonlinearTangent, PartlyLinear, Products, Start, Tangent,
-    WorstEquation, newton, newton_eliminating,
+    ActivePoints, BoundFailure, FieldUnknowns, HeldUnknown, LineSearch, LinearPart, NewtonError,
+    NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep, NonlinearProblem, NonlinearTangent,
+    PartlyLinear, Products, Start, Tangent, UnknownBounds, WorstEquation, newton, newton_bounded,
+    newton_eliminating,
 };
 pub use per_unknown::PerUnknown;
 #[doc(hidden)]
 pub use problem::{OwnedForm, StepMemory, solve_owned};
-pub use problem::{Problem, SolveError};
+pub use problem::{PositivityError, Problem, SolveError};
 pub use rigid_loads::{RigidLoadError, RigidLoads};
 pub use solved::{ReactionError, Solved};
 pub use solver_report::{SolverPath, SolverReport};

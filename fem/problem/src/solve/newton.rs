@@ -1,6 +1,7 @@
 //! Semismooth Newton on the free unknowns: undamped, or with a line search on the potential or on the residual.
 
 mod active_points;
+pub(super) mod bounded;
 pub(super) mod convergence;
 mod cycles;
 pub(super) mod equations;
@@ -17,9 +18,11 @@ mod tangent;
 use std::collections::BTreeMap;
 
 pub use self::active_points::ActivePoints;
+pub use self::bounded::{BoundFailure, HeldUnknown, UnknownBounds};
 use super::condensation;
 use super::elimination::Elimination;
 use super::linear_solver::LinearSolver;
+use bounded::ActiveSet;
 pub use convergence::FieldUnknowns;
 use convergence::{Fields, Norms};
 use free_equations::{FreeEquations, Residuals};
@@ -84,14 +87,36 @@ pub fn newton_eliminating(
     options: &NewtonOptions,
     progress: &mut dyn FnMut(&NewtonStep),
 ) -> Result<NewtonSolution, NewtonError> {
+    newton_bounded(problem, elimination, None, start, solver, options, progress)
+}
+
+/// [`newton_eliminating()`] with bounds on unknowns, where there are any: see [`UnknownBounds`].
+///
+/// # Errors
+/// As [`newton()`]; [`NewtonFailure::Bounds`] where a bound does not fit its unknown.
+pub fn newton_bounded(
+    problem: &mut dyn NonlinearProblem,
+    elimination: Elimination,
+    bounds: Option<&UnknownBounds>,
+    start: Start,
+    solver: &mut dyn LinearSolver,
+    options: &NewtonOptions,
+    progress: &mut dyn FnMut(&NewtonStep),
+) -> Result<NewtonSolution, NewtonError> {
     let Start { u, guess } = start;
     let fields = Fields::new(&problem.fields(), &elimination);
+    let set = bounds.map(|bounds| ActiveSet::new(bounds, &elimination, &fields, options.line_search));
+    let set = match set.transpose() {
+        Ok(set) => set,
+        Err(why) => return Err(NewtonError { u, ..why.into() }),
+    };
     let iterates = Iterates::new(u, fields, options, progress);
     let mut equations = FreeEquations::new(problem, elimination, solver, iterates);
-    let found = condensation::solve(&mut equations, guess);
+    equations.bounds = set;
+    let found = condensation::solve(&mut equations, guess).and_then(|()| equations.unknowns_at_bounds());
     let (Iterates { u, history, .. }, residual, worst) = equations.into_parts();
     match found {
-        Ok(()) => Ok(NewtonSolution { u, residual, history }),
+        Ok(held) => Ok(NewtonSolution { u, residual, history, held }),
         Err(why) => Err(NewtonError { why, history, u, worst: worst.map(Box::new), notes: vec![] }),
     }
 }

@@ -2,9 +2,11 @@
 
 mod affine;
 mod agreement;
+mod bounded;
 mod diagnosis;
 mod equations;
 mod free_bodies;
+mod positivity;
 mod setting;
 mod solution;
 mod step;
@@ -15,6 +17,7 @@ use std::cell::OnceCell;
 use std::ops::Range;
 use std::sync::Arc;
 
+pub use self::positivity::PositivityError;
 #[doc(hidden)]
 pub use self::solution::StepMemory;
 use self::solution::{EachStep, Solver};
@@ -22,11 +25,13 @@ use super::communicator::Communicator;
 use super::linear_and_nonlinear::SplitSystem;
 use super::linear_part::{Assembled, System};
 use super::{
-    Increment, LinearSolver, NewtonError, NewtonOptions, NewtonStep, PerUnknown, RigidLoads, Solved,
+    HeldUnknown, Increment, LinearSolver, NewtonError, NewtonOptions, NewtonStep, PerUnknown, RigidLoads,
+    Solved,
 };
 use crate::assemble::{Assembler, AssemblyError, BlockPattern};
+use crate::bounds::Bounds;
 use crate::constraints::Constraints;
-use crate::contract::Form;
+use crate::contract::{Form, Functional};
 use crate::field::Field;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
@@ -65,6 +70,11 @@ use crate::threads::Threads;
 pub struct Problem<'a, const D: usize, const N: usize = 1> {
     pub(in crate::solve) system: System<'a, D, N>,
     pub(in crate::solve) constraints: Vec<Cow<'a, Constraints<D>>>,
+    pub(in crate::solve) bounds: Vec<&'a Bounds<D>>,
+    /// Functionals whose integrands are kept positive.
+    pub(in crate::solve) positive: Vec<Functional<D>>,
+    /// The unknowns that the last solution has at bounds.
+    pub(in crate::solve) held: Vec<HeldUnknown>,
     pub(in crate::solve) start: Option<[&'a Field<D>; N]>,
     /// The state from which a load step goes; the start is its prediction.
     pub(in crate::solve) last_state: Option<[&'a Field<D>; N]>,
@@ -117,6 +127,9 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
                 loads: vec![],
             },
             constraints: vec![],
+            bounds: vec![],
+            positive: vec![],
+            held: vec![],
             start: None,
             last_state: None,
             solver: Solver::Own(Box::default()),

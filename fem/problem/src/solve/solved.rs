@@ -1,7 +1,10 @@
 //! A solution: fields, history, reactions, and what is computed from them.
 
+mod at_bounds;
+
 use std::sync::Arc;
 
+pub(super) use self::at_bounds::AtBounds;
 use crate::contract::{Expression, Functional};
 use thiserror::Error;
 
@@ -31,6 +34,7 @@ pub struct Solved<const D: usize, const N: usize = 1> {
     /// The contact pairs at the solution, in numbers: open points, gaps, overlaps; and pairings without contact pairs, which
     /// [`Solved::notes`] puts into words.
     pub pairs: Vec<RegionPairs<D>>,
+    pub(super) at_bounds: AtBounds<D, N>,
     pub(super) assembler: Assembler<D>,
     /// Those of [`Problem::with_notes`](super::Problem::with_notes).
     pub(super) remarks: Vec<String>,
@@ -62,12 +66,12 @@ impl<const D: usize, const N: usize> Solved<D, N> {
 
     /// Remarks on the solution: surfaces that may touch, but whose points have no opposite one. Bodies that come together later
     /// begin so; a surface that is turned away, or beyond the reach, would stay so, and the bodies pass through each other. And integrals
-    /// over contact pairs whose rule has the compiler's estimate for its degree, where that is above 20. Last, what whoever made the
+    /// over contact pairs whose rule has the compiler's estimate for its degree, where that is above 20. Unknowns at bounds that do not act on them. Last, what whoever made the
     /// problem has to say ([`Problem::with_notes`](super::Problem::with_notes)), as contact problems of a γ₀ that is too small.
     pub fn notes(&self) -> Vec<String> {
         let of_pairs =
             self.pairs.iter().flat_map(|pairs| [pairs.note(), pairs.note_on_quadrature()]).flatten();
-        of_pairs.chain(self.remarks.iter().cloned()).collect()
+        of_pairs.chain(self.at_bounds.remark.clone()).chain(self.remarks.iter().cloned()).collect()
     }
 
     /// The assembler that the problem was solved with, for all that is asked of the solution in other ways.

@@ -179,6 +179,7 @@ impl Equations for FewUnknowns<'_, '_> {
             length: norms.step.as_deref().map(norm),
             damping: Some(1.0),
             linear_iterations: Some(0),
+            held: None,
             condensed_unknowns: Some(x_c.len()),
         };
         let active = self.problem.active_points(u)?;

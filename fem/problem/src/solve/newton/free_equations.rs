@@ -1,5 +1,6 @@
 //! Equations on all free unknowns: residual Cᵀ R, tangent Cᵀ K C, and steps that a line search may shorten.
 
+use super::bounded::{ActiveSet, Moved};
 use super::equations::{Change, Equations, Origin, Verdict};
 use super::judgement::{LastChange, Refinement};
 use super::line_search::{Forced, Taken, check_potential};
@@ -54,6 +55,8 @@ pub(in crate::solve) struct FreeEquations<'a> {
     /// The equation that is off by the most of its terms, where one was.
     pub(super) worst: Option<WorstEquation>,
     pub(super) forced: Option<Forced>,
+    /// The unknowns that are held at bounds, where there are bounds.
+    pub(in crate::solve) bounds: Option<ActiveSet>,
 }
 
 impl<'a> FreeEquations<'a> {
@@ -74,6 +77,7 @@ impl<'a> FreeEquations<'a> {
             refinement: Refinement::default(),
             worst: None,
             forced: None,
+            bounds: None,
         }
     }
 
@@ -89,6 +93,10 @@ impl<'a> FreeEquations<'a> {
     pub fn impose(&mut self) -> Result<Vec<f64>, NewtonFailure> {
         let given = self.iterates.u.clone();
         self.elimination.impose(&mut self.iterates.u)?;
+        if let Some(bounds) = &self.bounds {
+            bounds.project(&mut self.iterates.u);
+            self.elimination.impose_relations(&mut self.iterates.u);
+        }
         Ok(given)
     }
 
@@ -98,12 +106,18 @@ impl<'a> FreeEquations<'a> {
     /// If assembly fails.
     pub fn enter_start(&mut self, given: &[f64]) -> Result<(), NewtonFailure> {
         self.residuals = self.residuals_at_last()?;
-        if !norm(&self.residuals.reduced).is_finite()
+        if (!norm(&self.residuals.reduced).is_finite() || !self.may_begin())
             && let Some(found) = self.impose_by_tangent(given)?
         {
             self.residuals = found;
         }
         self.enter(Step::default(), None)
+    }
+
+    /// Whether what is kept positive is so at the last iterate.
+    fn may_begin(&mut self) -> bool {
+        let at_rest = vec![0.0; self.iterates.u.len()];
+        self.problem.largest_step(&self.iterates.u, &at_rest).is_ok()
     }
 
     /// The residual at the last iterate.
@@ -117,9 +131,11 @@ impl<'a> FreeEquations<'a> {
     /// Enters the current iterate into the history, with its residual and the norms of the whole step that led to it.
     fn enter(&mut self, step: Step, lengths: Option<Vec<f64>>) -> Result<(), NewtonFailure> {
         let active = self.problem.active_points(&self.iterates.u)?;
+        self.update_held()?;
+        let held = self.bounds.as_ref().map(ActiveSet::count);
         let reduced = &self.residuals.reduced;
         let norms = Norms { step: lengths, ..self.iterates.norms_at(&self.elimination, reduced) };
-        self.iterates.record(norm(reduced), norms, active, step);
+        self.iterates.record(norm(reduced), norms, active, Step { held, ..step });
         Ok(())
     }
 
@@ -129,8 +145,12 @@ impl<'a> FreeEquations<'a> {
     /// If assembly or the linear solver fails.
     pub fn set_tangent(&mut self) -> Result<(), NewtonFailure> {
         let tangent = checked_tangent(self.problem, &mut self.elimination, &self.iterates)?;
-        let reduced = self.elimination.reduce_matrix(&tangent.matrix)?;
+        let mut reduced = self.elimination.reduce_matrix(&tangent.matrix)?;
         drop(tangent);
+        if let Some(bounds) = &mut self.bounds {
+            bounds.keep_pattern(&reduced);
+            bounds.mask_matrix(&mut reduced);
+        }
         Ok(self.solver.set_matrix(reduced)?)
     }
 
@@ -139,8 +159,15 @@ impl<'a> FreeEquations<'a> {
     /// # Errors
     /// If the linear solver fails.
     pub fn change_by_solver(&mut self) -> Result<Change, NewtonFailure> {
-        let load: Vec<f64> = self.residuals.reduced.iter().map(|value| -value).collect();
-        let found = self.solver.solve(&load, self.iterates.linear_target())?;
+        let mut load: Vec<f64> = self.residuals.reduced.iter().map(|value| -value).collect();
+        let lead = self.lead_to_bounds()?;
+        if let Some(lead) = &lead {
+            add_scaled(&mut load, -1.0, &lead.forces);
+        }
+        let mut found = self.solver.solve(&load, self.iterates.linear_target())?;
+        if let Some(lead) = &lead {
+            add_scaled(&mut found.solution, 1.0, &lead.reduced);
+        }
         let values = self.elimination.extend_by_zero(&found.solution)?;
         let condensed_unknowns = self.solver.as_condensed().and_then(|solver| solver.condensed_unknowns());
         Ok(Change {
@@ -150,35 +177,62 @@ impl<'a> FreeEquations<'a> {
     }
 }
 
-impl Equations for FreeEquations<'_> {
-    fn judge(&mut self) -> Result<Verdict, NewtonFailure> {
-        self.judge_last()
-    }
-
-    fn newton_change(&mut self) -> Result<Change, NewtonFailure> {
-        self.set_tangent()?;
-        self.change_by_solver()
-    }
-
-    fn take(&mut self, change: Change) -> Result<(), NewtonFailure> {
-        let Change { mut values, origin } = change;
-        let (Taken { part, residuals }, linear_iterations, condensed_unknowns) = match origin {
-            Origin::Tangent { linear_iterations, condensed_unknowns } => {
-                (self.part_of_step(&values)?, linear_iterations, condensed_unknowns)
-            }
-            Origin::Judgement => (Taken::whole(), 0, None),
+impl FreeEquations<'_> {
+    /// Moves to the next iterate along a change of all unknowns. The part of it that was taken.
+    fn move_along(&mut self, values: &[f64], origin: Origin) -> Result<f64, NewtonFailure> {
+        if self.bounds.is_some() {
+            let Moved { u, residuals, part } = self.move_between_bounds(values, origin)?;
+            (self.iterates.u, self.residuals) = (u, residuals);
+            return Ok(part);
+        }
+        let (Taken { part, residuals }, limit) = match origin {
+            Origin::Tangent { .. } => self.limited_step(values)?,
+            Origin::Judgement => (Taken::whole(), 1.0),
         };
-        add_scaled(&mut self.iterates.u, part, &values);
+        add_scaled(&mut self.iterates.u, limit * part, values);
         self.residuals = match residuals {
             Some(found) => found,
             None => self.residuals_at_last()?,
         };
+        Ok(limit * part)
+    }
+}
+
+impl Equations for FreeEquations<'_> {
+    fn judge(&mut self) -> Result<Verdict, NewtonFailure> {
+        match self.judge_bounds()? {
+            Some(verdict) => Ok(verdict),
+            None => self.judge_last(),
+        }
+    }
+
+    fn newton_change(&mut self) -> Result<Change, NewtonFailure> {
+        self.peel();
+        loop {
+            self.set_tangent()?;
+            let change = self.change_by_solver()?;
+            if !self.hold_hindering(&change) {
+                return Ok(change);
+            }
+        }
+    }
+
+    fn take(&mut self, change: Change) -> Result<(), NewtonFailure> {
+        let Change { mut values, origin } = change;
+        let (linear_iterations, condensed_unknowns) = match origin {
+            Origin::Tangent { linear_iterations, condensed_unknowns } => {
+                (linear_iterations, condensed_unknowns)
+            }
+            Origin::Judgement => (0, None),
+        };
+        let part = self.move_along(&values, origin)?;
         let reduced: Vec<f64> = self.elimination.free().iter().map(|unknown| values[*unknown]).collect();
         let step = Step {
             length: Some(part * norm(&reduced)),
             damping: Some(part),
             linear_iterations: Some(linear_iterations),
             condensed_unknowns,
+            held: None,
         };
         let lengths = self.iterates.fields.norms(&reduced);
         values.iter_mut().for_each(|value| *value *= part);

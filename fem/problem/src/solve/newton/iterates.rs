@@ -29,6 +29,7 @@ pub(in crate::solve) struct Step {
     pub damping: Option<f64>,
     pub linear_iterations: Option<usize>,
     pub condensed_unknowns: Option<usize>,
+    pub held: Option<usize>,
 }
 
 impl<'a> Iterates<'a> {
@@ -76,6 +77,7 @@ impl<'a> Iterates<'a> {
             damping: step.damping,
             linear_iterations: step.linear_iterations,
             condensed_unknowns: step.condensed_unknowns,
+            held_unknowns: step.held,
         };
         self.norms.push(norms);
         (self.progress)(&step);

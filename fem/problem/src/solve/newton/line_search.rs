@@ -43,23 +43,23 @@ impl Taken {
 }
 
 /// Along a part α of a step the residual's norm must fall by this times α.
-const FALL: f64 = 1e-4;
+pub(super) const FALL: f64 = 1e-4;
 
 /// Most halvings of a step.
-const HALVINGS: i32 = 6;
+pub(super) const HALVINGS: i32 = 6;
 
 /// Halvings of the step that is taken where no part lowers the residual's norm: the first, and the others in turn where
 /// the one before led back to a residual as large as that from which it was taken.
-const FORCED: [i32; 5] = [3, 2, 4, 1, 5];
+pub(super) const FORCED: [i32; 5] = [3, 2, 4, 1, 5];
 
 /// A residual's norm that is not smaller than another by this part is not smaller.
 const SAME: f64 = 1e-6;
 
 /// The slope at an accepted place is at most this part of the first, in amount.
-const FLAT: f64 = 0.5;
+pub(super) const FLAT: f64 = 0.5;
 
 /// A tangent with a larger asymmetry has no potential.
-const SYMMETRIC: f64 = 1e-9;
+pub(super) const SYMMETRIC: f64 = 1e-9;
 
 /// Most evaluations along a step: bisection reaches 10⁻⁹ of it.
 const EVALUATIONS: usize = 30;
@@ -68,15 +68,15 @@ const EVALUATIONS: usize = 30;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Forced {
     /// The residual's norm before it.
-    before: f64,
+    pub before: f64,
     /// Which of [`FORCED`] it was.
-    choice: usize,
+    pub choice: usize,
 }
 
 impl Iterates<'_> {
     /// The norm of the residual whose norms per field are given, each relative to the largest that the field had. A field that
     /// had none yet does not count.
-    fn merit(&self, residuals: &[f64]) -> f64 {
+    pub(super) fn merit(&self, residuals: &[f64]) -> f64 {
         let parts = residuals.iter().enumerate().map(|(field, residual)| {
             let largest = self.largest_residual(field);
             if largest == 0.0 { 0.0 } else { residual / largest }
@@ -97,6 +97,16 @@ pub(super) fn check_potential(
 }
 
 impl FreeEquations<'_> {
+    /// The part that is taken of the longest step along δ that the problem allows, and that step as a part of δ.
+    pub(super) fn limited_step(&mut self, step: &[f64]) -> Result<(Taken, f64), NewtonFailure> {
+        let limit = self.problem.largest_step(&self.iterates.u, step)?;
+        if limit >= 1.0 {
+            return Ok((self.part_of_step(step)?, 1.0));
+        }
+        let shortened: Vec<f64> = step.iter().map(|step| limit * step).collect();
+        Ok((self.part_of_step(&shortened)?, limit))
+    }
+
     /// The part of the Newton step δ, given on all unknowns, that is taken.
     pub(super) fn part_of_step(&mut self, step: &[f64]) -> Result<Taken, NewtonFailure> {
         match self.iterates.options.line_search {
@@ -106,14 +116,19 @@ impl FreeEquations<'_> {
         }
     }
 
+    /// Which of [`FORCED`] is next, where no part of a step lowers the residual's norm.
+    pub(super) fn forced_choice(&self, before: f64) -> usize {
+        match self.forced {
+            Some(last) if before >= last.before * (1.0 - SAME) => (last.choice + 1) % FORCED.len(),
+            _ => 0,
+        }
+    }
+
     /// The part of a step with which the residual's norm falls.
     fn along_residual(&mut self, step: &[f64]) -> Result<Taken, NewtonFailure> {
         let iterates = &self.iterates;
         let before = iterates.norms.last().map_or(f64::INFINITY, |last| iterates.merit(&last.residual));
-        let choice = match self.forced {
-            Some(last) if before >= last.before * (1.0 - SAME) => (last.choice + 1) % FORCED.len(),
-            _ => 0,
-        };
+        let choice = self.forced_choice(before);
         let mut otherwise = None;
         for halvings in 0..=HALVINGS {
             let part = 0.5_f64.powi(halvings);
@@ -134,7 +149,7 @@ impl FreeEquations<'_> {
     }
 
     /// The part of a step with which the potential falls.
-    fn along_potential(&mut self, step: &[f64]) -> Result<Taken, NewtonFailure> {
+    pub(super) fn along_potential(&mut self, step: &[f64]) -> Result<Taken, NewtonFailure> {
         let u = &self.iterates.u;
         let mut slope = |part: f64| -> Result<f64, NewtonFailure> {
             let at: Vec<f64> = u.iter().zip(step).map(|(u, step)| u + part * step).collect();

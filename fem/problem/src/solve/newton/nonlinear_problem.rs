@@ -34,6 +34,15 @@ pub trait NonlinearProblem {
         Ok(None)
     }
 
+    /// The largest part of a step δ, at most 1, that may be taken from u. Beyond it, quantities that have to stay positive would not, as the
+    /// volume of a cell or the gap under a barrier. It is asked once per Newton step, before the line search.
+    ///
+    /// # Errors
+    /// If assembly fails, or no part of the step may be taken.
+    fn largest_step(&mut self, _u: &[f64], _step: &[f64]) -> Result<f64, AssemblyError> {
+        Ok(1.0)
+    }
+
     /// K x, and Σ_j |K_ij x_j| of each row, with a tangent K at u or at an iterate near it: the forces that balance where unknown j
     /// is of the size x_j \[unit of R\]. Rounding of R is a small multiple of those of u. Where several processes have parts of the
     /// tangent, they are the sums over all of them.

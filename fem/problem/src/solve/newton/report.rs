@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::bounded::{BoundFailure, HeldUnknown};
 use super::line_search::LineSearch;
 #[cfg(doc)]
 use super::newton;
@@ -69,6 +70,8 @@ pub struct NewtonStep {
     pub damping: Option<f64>,
     /// Unknowns of the system of that step, where it was condensed to those that the nonlinearity touches.
     pub condensed_unknowns: Option<usize>,
+    /// Unknowns that are held at bounds at this iterate, where there are bounds.
+    pub held_unknowns: Option<usize>,
 }
 
 impl NewtonStep {
@@ -85,6 +88,7 @@ impl NewtonStep {
             linear_iterations: None,
             damping: None,
             condensed_unknowns: None,
+            held_unknowns: None,
         }
     }
 }
@@ -98,6 +102,8 @@ pub struct NewtonSolution {
     pub residual: Vec<f64>,
     /// The start and each iterate.
     pub history: Vec<NewtonStep>,
+    /// The unknowns at their bounds, ascending.
+    pub held: Vec<HeldUnknown>,
 }
 
 impl NewtonSolution {
@@ -127,6 +133,28 @@ pub enum NewtonFailure {
         first: usize,
         /// Steps in between.
         period: usize,
+    },
+    /// Iterates came back with the set of unknowns that bounds hold, and the tangent is not symmetric, so that there is no potential to go
+    /// along.
+    #[error(
+        "the unknowns that bounds hold repeat themselves: those of iteration {first} came back after {period} more, and the tangent \
+         is not symmetric; LineSearch::OnResidual or a nearer start may help"
+    )]
+    BoundsCycle {
+        /// Iterate that was reached again.
+        first: usize,
+        /// Steps in between.
+        period: usize,
+        /// Unknowns that the last iterate holds or frees.
+        unknowns: Vec<usize>,
+    },
+    /// A bound that does not fit its unknown.
+    #[error("the bounds of unknown {unknown} cannot be kept: {why}")]
+    Bounds {
+        /// Its number among all.
+        unknown: usize,
+        /// The reason.
+        why: BoundFailure,
     },
     /// Steps hardly change u any more, but the residual is above the tolerance, and above the rounding of the forces that
     /// balance in it: it cannot be computed any better, or the tangent is not its derivative.

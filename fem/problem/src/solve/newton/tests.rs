@@ -1,5 +1,6 @@
 //! Newton on membranes above an elastic bed.
 
+mod bounds;
 mod failures;
 mod few_unknowns;
 mod related_unknowns;

@@ -116,8 +116,13 @@ impl<const D: usize, const N: usize> NonlinearProblem for Problem<'_, D, N> {
         summed(self.communicator, self.system.form.name(), own).map(Some)
     }
 
+    fn largest_step(&mut self, u: &[f64], step: &[f64]) -> Result<f64, AssemblyError> {
+        self.positive_part_of_step(u, step)
+    }
+
     fn partly_linear(&mut self) -> Option<&mut dyn PartlyLinear> {
-        Some(self)
+        // Steps on few unknowns are not limited.
+        if self.positive.is_empty() { Some(self) } else { None }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Solution of a problem: of one linear system, or by Newton's method.
 
+use std::borrow::Cow;
 use std::time::Instant;
 
 use super::{Problem, SolveError};
@@ -13,7 +14,7 @@ use crate::solve::communicator::agreed;
 use crate::solve::linear_part::{Assembled, System};
 use crate::solve::local_unknowns::groups_of;
 use crate::solve::{
-    Elimination, LinearSolver, LocalUnknowns, NewtonFailure, NewtonStep, Solved, Start, newton_eliminating,
+    Elimination, LinearSolver, LocalUnknowns, NewtonFailure, NewtonStep, Solved, Start, newton_bounded,
 };
 
 /// Memory that one step of a history leaves to the next, and the map from its matrix to the reduced one: nothing that a result depends on.
@@ -78,7 +79,9 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
             error.notes.extend(self.notes.iter().cloned());
             error
         })?;
+        let constraints = self.all_constraints()?.map(Cow::into_owned);
         Ok(Solved {
+            at_bounds: self.at_bounds(&self.held, constraints),
             fields: self.system.fields(&u),
             history,
             residual,
@@ -103,7 +106,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         self.agree_on_problem(&constraints)?;
         let mut elimination = Elimination::of(&constraints).map_err(NewtonFailure::Mismatch)?;
         solver.set_local_unknowns(groups_of(&self.system.spaces, &elimination));
-        if self.system.form.is_affine() {
+        if self.system.form.is_affine() && self.bounds.is_empty() && self.positive.is_empty() {
             elimination = elimination.with_restriction(self.memory.restriction.take());
             let found = self.solve_affine(&mut elimination, solver);
             self.memory.restriction = elimination.into_restriction();
@@ -130,6 +133,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         self.overlap_touching(&elimination, &mut u)?;
         let guess = self.extrapolate_prescribed(&u, constraints);
         self.split = None;
+        let bounds = self.all_bounds()?;
         let options = self.options.clone();
         let mut progress = self.progress.take();
         let mut ignored = |_: &NewtonStep| ();
@@ -138,7 +142,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
             None => &mut ignored,
         };
         let start = Start { u, guess };
-        let found = newton_eliminating(self, elimination, start, solver, &options, told);
+        let found = newton_bounded(self, elimination, bounds.as_ref(), start, solver, &options, told);
         self.progress = progress;
         let found = found.map_err(|mut error| {
             if let NewtonFailure::LinearSolver(source) = error.why {
@@ -149,12 +153,14 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
                 error.why = NewtonFailure::LinearSolver(named);
             }
             error.notes = self.lost_pairs(&error.u);
+            error.notes.extend(self.bounds_in_words(&error));
             error.notes.extend(error.worst.as_deref().and_then(|worst| self.equation_that_is_off(*worst)));
             if matches!(error.why, NewtonFailure::NotFinite) {
                 error.notes.extend(self.place_without_a_number(&error.u));
             }
             error
         })?;
+        self.held = found.held;
         Ok((found.u, found.residual, found.history))
     }
 

@@ -40,7 +40,7 @@ impl FreeEquations<'_> {
     }
 
     /// Whether a correction is below the rounding of each field.
-    pub(super) fn is_rounding(&self, correction: &[f64]) -> bool {
+    pub(in crate::solve::newton) fn is_rounding(&self, correction: &[f64]) -> bool {
         let components = self.iterates.fields.components.iter();
         let allowed = |component: &Component| UNKNOWN_ROUNDING * component.largest_in_field(&self.iterates.u);
         components.into_iter().all(|component| component.largest(correction) <= allowed(component))
