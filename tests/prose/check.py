@@ -42,8 +42,11 @@ ITEM_LIMITS = {
     "Result without # Errors": 0,
 }
 
-# Lines of all user pages (docs without decisions and the book's table of contents), half of those before: a ratchet.
+# Lines of the user pages on what there was when they were rewritten (docs without decisions and the book's table of contents), half of
+# those before: a ratchet. Pages on later features have a limit each.
 USER_LINES = 1950
+LATER_PAGES = {"bounds.md", "continuation.md", "nearly_incompressible.md"}
+LATER_PAGE_LINES = 60
 
 # Lines of a page, and characters of an entry in the changelog, which are two lines of a wide editor.
 PAGE_LINES = {"README.md": 150, "docs/decisions/*.md": 60}
@@ -71,7 +74,11 @@ def sizes(pages):
         for pattern, most in PAGE_LINES.items():
             if fnmatch(name, pattern) and name != "docs/decisions/README.md" and text.count("\n") > most:
                 yield f"{name} has {text.count(chr(10))} lines, more than {most}"
-    lines = sum(text.count("\n") for path, text in pages.items() if is_user_page(path) and path.name != "SUMMARY.md" and path.parent != ROOT)
+    counted = {path: text.count("\n") for path, text in pages.items() if is_user_page(path) and path.name != "SUMMARY.md" and path.parent != ROOT}
+    for path in [path for path in counted if path.name in LATER_PAGES]:
+        if (later := counted.pop(path)) > LATER_PAGE_LINES:
+            yield f"{path.name} has {later} lines, more than {LATER_PAGE_LINES}"
+    lines = sum(counted.values())
     if lines > USER_LINES:
         yield f"the user pages have {lines} lines, more than {USER_LINES}"
     for entry in (ROOT / "CHANGELOG.md").read_text().splitlines():

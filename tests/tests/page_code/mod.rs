@@ -1,17 +1,19 @@
 //! Code blocks of the pages for users. They are compiled here, each next to what its page takes for granted.
 
 // Pages borrow what is borrowed here already. What they show is compiled, and not run.
-#![allow(dead_code, clippy::needless_borrow, clippy::needless_borrows_for_generic_args, clippy::let_and_return)]
+#![allow(dead_code, clippy::needless_borrow, clippy::redundant_closure, clippy::needless_borrows_for_generic_args, clippy::let_and_return)]
 
 mod adaptivity;
+mod bounds;
 mod contact;
 mod dynamics;
 mod histories;
 mod language;
 
 /// The pages with blocks in Rust, and what compiles them elsewhere.
-const PAGES: [(&str, Option<&str>); 11] = [
+const PAGES: [(&str, Option<&str>); 12] = [
     ("adaptivity", None),
+    ("bounds", None),
     ("coming_from", Some("the documentation tests of this crate")),
     ("contact_between_bodies", None),
     ("contact_with_adjoint", Some("the program of that name")),
@@ -40,6 +42,7 @@ fn blocks(page: &str) -> Vec<&str> {
 fn every_block_of_a_page_is_compiled() {
     let compiled = [
         include_str!("adaptivity.rs"),
+        include_str!("bounds.rs"),
         include_str!("contact.rs"),
         include_str!("dynamics.rs"),
         include_str!("histories.rs"),
