@@ -49,6 +49,7 @@ where
             Self::binding(),
             Self::block_pattern(),
             Self::constraints(),
+            Self::continuation(),
             Self::derived(),
             Self::eigenproblem(),
             Self::elimination(),

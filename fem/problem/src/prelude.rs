@@ -16,7 +16,7 @@ pub use crate::norms;
 pub use crate::output::Failure;
 pub use crate::quadrature::{Quadrature, QuadratureRule};
 pub use crate::solve::{
-    CondensedSolver, Eigenproblem, Increment, LineSearch, LinearSolver, LoadSteps, LuSolver, MultigridSolver,
+    CondensedSolver, Continuation, Deflation, Eigenproblem, Increment, LineSearch, LinearSolver, LoadSteps, LuSolver, MultigridSolver,
     MultigridSolverOptions, NewtonError, NewtonOptions, NewtonStep, Problem, SolveError, Solved,
     TangentSolver, TangentSolverOptions,
 };

@@ -139,6 +139,12 @@ impl TangentSolver {
         self.factor.as_ref().map(SymmetricFactor::is_positive_definite)
     }
 
+    /// The number of negative eigenvalues of the current matrix, where it is symmetric and its own factor tells.
+    pub fn negative_eigenvalues(&self) -> Option<usize> {
+        let tells = self.matrix.is_some() && self.symmetric && self.factor_is_fresh && !self.by_lu;
+        self.factor.as_ref().filter(|_| tells).map(SymmetricFactor::negative_eigenvalues)
+    }
+
     /// Estimate of the current matrix's condition in the 1-norm, by about five solves; it is also reported.
     ///
     /// # Errors

@@ -117,7 +117,12 @@ impl<const D: usize, const N: usize> NonlinearProblem for Problem<'_, D, N> {
     }
 
     fn partly_linear(&mut self) -> Option<&mut dyn PartlyLinear> {
-        Some(self)
+        // Known solutions repel all unknowns.
+        if self.repulsion.is_some() { None } else { Some(self) }
+    }
+
+    fn factor_of_step(&mut self, u: &[f64], step: &[f64]) -> f64 {
+        self.repulsion.as_ref().map_or(1.0, |repulsion| repulsion.factor(u, step))
     }
 }
 
