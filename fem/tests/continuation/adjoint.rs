@@ -15,7 +15,7 @@ fn the_derivative_of_a_total_beyond_the_limit_point() -> Outcome {
         .until(|_, solved| solved.field().values().iter().any(|u| *u > 3.0))
         .run(|rate, solved| {
             found = Some((rate, solved.field().clone()));
-            Ok::<_, Failure>(())
+            Ok(())
         })?;
     let (rate, u) = found.ok_or("no point")?;
     assert!(rate < 3.0, "{rate}");

@@ -32,7 +32,7 @@ mod column {
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
-fn space(thickness: f64, cells: usize) -> Result<(Arc<Space<2>>, Constraints<2>), Failure> {
+fn space(thickness: f64, cells: usize) -> Result<(Arc<Space<2>>, Constraints<2>), Box<dyn std::error::Error>> {
     let (low, high) = ([-thickness / 2.0, 0.0], [thickness / 2.0, 1.0]);
     let mesh = rectangle(low, high, [1, cells], CellShape::Quadrilateral, 1)?;
     let space = Space::vector(&mesh, 2)?;
@@ -57,7 +57,7 @@ fn the_buckling_load_of_slender_columns() -> Outcome {
             .constrained(&foot)
             .step(0.4 * scale)
             .within(0.0..=1.3 * scale)
-            .run(|_, _| Ok::<_, Failure>(()))?;
+            .run(|_, _| Ok(()))?;
         let [event] = &branch.events[..] else { return Err(format!("{} events", branch.events.len()).into()) };
         assert_eq!(event.kind, EventKind::Bifurcation { eigenvalues: 1 });
         assert!(event.uncertainty < 1e-8 * scale, "{}", event.uncertainty / scale);
@@ -85,7 +85,17 @@ fn complete_elliptic(k: f64) -> f64 {
 /// The elastica of a clamped column: P/P₀ = (2 K(k)/π)², sway 2 k L / K(k). Both halves of the branch have it.
 #[test]
 fn the_branch_of_the_elastica() -> Outcome {
-    let thickness = 0.025;
+    let errors = [0.05, 0.025].map(error_of_elastica);
+    let [thick, thin] = errors;
+    let (thick, thin) = (thick?, thin?);
+    println!("largest errors of the load: {thick:.2e}, {thin:.2e}");
+    // Shear and shortening are of the order (t/L)².
+    assert!(thin < 1.3e-3 && (3.5..4.5).contains(&(thick / thin)), "{thick} {thin}");
+    Ok(())
+}
+
+/// The largest error of P/P₀ on both halves of the branch, up to a sway of about half the length.
+fn error_of_elastica(thickness: f64) -> Result<f64, Box<dyn std::error::Error>> {
     let (space, foot) = space(thickness, 16)?;
     let scale = PI * PI * thickness.powi(2) / 48.0;
     let forms = |pressure: f64| {
@@ -96,16 +106,16 @@ fn the_branch_of_the_elastica() -> Outcome {
         .constrained(&foot)
         .step(0.4 * scale)
         .within(0.0..=1.3 * scale)
-        .run(|_, _| Ok::<_, Failure>(()))?;
+        .run(|_, _| Ok(()))?;
     let fork = straight.bifurcations().next().ok_or("no bifurcation")?;
-    let mut sides = vec![];
+    let (mut sides, mut largest) = (vec![], 0.0_f64);
     for amplitude in [0.05, -0.05] {
         let bent = Continuation::new(&space, forms)
             .constrained(&foot)
             .switched(fork, 0, amplitude)
             .step(0.01 * scale)
             .until(|_, solved| solved.field().evaluate(&[0.0, 1.0]).is_ok_and(|u| u[0].abs() > 0.5))
-            .run(|_, solved| Ok::<_, Failure>(solved.field().evaluate(&[0.0, 1.0])?[0]))?;
+            .run(|_, solved| Ok(solved.field().evaluate(&[0.0, 1.0])?[0]))?;
         assert!(bent.points.len() > 3 && bent.events.is_empty(), "{:?}", bent.points);
         for point in &bent.points {
             let sway = point.measured.abs();
@@ -116,11 +126,11 @@ fn the_branch_of_the_elastica() -> Outcome {
             }
             let exact = (2.0 * complete_elliptic(low) / PI).powi(2);
             let found = point.parameter / fork.parameter;
-            assert!((found - exact).abs() < 1e-3, "{sway}: {found} {exact}");
+            largest = largest.max((found - exact).abs());
             assert_eq!(point.inertia, Inertia::NegativeEigenvalues(0));
         }
         sides.push(bent.points.last().ok_or("no point")?.measured.signum());
     }
     assert_eq!(sides[0], -sides[1]);
-    Ok(())
+    Ok(largest)
 }

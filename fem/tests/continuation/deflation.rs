@@ -12,7 +12,7 @@ type Outcome = Result<(), Box<dyn std::error::Error>>;
 #[test]
 fn all_roots_of_a_polynomial() -> Outcome {
     let mesh = rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Quadrilateral, 1)?;
-    let space = Space::scalar(&mesh, 0)?;
+    let space = Space::of(&mesh, Elements::Lagrange(0), Scope::Cell, &[])?;
     let form = form!(|u: Unknown<Scalar>, v: Test<Scalar>| {
         integral(cells("all"), u * (u * u - 1) * (u * u - 4) * v)
     });
@@ -99,7 +99,7 @@ fn the_solutions_of_the_allen_cahn_equation() -> Outcome {
 #[test]
 fn known_solutions_are_refused() -> Outcome {
     let mesh = rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Quadrilateral, 1)?;
-    let space = Space::scalar(&mesh, 0)?;
+    let space = Space::of(&mesh, Elements::Lagrange(0), Scope::Cell, &[])?;
     let form = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), (u * u * u + u) * v));
     let mut known = Deflation::new();
     known.add(&Field::zero(&space));

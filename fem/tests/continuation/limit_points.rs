@@ -84,7 +84,7 @@ fn the_limit_point_of_bratus_problem() -> Outcome {
             .quadrature(Quadrature::Degree(8))
             .step(1.0)
             .until(|_, solved| solved.field().values().iter().any(|u| *u > 4.0))
-            .run(|_, solved| Ok::<_, Failure>(solved.field().evaluate(&[0.5, 0.05])?[0]))?;
+            .run(|_, solved| Ok(solved.field().evaluate(&[0.5, 0.05])?[0]))?;
         assert_eq!((branch.end, branch.events.len()), (Some(BranchEnd::Stopped), 1));
         let limit = branch.limit_points().next().ok_or("no limit point")?;
         errors.push((limit.parameter - exact).abs());
@@ -116,7 +116,7 @@ fn two_fields_have_the_same_limit_point() -> Outcome {
         .quadrature(Quadrature::Degree(8))
         .within(-1.0..=10.0)
         .points(14)
-        .run(|_, solved| Ok::<_, Failure>(solved.fields[1].evaluate(&[0.5, 0.05])?[0]))?;
+        .run(|_, solved| Ok(solved.fields[1].evaluate(&[0.5, 0.05])?[0]))?;
     let limit = branch.limit_points().next().ok_or("no limit point")?;
     assert!((limit.parameter - largest_rate()).abs() < 1e-4, "{}", limit.parameter);
     assert!(branch.points.iter().all(|point| matches!(point.inertia, Inertia::Determinant(_))));
@@ -134,7 +134,7 @@ fn a_range_ends_at_its_end() -> Outcome {
             .from(from)
             .step(step)
             .within(0.5..=3.0)
-            .run(|_, _| Ok::<_, Failure>(()))
+            .run(|_, _| Ok(()))
     };
     for (from, step, end) in [(0.6, 0.3, 3.0), (2.5, -0.3, 0.5)] {
         let branch = run(from, step)?;

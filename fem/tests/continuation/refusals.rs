@@ -9,7 +9,7 @@ use crate::limit_points::{Outcome, model, strip};
 fn what_does_not_fit_is_named() -> Outcome {
     let (space, ends) = strip(4)?;
     let forms = |rate: f64| [model(rate).balance(), model(rate).by_rate()];
-    let nothing = |_: f64, _: &Solved<2>| Ok::<_, Failure>(());
+    let nothing = |_: f64, _: &Solved<2>| Ok(());
 
     let failed = Continuation::new(&space, forms).constrained(&ends).step(0.0).run(nothing);
     let why = failed.err().ok_or("it is no step")?.why;
@@ -20,16 +20,16 @@ fn what_does_not_fit_is_named() -> Outcome {
     let why = failed.err().ok_or("it is another form's rate")?.why;
     assert!(matches!(why, ContinuationFailure::NotTheRate { form: "balance", .. }), "{why}");
 
-    // Nothing holds the body: the tangent is singular, or the branch has no first point.
+    // Nothing determines a constant.
     let failed = Continuation::new(&space, forms).run(nothing);
     let error = failed.err().ok_or("nothing holds it")?;
-    assert!(matches!(error.why, ContinuationFailure::Start(_)), "{error}");
+    assert!(matches!(error.why, ContinuationFailure::Singular { .. }), "{error}");
 
     // A measurement that fails ends the branch, which is handed back.
     let mut count = 0;
     let failed = Continuation::new(&space, forms).constrained(&ends).step(0.1).run(|_, _| {
         count += 1;
-        if count == 3 { Err("enough") } else { Ok(count) }
+        if count == 3 { Err("enough".into()) } else { Ok(count) }
     });
     let error = failed.err().ok_or("the measurement fails")?;
     assert!(matches!(error.why, ContinuationFailure::Measurement(_)), "{error}");

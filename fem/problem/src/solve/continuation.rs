@@ -224,16 +224,13 @@ impl<'a, const D: usize, const N: usize> Continuation<'a, D, N> {
     ///
     /// # Errors
     /// [`ContinuationError`] with the reason and the branch so far.
-    pub fn run<M, E>(
+    pub fn run<M>(
         mut self,
-        mut measure: impl FnMut(f64, &Solved<D, N>) -> Result<M, E>,
-    ) -> Result<Branch<M, D, N>, ContinuationError<M, D, N>>
-    where
-        E: Into<Box<dyn Error + Send + Sync>>,
-    {
+        mut measure: impl FnMut(f64, &Solved<D, N>) -> Result<M, Box<dyn Error + Send + Sync>>,
+    ) -> Result<Branch<M, D, N>, ContinuationError<M, D, N>> {
         let mut until = self.until.take();
         let mut measured = |parameter: f64, solved: &Solved<D, N>| {
-            let measured = measure(parameter, solved).map_err(Into::into)?;
+            let measured = measure(parameter, solved)?;
             let stops = until.as_mut().is_some_and(|until| until(parameter, solved));
             Ok((measured, if stops { Next::Stop } else { Next::GoOn }))
         };

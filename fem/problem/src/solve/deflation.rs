@@ -20,7 +20,7 @@ use crate::field::Field;
 ///
 /// // u = u³ at each point: −1, 0 and 1.
 /// let mesh = rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Quadrilateral, 1)?;
-/// let space = Space::scalar(&mesh, 0)?;
+/// let space = Space::of(&mesh, Elements::Lagrange(0), Scope::Cell, &[])?;
 /// let form = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), (u * u * u - u) * v));
 /// let start = Field::interpolate(&space, |_| 0.4)?;
 /// let mut known = Deflation::new();

@@ -71,7 +71,7 @@ pub struct Problem<'a, const D: usize, const N: usize = 1> {
     /// The state from which a load step goes; the start is its prediction.
     pub(in crate::solve) last_state: Option<[&'a Field<D>; N]>,
     /// Known solutions, and the same as seen from the start.
-    pub(in crate::solve) deflation: Option<&'a Deflation<D, N>>,
+    pub(in crate::solve) deflation: Option<Deflation<D, N>>,
     pub(in crate::solve) repulsion: Option<Repulsion>,
     pub(in crate::solve) solver: Solver<'a>,
     pub(in crate::solve) options: NewtonOptions,

@@ -69,7 +69,10 @@ impl<'f> ArcEquations<'f> {
         plane: &'f Plane,
         pattern: &'f mut ArrowPattern,
     ) -> Self {
-        let fields = family.equations().fields();
+        // Each field is judged as a whole: where a structure is symmetric one component is zero, and next to a bifurcation rounding moves it
+        // by more than any other.
+        let mut fields = family.equations().fields();
+        fields.iter_mut().for_each(|field| field.components = 1);
         ArcEquations { family, metric, plane, pattern, fields, rate: None }
     }
 

@@ -104,6 +104,7 @@ pub(super) fn locate(
     let (mut low, mut high) = (end(0.0, at_a, a), end(distance, at_b, b));
     let mut last_was_low = None;
     let mut best = (f64::INFINITY, watch.vectors.clone());
+    let mut samples = vec![(low.distance, low.value), (high.distance, high.value)];
     for evaluation in 0..EVALUATIONS {
         let width = high.distance - low.distance;
         if width <= WIDTH * distance || low.value * high.value >= 0.0 {
@@ -118,6 +119,7 @@ pub(super) fn locate(
         if value.abs() < best.0 {
             best = (value.abs(), watch.vectors.clone());
         }
+        samples.push((next, value));
         let is_low = value * low.value > 0.0;
         let found = end(next, value, &found.reached);
         // An end that stays twice weighs half (Illinois).
@@ -135,13 +137,36 @@ pub(super) fn locate(
         }
     }
     let modes = best.1.iter().filter_map(|vector| points.mode(vector).ok()).collect();
-    place(kind, &low, &high, modes)
+    place(kind, &low, &high, modes, zero_of(samples))
+}
+
+/// The zero of the parabola through the three samples with the smallest values, and how far it is from that of the line through two.
+fn zero_of(mut samples: Vec<(f64, f64)>) -> (f64, f64) {
+    samples.sort_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    let line = |a: (f64, f64), b: (f64, f64)| (a.0 * b.1 - b.0 * a.1) / (b.1 - a.1);
+    match samples[..] {
+        // Neville's scheme for the distance as a function of the value, at zero.
+        [a, b, c, ..] => {
+            let (near, far) = (line(a, b), line(b, c));
+            let zero = line((near, a.1), (far, c.1));
+            if zero.is_finite() { (zero, (zero - near).abs()) } else { (near, f64::INFINITY) }
+        }
+        [a, b] => (line(a, b), f64::INFINITY),
+        _ => (f64::NAN, f64::INFINITY),
+    }
 }
 
 /// The event between the ends of a bracket.
-fn place(kind: EventKind, low: &End, high: &End, modes: Vec<Vec<f64>>) -> Located {
+fn place(
+    kind: EventKind,
+    low: &End,
+    high: &End,
+    modes: Vec<Vec<f64>>,
+    (zero, spread): (f64, f64),
+) -> Located {
     let width = high.distance - low.distance;
-    let part = (low.value / (low.value - high.value)).clamp(0.0, 1.0);
+    let inside = zero.clamp(low.distance, high.distance);
+    let part = if inside.is_nan() { 0.5 } else { (inside - low.distance) / width };
     let nearest = if low.value.abs() <= high.value.abs() { low } else { high };
     let direction = nearest.at.direction.clone();
     let slope = low.at.direction.parameter.abs().max(high.at.direction.parameter.abs());
@@ -160,7 +185,8 @@ fn place(kind: EventKind, low: &End, high: &End, modes: Vec<Vec<f64>>) -> Locate
             Located {
                 kind,
                 at: low.at.at.moved(&way, part),
-                uncertainty: slope * width * part.min(1.0 - part),
+                // The zero is between both ends, and near to that of a simpler rule.
+                uncertainty: slope * spread.max(f64::EPSILON * high.distance).min(width),
                 arc_length: low.at.arc_length + part * (high.at.arc_length - low.at.arc_length),
                 modes,
                 direction,

@@ -66,15 +66,10 @@ impl<'f> Points<'f> {
     /// # Errors
     /// [`NewtonError`].
     pub fn at_parameter(&mut self, start: Vec<f64>, parameter: f64) -> Result<Solution, NewtonError> {
-        self.family.set_parameter(parameter).map_err(NewtonFailure::Assembly)?;
-        let elimination = self.elimination.again();
-        let equations = self.family.equations();
-        let solver = &mut self.solver.inner;
-        let ignored = &mut |_: &NewtonStep| ();
-        let found =
-            newton_eliminating(equations, elimination, Start::at(start), solver, &self.options, ignored)?;
-        let iterations = found.iterations();
-        Ok(Solution { at: Place { u: found.u, parameter }, residual: found.residual, iterations })
+        let normal = Direction { u: vec![0.0; start.len()], parameter: self.metric.parameter };
+        let base = Place { u: start, parameter };
+        let plane = Plane { normal, base: base.clone(), distance: 0.0 };
+        self.on_plane(&plane, &base)
     }
 
     /// The solution on a plane.

@@ -3,19 +3,19 @@
 use super::{Problem, SolveError};
 use crate::solve::{Deflation, Elimination, NewtonFailure};
 
-impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
+impl<const D: usize, const N: usize> Problem<'_, D, N> {
     /// Keeps Newton's method away from known solutions: steps are lengthened, shortened or turned round, and the criterion of convergence stays.
     /// A start other than these solutions is needed ([`Problem::start`]). A known solution that is found all the same is refused:
     /// [`NewtonFailure::KnownSolution`].
-    pub fn deflated(mut self, known: &'a Deflation<D, N>) -> Self {
-        self.deflation = Some(known);
+    pub fn deflated(mut self, known: &Deflation<D, N>) -> Self {
+        self.deflation = Some(known.clone());
         self
     }
 
     /// Looks at the known solutions from a start.
     pub(super) fn repel(&mut self, elimination: &Elimination, start: &[f64]) -> Result<(), SolveError> {
         self.repulsion = None;
-        let Some(deflation) = self.deflation else { return Ok(()) };
+        let Some(deflation) = &self.deflation else { return Ok(()) };
         for known in deflation.known() {
             self.check_spaces("known solution", known.each_ref().map(|field| field.space()))?;
         }
