@@ -114,6 +114,11 @@ impl TangentSolver {
         Self { options, ..Self::default() }
     }
 
+    /// A solver with the same options that knows no matrix.
+    pub(super) fn anew(&self) -> Self {
+        Self::new(self.options.clone())
+    }
+
     /// The work done so far.
     pub fn report(&self) -> &SolverReport {
         &self.report

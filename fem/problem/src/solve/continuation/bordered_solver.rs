@@ -51,10 +51,17 @@ impl BorderedSolver {
     ///
     /// # Errors
     /// [`SolverError`]: no matrix, or a determinant that could not be computed.
-    pub fn inertia(&self) -> Result<Inertia, SolverError> {
+    pub fn inertia(&mut self) -> Result<Inertia, SolverError> {
         let current = self.current.as_ref().ok_or(SolverError::NoMatrix)?;
         if current.is_stiffened {
             return Ok(Inertia::Singular);
+        }
+        if self.inner.negative_eigenvalues().is_none() && self.inner.is_symmetric() {
+            // A matrix that was nearly singular sends the next ones to LU, too.
+            let mut anew = self.inner.anew();
+            if anew.set_matrix(current.core.clone()).is_ok() {
+                self.inner = anew;
+            }
         }
         if let Some(count) = self.inner.negative_eigenvalues() {
             return Ok(Inertia::NegativeEigenvalues(count));
