@@ -6,6 +6,7 @@ mod branch;
 mod events;
 mod family;
 mod inertia;
+mod kinks;
 mod metric;
 mod of_forms;
 mod points;

@@ -106,8 +106,8 @@ pub enum ContinuationFailure {
         #[source]
         why: Box<NewtonError>,
     },
-    /// The branch turns by more than 60° in the smallest step, and a singular tangent does not say which way is forwards.
-    #[error("the branch has a kink at the parameter {parameter}, and the tangent does not tell which way it goes on")]
+    /// The branch turns by more than 60° in the smallest step, and not at one kink.
+    #[error("the branch turns at the parameter {parameter} by more than can be followed, also with the smallest step")]
     Kink {
         /// λ of the last point.
         parameter: f64,

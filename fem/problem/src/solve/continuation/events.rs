@@ -137,7 +137,9 @@ pub(super) fn locate(
         }
     }
     let modes = best.1.iter().filter_map(|vector| points.mode(vector).ok()).collect();
-    place(kind, &low, &high, modes, zero_of(samples))
+    let mut found = place(kind, &low, &high, modes, zero_of(samples));
+    found.uncertainty = found.uncertainty.max(points.accuracy());
+    found
 }
 
 /// The zero of the parabola through the three samples with the smallest values, and how far it is from that of the line through two.

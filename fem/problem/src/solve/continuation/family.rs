@@ -84,8 +84,7 @@ pub(super) struct Reached {
 }
 
 impl Reached {
-    /// The sign of det K × dλ/ds, which stays along a branch, also through kinks, and changes where an odd number of eigenvalues
-    /// vanishes at a bifurcation.
+    /// The sign of det K × dλ/ds, which stays along a smooth branch, and changes where an odd number of eigenvalues vanishes at a bifurcation.
     pub fn orientation(&self) -> Option<f64> {
         Some(self.inertia.determinant_sign()? * self.direction.parameter.signum())
     }

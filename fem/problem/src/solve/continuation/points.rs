@@ -4,6 +4,7 @@ use super::arc::{ArcEquations, ArrowPattern, Plane};
 use super::bordered_solver::BorderedSolver;
 use super::family::{Direction, Family, Place, Reached};
 use super::inertia::Inertia;
+use super::kinks::orient;
 use super::metric::Metric;
 use crate::linear_algebra::spectrum::irregular;
 use crate::linear_algebra::vector::{dot, norm};
@@ -14,6 +15,9 @@ use crate::solve::{
 
 /// Directions with a smaller cosine between them are those of a kink, or of a step that is too long.
 pub(super) const TURN: f64 = 0.5;
+
+/// Corrections of this multiple of the tolerance are left by Newton's method.
+const CORRECTION: f64 = 100.0;
 
 /// Steps of inverse iteration.
 const INVERSE_ITERATIONS: usize = 5;
@@ -59,6 +63,11 @@ impl<'f> Points<'f> {
         let extended = elimination.with_one_more();
         let pattern = ArrowPattern::default();
         Points { family, elimination, extended, fields, metric, pattern, solver, options }
+    }
+
+    /// The accuracy of parameters, by Newton's criterion.
+    pub fn accuracy(&self) -> f64 {
+        CORRECTION * self.options.relative_tolerance * self.metric.parameter
     }
 
     /// The solution at a parameter, by Newton's method.
@@ -124,8 +133,7 @@ impl<'f> Points<'f> {
         Ok(Reached { at, residual, direction, inertia, arc_length, iterations })
     }
 
-    /// The point at a distance along the direction of another. At a kink the direction is the one that keeps the sign of
-    /// det K × dλ/ds, if determinants are known.
+    /// The point at a distance along the direction of another.
     ///
     /// # Errors
     /// [`NewtonError`].
@@ -135,14 +143,9 @@ impl<'f> Points<'f> {
         let solution = self.on_plane(&plane, &guess)?;
         let way = self.metric.length(&solution.at.since(&from.at));
         let mut reached = self.analyse(solution, &from.direction, from.arc_length + way)?;
-        let cosine = self.metric.inner(&from.direction, &reached.direction);
-        if cosine < TURN
-            && let (Some(now), Some(before)) = (reached.orientation(), from.orientation())
-            && now != before
-        {
-            let Direction { u, parameter } = &mut reached.direction;
-            u.iter_mut().for_each(|value| *value = -*value);
-            *parameter = -*parameter;
+        let mut cosine = self.metric.inner(&from.direction, &reached.direction);
+        if cosine < TURN && orient(&self.metric, from, &mut reached) {
+            cosine = self.metric.inner(&from.direction, &reached.direction);
         }
         Ok(Beyond { reached, cosine })
     }

@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 use super::branch::{BranchEnd, ContinuationFailure};
 use super::events::{EventKind, Located, kinds_between, locate};
 use super::family::{Next, Reached};
+use super::kinks::{Ways, events_at_kink};
 use super::points::{Beyond, Points, TURN, is_judged};
 use crate::solve::NewtonError;
 
@@ -116,16 +117,22 @@ impl Failed {
 
 /// One step of a length. One that turns much, or has several kinds of events, is refused unless it is short already.
 fn step(points: &mut Points<'_>, from: &Reached, length: f64, is_long: bool) -> Result<Step, Failed> {
-    let Beyond { reached, cosine } = points.beyond(from, length).map_err(Failed::Newton)?;
+    let Beyond { reached, cosine } = match points.beyond(from, length) {
+        Ok(Beyond { cosine, .. }) if cosine < TURN && is_long => return Err(Failed::Turns),
+        Ok(beyond) => beyond,
+        Err(error) if is_long => return Err(Failed::Newton(error)),
+        // The new direction may point back across the plane.
+        Err(error) => points.beyond_kink(from, length).map_err(|_| Failed::Newton(error))?,
+    };
     if !is_judged(reached.inertia) {
         return Err(Failed::Singular);
     }
-    // The determinants of both points give the direction beyond a kink.
-    let is_oriented = reached.orientation().is_some() && from.orientation().is_some();
-    if cosine < TURN && (is_long || !is_oriented) {
-        return Err(Failed::Turns);
-    }
     let kinds = kinds_between(from, &reached);
+    if cosine < TURN {
+        let is_between = Ways::between(&points.metric, from, &reached).is_some_and(|ways| ways.after > 0.0);
+        let events = events_at_kink(&points.metric, &kinds, from, &reached);
+        return if is_between { Ok(Step { reached, events }) } else { Err(Failed::Turns) };
+    }
     if kinds.len() > 1 && is_long {
         return Err(Failed::Together);
     }
