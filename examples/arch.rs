@@ -18,7 +18,7 @@ use forms_fem::mesh::structured;
 use forms_fem::output::picture::{Colour, Curve, FieldMap, LinePlot, Marker, Picture, Scale, Shown};
 use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
-use forms_fem::solve::{Branch, EventKind, Inertia};
+use forms_fem::solve::{Branch, BranchEvent, EventKind, Inertia};
 
 /// Half the span, the rise of the middle line, the thickness \[mm\].
 const HALF_SPAN: f64 = 1.0;
@@ -27,14 +27,20 @@ const THICKNESS: f64 = 0.06;
 /// λ and μ \[MPa\].
 const LAMBDA: f64 = 3.0;
 const MU: f64 = 1.0;
-/// The floor is so far below the line between the supports \[mm\].
+/// The height of the floor above the line between the supports \[mm\], and half its width.
 const FLOOR: f64 = 0.0;
-/// Half the width of the floor \[mm\].
 const FLAT: f64 = 0.5;
 /// Half the width of the load at the crown \[mm\].
-const WIDTH: f64 = 0.9;
-/// The deflection up to which branches are followed \[mm\].
-const DEFLECTION: f64 = 0.62;
+const WIDTH: f64 = 0.6;
+/// The deflection and the load up to which branches are followed \[mm, N/mm\].
+const DEFLECTION: f64 = 0.4;
+const LARGEST_LOAD: f64 = 8e-4;
+/// The load at which deflation looks for all equilibria \[N/mm\].
+const LOAD: f64 = 3e-4;
+/// Most equilibria that deflation looks for.
+const ATTEMPTS: usize = 8;
+/// A place below every floor.
+const NOWHERE: f64 = -10.0;
 /// Degree of quadrature.
 const DEGREE: usize = 6;
 
@@ -130,7 +136,7 @@ impl Setting {
             false => 0.0,
         };
         let data = arch::data().lambda(LAMBDA).mu(MU).load(load).distribution(distribution);
-        let flat = move |x: &[f64; 2]| if x[0].abs() < FLAT { floor } else { -10.0 };
+        let flat = move |x: &[f64; 2]| if x[0].abs() < FLAT { floor } else { NOWHERE };
         arch::Model::new(data.floor(flat).gamma0(400.0 * MU))
     }
 
@@ -153,6 +159,39 @@ impl Setting {
         })
     }
 
+    /// The branch of arches that lean to one side, from a bifurcation until it comes back to the upright ones.
+    fn leaning(&self, fork: &BranchEvent<2>) -> Result<Branch<Measured, 2>, Box<dyn Error>> {
+        let mut leant = false;
+        let found = self
+            .continuation(FLOOR)
+            .switched(fork, 0, 0.01)
+            .step(2e-5)
+            .points(60)
+            .until(|_, solved| {
+                let lean = solved.field().evaluate(&[0.0, RISE]).map_or(0.0, |u| u[0].abs());
+                leant |= lean > 0.02;
+                leant && lean < 0.01
+            })
+            .run(|_, solved| Self::measure(FLOOR, solved))?;
+        Ok(found)
+    }
+
+    /// Equilibria at one load from one guess, each with the number of negative eigenvalues of its tangent.
+    fn deflated(&self, guess: &Field<2>) -> Result<Vec<(Measured, Option<usize>)>, Box<dyn Error>> {
+        let form = Self::model(LOAD, FLOOR).balance();
+        let (mut known, mut found) = (Deflation::new(), vec![]);
+        for _ in 0..ATTEMPTS {
+            let mut solver = TangentSolver::default();
+            let options = NewtonOptions { max_iterations: 100, ..NewtonOptions::default() };
+            let problem = Problem::new(&form, &self.space).constrained(&self.clamps).assembler(&self.assembler);
+            let solved = problem.start(guess).deflated(&known).solver(&mut solver).options(options).solve();
+            let Ok(solved) = solved else { break };
+            found.push((Self::measure(FLOOR, &solved).map_err(|e| e.to_string())?, solver.negative_eigenvalues()));
+            known.add(solved.field());
+        }
+        Ok(found)
+    }
+
     /// The branch from the arch at rest.
     fn primary(&self, floor: f64) -> Result<Branch<Measured, 2>, Box<dyn Error>> {
         let found = self
@@ -160,6 +199,7 @@ impl Setting {
             .step(2e-4)
             .between_steps(1.0 / 1024.0, 4.0)
             .points(250)
+            .within(0.0..=LARGEST_LOAD)
             .until(|load, solved| {
                 let model = Self::model(load, floor);
                 solved.functional(&model.deflection(solved.field())).is_ok_and(|w| w > DEFLECTION)
@@ -198,17 +238,77 @@ fn table(out: &mut StandardOutput, branch: &Branch<Measured, 2>) {
     }
 }
 
+/// The curve of a branch.
+fn curve(name: &str, branch: &Branch<Measured, 2>) -> Curve {
+    let deflections: Vec<f64> = branch.points.iter().map(|point| point.measured.deflection).collect();
+    let loads: Vec<f64> = branch.points.iter().map(|point| 1e3 * point.parameter).collect();
+    Curve::new(name, &deflections, &loads).without_markers()
+}
+
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let along: usize = std::env::args().nth(1).map_or(Ok(48), |count| count.parse())?;
     let setting = Setting::new(along.max(4))?;
     out.line(format!("{} unknowns", setting.space.unknowns()));
 
-    let free = setting.primary(-10.0)?;
     out.line("without a floor:");
+    let free = setting.primary(NOWHERE)?;
     table(out, &free);
-    let held = setting.primary(-FLOOR)?;
     out.line("with a floor:");
+    let held = setting.primary(FLOOR)?;
     table(out, &held);
+    for branch in [&free, &held] {
+        let last = branch.points.last().ok_or("no point")?;
+        let (done, stored) = (work(branch), last.measured.stored);
+        out.line(format!("the load did the work {done:.6e}, the rubber stores {stored:.6e} N"));
+        if (done / stored - 1.0).abs() > 0.02 {
+            return Err("work and energy differ".into());
+        }
+    }
+
+    out.line("arches that lean:");
+    let fork = held.bifurcations().next().ok_or("no bifurcation")?;
+    let leaning = setting.leaning(fork)?;
+    table(out, &leaning);
+
+    // The upright arch on its way down, leant a little to one side.
+    let falling = held.points.iter().filter(|point| point.slope < 0.0);
+    let near = falling.min_by(|a, b| (a.parameter - LOAD).abs().total_cmp(&(b.parameter - LOAD).abs()));
+    let (near, mode) = (near.ok_or("no limit point")?, &fork.modes[0][0]);
+    let leant = near.measured.u.values().iter().zip(mode.values()).map(|(u, mode)| u + 0.03 * mode);
+    let guess = Field::from_values(&setting.space, leant.collect())?;
+    out.line(format!("equilibria at the load {LOAD} N/mm, by deflation:"));
+    out.line("| deflection [mm] | floor [N/mm] | sway [mm] | stored [N] | potential [N] | negative eigenvalues |");
+    out.line("| --: | --: | --: | --: | --: | --: |");
+    let found = setting.deflated(&guess)?;
+    for (Measured { deflection, floor, stored, sway, .. }, negative) in &found {
+        let negative = negative.map_or_else(|| "?".to_owned(), |count| count.to_string());
+        let potential = stored - LOAD * deflection;
+        out.line(format!(
+            "| {deflection:.4} | {floor:.6} | {sway:.4} | {stored:.4e} | {potential:.4e} | {negative} |"
+        ));
+    }
+
+    let deflections: Vec<f64> = found.iter().map(|(measured, _)| measured.deflection).collect();
+    LinePlot::new()
+        .x_axis("deflection [mm]", Scale::Linear)
+        .y_axis("load [10⁻³ N/mm]", Scale::Linear)
+        .curve(curve("onto a floor", &held))
+        .curve(curve("without a floor", &free).dashed())
+        .curve(curve("leaning", &leaning))
+        .curve(
+            Curve::new("by deflation", &deflections, &vec![1e3 * LOAD; found.len()])
+                .without_line()
+                .marker(Marker::Circle)
+                .colour(Colour::BLACK),
+        )
+        .write_png("out/arch_curves.png")?;
+    let snapped = held.points.last().ok_or("no point")?;
+    FieldMap::of(&snapped.measured.u, Shown::Component(1), "displacement upward [mm]")
+        .length_unit("mm")
+        .deformed(&snapped.measured.u, 1.0)
+        .undeformed_outline("at rest")
+        .line(&[[-FLAT, FLOOR], [FLAT, FLOOR]], "floor", Colour::BLACK)
+        .write_png("out/arch.png")?;
     Ok(())
 }
 

@@ -14,6 +14,9 @@ use crate::solve::{NewtonError, NewtonFailure};
 /// The way before a kink may be negative by this part of the step: its direction is that of a point near it.
 const BEFORE: f64 = 0.1;
 
+/// Multiples of the distance at which the tangent beyond a kink is looked for.
+const REACHES: [f64; 3] = [1.0, 4.0, 16.0];
+
 /// Ways along both directions to and from a kink between two points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ways {
@@ -51,18 +54,24 @@ pub(super) fn orient(metric: &Metric, a: &Reached, b: &mut Reached) -> bool {
 }
 
 impl Points<'_> {
-    /// A point beyond a kink that is within a distance: on a plane across the direction that the tangent has there.
+    /// A point beyond a kink that is within about a distance: on a plane across the direction that the tangent has there.
     ///
     /// # Errors
     /// [`NewtonError`], also where both senses of that direction lead back.
     pub fn beyond_kink(&mut self, from: &Reached, distance: f64) -> Result<Beyond, NewtonError> {
-        let at = from.at.moved(&from.direction, distance);
-        let guess = Solution { at, residual: vec![], iterations: 0 };
-        let there = self.analyse(guess, &from.direction, 0.0)?.direction;
-        for sense in [1.0, -1.0] {
+        for (reach, sense) in REACHES.into_iter().flat_map(|reach| [(reach, 1.0), (reach, -1.0)]) {
+            // Points are in contact there, so that the tangent is that beyond the kink.
+            let distance = reach * distance;
+            let at = from.at.moved(&from.direction, distance);
+            let guess = Solution { at: at.clone(), residual: vec![], iterations: 0 };
+            let there = self.analyse(guess, &from.direction, 0.0)?.direction;
             let plane = Plane { normal: there.clone(), base: from.at.clone(), distance: sense * distance };
-            let guess = from.at.moved(&there, sense * distance);
-            let Ok(solution) = self.on_plane(&plane, &guess) else { continue };
+            // The start is on that plane, and keeps the points in contact.
+            let along = self.metric.inner(&there, &at.since(&from.at));
+            let guess = at.moved(&there, sense * distance - along);
+            // Whole steps go back and forth between sets of points in contact.
+            let found = self.with_line_search(|points| points.on_plane(&plane, &guess));
+            let Ok(solution) = found else { continue };
             let way = self.metric.length(&solution.at.since(&from.at));
             let Ok(mut reached) = self.analyse(solution, &there, from.arc_length + way) else { continue };
             let is_beyond = orient(&self.metric, from, &mut reached);

@@ -9,7 +9,7 @@ use super::metric::Metric;
 use crate::linear_algebra::spectrum::irregular;
 use crate::linear_algebra::vector::{dot, norm};
 use crate::solve::{
-    Elimination, FieldUnknowns, LinearSolver, NewtonError, NewtonFailure, NewtonOptions, NewtonStep,
+    Elimination, FieldUnknowns, LineSearch, LinearSolver, NewtonError, NewtonFailure, NewtonOptions, NewtonStep,
     NonlinearProblem, SolverError, Start, newton_eliminating,
 };
 
@@ -63,6 +63,14 @@ impl<'f> Points<'f> {
         let extended = elimination.with_one_more();
         let pattern = ArrowPattern::default();
         Points { family, elimination, extended, fields, metric, pattern, solver, options }
+    }
+
+    /// What is done with steps of Newton's method that a line search shortens.
+    pub fn with_line_search<T>(&mut self, find: impl FnOnce(&mut Self) -> T) -> T {
+        let usual = std::mem::replace(&mut self.options.line_search, LineSearch::OnResidual);
+        let found = find(self);
+        self.options.line_search = usual;
+        found
     }
 
     /// The accuracy of parameters, by Newton's criterion.
