@@ -6,7 +6,7 @@
 //!
 //! σ is the vertical traction of the lower side, g its distance from the floor. The branch of equilibria is followed by its arc length through
 //! both limit points, with contact in between; a bifurcation on it leads to arches that lean to one side. At one load deflation finds
-//! the other equilibria from a single guess. Work and energy are compared along the branch.
+//! the other equilibria from three guesses. Work and energy are compared along the branch.
 //!
 //! Run it with `cargo run --release --bin arch -- [CELLS ALONG THE ARCH]`.
 
@@ -37,8 +37,10 @@ const DEFLECTION: f64 = 0.4;
 const LARGEST_LOAD: f64 = 8e-4;
 /// The load at which deflation looks for all equilibria \[N/mm\].
 const LOAD: f64 = 3e-4;
-/// Most equilibria that deflation looks for.
-const ATTEMPTS: usize = 8;
+/// The lean of a guess \[mm\].
+const LEAN: f64 = 0.03;
+/// Most equilibria that deflation looks for from a guess.
+const MOST: usize = 8;
 /// A place below every floor.
 const NOWHERE: f64 = -10.0;
 /// Degree of quadrature.
@@ -77,7 +79,9 @@ mod arch {
         (sqr(pressing(u)) - sqr(normal_stress(u))) * h / (2 * gamma0)
     }
     pub fn potential(u: Unknown<Vector>) -> Energy {
-        integral(Omega, energy_density(u)) + integral(Bottom, contact(u)) + integral(Top, load * distribution * u[1])
+        integral(Omega, energy_density(u))
+            + integral(Bottom, contact(u))
+            + integral(Top, load * distribution * u[1])
     }
     pub fn balance(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         derivative(potential(u), u, v)
@@ -166,27 +170,36 @@ impl Setting {
             .continuation(FLOOR)
             .switched(fork, 0, 0.01)
             .step(2e-5)
+            .between_steps(1.0 / 1024.0, 1.0)
             .points(60)
             .until(|_, solved| {
                 let lean = solved.field().evaluate(&[0.0, RISE]).map_or(0.0, |u| u[0].abs());
-                leant |= lean > 0.02;
-                leant && lean < 0.01
+                leant |= lean > 4e-3;
+                leant && lean < 1e-3
             })
             .run(|_, solved| Self::measure(FLOOR, solved))?;
         Ok(found)
     }
 
-    /// Equilibria at one load from one guess, each with the number of negative eigenvalues of its tangent.
-    fn deflated(&self, guess: &Field<2>) -> Result<Vec<(Measured, Option<usize>)>, Box<dyn Error>> {
+    /// Equilibria at one load that were not known yet, from one guess, each with the number of negative eigenvalues of its tangent.
+    fn deflated(
+        &self,
+        guess: &Field<2>,
+        known: &mut Deflation<2>,
+    ) -> Result<Vec<(Measured, Option<usize>)>, Box<dyn Error>> {
         let form = Self::model(LOAD, FLOOR).balance();
-        let (mut known, mut found) = (Deflation::new(), vec![]);
-        for _ in 0..ATTEMPTS {
+        let mut found = vec![];
+        while found.len() < MOST {
             let mut solver = TangentSolver::default();
             let options = NewtonOptions { max_iterations: 100, ..NewtonOptions::default() };
-            let problem = Problem::new(&form, &self.space).constrained(&self.clamps).assembler(&self.assembler);
-            let solved = problem.start(guess).deflated(&known).solver(&mut solver).options(options).solve();
+            let problem =
+                Problem::new(&form, &self.space).constrained(&self.clamps).assembler(&self.assembler);
+            let solved = problem.start(guess).deflated(known).solver(&mut solver).options(options).solve();
             let Ok(solved) = solved else { break };
-            found.push((Self::measure(FLOOR, &solved).map_err(|e| e.to_string())?, solver.negative_eigenvalues()));
+            found.push((
+                Self::measure(FLOOR, &solved).map_err(|e| e.to_string())?,
+                solver.negative_eigenvalues(),
+            ));
             known.add(solved.field());
         }
         Ok(found)
@@ -212,7 +225,11 @@ impl Setting {
 /// The work of the load along a branch, by the trapezoidal rule, next to what the rubber stores at its end.
 fn work(branch: &Branch<Measured, 2>) -> f64 {
     let pairs = branch.points.windows(2);
-    pairs.map(|p| 0.5 * (p[0].parameter + p[1].parameter) * (p[1].measured.deflection - p[0].measured.deflection)).sum()
+    pairs
+        .map(|p| {
+            0.5 * (p[0].parameter + p[1].parameter) * (p[1].measured.deflection - p[0].measured.deflection)
+        })
+        .sum()
 }
 
 fn table(out: &mut StandardOutput, branch: &Branch<Measured, 2>) {
@@ -233,7 +250,10 @@ fn table(out: &mut StandardOutput, branch: &Branch<Measured, 2>) {
                 EventKind::LimitPoint => "limit point".to_owned(),
                 EventKind::Bifurcation { eigenvalues } => format!("bifurcation ({eigenvalues})"),
             };
-            out.line(format!("{kind} at the load {:.8}, uncertain by {:.0e}", event.parameter, event.uncertainty));
+            out.line(format!(
+                "{kind} at the load {:.8}, uncertain by {:.0e}",
+                event.parameter, event.uncertainty
+            ));
         }
     }
 }
@@ -270,16 +290,24 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let leaning = setting.leaning(fork)?;
     table(out, &leaning);
 
-    // The upright arch on its way down, leant a little to one side.
+    // Three guesses: the arch on its way down, leant to either side, and pressed onto the floor.
+    let (pressed, mode) = (&held.points.last().ok_or("no point")?.measured.u, &fork.modes[0][0]);
     let falling = held.points.iter().filter(|point| point.slope < 0.0);
     let near = falling.min_by(|a, b| (a.parameter - LOAD).abs().total_cmp(&(b.parameter - LOAD).abs()));
-    let (near, mode) = (near.ok_or("no limit point")?, &fork.modes[0][0]);
-    let leant = near.measured.u.values().iter().zip(mode.values()).map(|(u, mode)| u + 0.03 * mode);
-    let guess = Field::from_values(&setting.space, leant.collect())?;
+    let near = &near.ok_or("no limit point")?.measured.u;
+    let leant = |lean: f64| {
+        let values = near.values().iter().zip(mode.values()).map(|(u, mode)| u + lean * mode);
+        Field::from_values(&setting.space, values.collect())
+    };
+    let (mut known, mut found) = (Deflation::new(), vec![]);
+    for guess in [&leant(LEAN)?, &leant(-LEAN)?, pressed] {
+        found.extend(setting.deflated(guess, &mut known)?);
+    }
     out.line(format!("equilibria at the load {LOAD} N/mm, by deflation:"));
-    out.line("| deflection [mm] | floor [N/mm] | sway [mm] | stored [N] | potential [N] | negative eigenvalues |");
+    out.line(
+        "| deflection [mm] | floor [N/mm] | sway [mm] | stored [N] | potential [N] | negative eigenvalues |",
+    );
     out.line("| --: | --: | --: | --: | --: | --: |");
-    let found = setting.deflated(&guess)?;
     for (Measured { deflection, floor, stored, sway, .. }, negative) in &found {
         let negative = negative.map_or_else(|| "?".to_owned(), |count| count.to_string());
         let potential = stored - LOAD * deflection;

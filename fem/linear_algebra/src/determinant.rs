@@ -97,7 +97,8 @@ mod tests {
     fn matrix(rows: &[&[f64]]) -> CsrMatrix {
         let mut entries = vec![];
         for (i, row) in rows.iter().enumerate() {
-            entries.extend(row.iter().enumerate().filter(|(_, value)| **value != 0.0).map(|(j, v)| (i, j, *v)));
+            entries
+                .extend(row.iter().enumerate().filter(|(_, value)| **value != 0.0).map(|(j, v)| (i, j, *v)));
         }
         CsrMatrix::from_triplets(rows.len(), rows.len(), &entries).unwrap()
     }

@@ -32,7 +32,10 @@ mod column {
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
-fn space(thickness: f64, cells: usize) -> Result<(Arc<Space<2>>, Constraints<2>), Box<dyn std::error::Error>> {
+fn space(
+    thickness: f64,
+    cells: usize,
+) -> Result<(Arc<Space<2>>, Constraints<2>), Box<dyn std::error::Error>> {
     let (low, high) = ([-thickness / 2.0, 0.0], [thickness / 2.0, 1.0]);
     let mesh = rectangle(low, high, [1, cells], CellShape::Quadrilateral, 1)?;
     let space = Space::vector(&mesh, 2)?;
@@ -58,7 +61,9 @@ fn the_buckling_load_of_slender_columns() -> Outcome {
             .step(0.4 * scale)
             .within(0.0..=1.3 * scale)
             .run(|_, _| Ok(()))?;
-        let [event] = &branch.events[..] else { return Err(format!("{} events", branch.events.len()).into()) };
+        let [event] = &branch.events[..] else {
+            return Err(format!("{} events", branch.events.len()).into());
+        };
         assert_eq!(event.kind, EventKind::Bifurcation { eigenvalues: 1 });
         assert!(event.uncertainty < 2e-8 * scale, "{}", event.uncertainty / scale);
         assert_eq!(branch.points[0].inertia, Inertia::NegativeEigenvalues(0));

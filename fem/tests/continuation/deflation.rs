@@ -67,10 +67,14 @@ fn the_solutions_of_the_allen_cahn_equation() -> Outcome {
             },
             epsilon: Param,
         );
-        let start = Field::interpolate(&space, |x| 0.5 * (x[0] * (1.0 - x[0]) * (1.3 - x[0])) + 0.1 * (2.0 * PI * x[0]).sin())?;
+        let start = Field::interpolate(&space, |x| {
+            0.5 * (x[0] * (1.0 - x[0]) * (1.3 - x[0])) + 0.1 * (2.0 * PI * x[0]).sin()
+        })?;
         let mut known = Deflation::new();
         let mut found: Vec<(usize, f64)> = vec![];
-        while let Ok(solved) = Problem::new(&form, &space).constrained(&ends).start(&start).deflated(&known).solve() {
+        while let Ok(solved) =
+            Problem::new(&form, &space).constrained(&ends).start(&start).deflated(&known).solve()
+        {
             let u = solved.field();
             let largest = u.values().iter().fold(0.0_f64, |most, u| most.max(u.abs()));
             let values = (1..64).map(|k| u.evaluate(&[f64::from(k) / 64.0, 0.05]).map(|u| u[0]));
@@ -115,7 +119,8 @@ fn known_solutions_are_refused() -> Outcome {
     let form = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), (u - 1) * v));
     let mut known = Deflation::new();
     known.add(Problem::new(&form, &space).solve()?.field());
-    let why = Problem::new(&form, &space).deflated(&known).solve().err().ok_or("it has no other solution")?.why;
+    let why =
+        Problem::new(&form, &space).deflated(&known).solve().err().ok_or("it has no other solution")?.why;
     assert!(matches!(why, NewtonFailure::KnownSolution { number: 0 }), "{why}");
     Ok(())
 }

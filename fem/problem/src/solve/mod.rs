@@ -39,8 +39,8 @@ pub use crate::assemble::Terms;
 pub use communicator::{CommunicationError, Communicator};
 pub use condensed_solver::CondensedSolver;
 pub use continuation::{
-    Branch, BranchEnd, BranchEvent, BranchPoint, Continuation, ContinuationError, ContinuationFailure, EventKind,
-    Inertia,
+    Branch, BranchEnd, BranchEvent, BranchPoint, Continuation, ContinuationError, ContinuationFailure,
+    EventKind, Inertia,
 };
 pub use deflation::Deflation;
 pub use eigenproblem::{Eigenmode, Eigenproblem, EigenproblemError};

@@ -149,10 +149,7 @@ impl BorderedSolver {
             _ => {
                 let (a, b, c, d) = (entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1));
                 let determinant = a * d - b * c;
-                vec![
-                    (rest(0) * d - b * rest(1)) / determinant,
-                    (a * rest(1) - c * rest(0)) / determinant,
-                ]
+                vec![(rest(0) * d - b * rest(1)) / determinant, (a * rest(1) - c * rest(0)) / determinant]
             }
         };
         for (y, column) in y.iter().zip(&by_columns) {

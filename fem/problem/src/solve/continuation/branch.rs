@@ -98,7 +98,9 @@ pub enum ContinuationFailure {
     #[error("no first point was found: {0}")]
     Start(#[source] Box<NewtonError>),
     /// The smallest step failed.
-    #[error("the branch could not be followed from the parameter {parameter}, also with the smallest step: {why}")]
+    #[error(
+        "the branch could not be followed from the parameter {parameter}, also with the smallest step: {why}"
+    )]
     Step {
         /// λ of the last point.
         parameter: f64,
@@ -107,7 +109,9 @@ pub enum ContinuationFailure {
         why: Box<NewtonError>,
     },
     /// The branch turns by more than 60° in the smallest step, and not at one kink.
-    #[error("the branch turns at the parameter {parameter} by more than can be followed, also with the smallest step")]
+    #[error(
+        "the branch turns at the parameter {parameter} by more than can be followed, also with the smallest step"
+    )]
     Kink {
         /// λ of the last point.
         parameter: f64,
@@ -195,7 +199,12 @@ pub struct ContinuationError<M, const D: usize, const N: usize = 1> {
 impl<M, const D: usize, const N: usize> fmt::Display for ContinuationError<M, D, N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let count = self.branch.points.len();
-        write!(f, "the continuation stopped after {count} point{}: {}", if count == 1 { "" } else { "s" }, self.why)
+        write!(
+            f,
+            "the continuation stopped after {count} point{}: {}",
+            if count == 1 { "" } else { "s" },
+            self.why
+        )
     }
 }
 

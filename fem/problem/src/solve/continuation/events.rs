@@ -98,7 +98,8 @@ pub(super) fn locate(
     let solution = super::points::Solution { at: a.at.clone(), residual: vec![], iterations: 0 };
     let again = points.analyse(solution, &a.direction, a.arc_length).ok();
     let at_a = again.and_then(|again| watch.value(points, &again));
-    let end = |distance: f64, value: f64, at: &Reached| End { distance, value, weight: value, at: at.clone() };
+    let end =
+        |distance: f64, value: f64, at: &Reached| End { distance, value, weight: value, at: at.clone() };
     let (at_a, at_b) = (at_a.unwrap_or(1.0), at_b.unwrap_or(-1.0));
     let scale = at_a.abs().max(at_b.abs());
     let (mut low, mut high) = (end(0.0, at_a, a), end(distance, at_b, b));

@@ -77,7 +77,7 @@ impl Points<'_> {
             let is_beyond = orient(&self.metric, from, &mut reached);
             let cosine = self.metric.inner(&from.direction, &reached.direction);
             if is_beyond && cosine < TURN && way < 10.0 * distance {
-                return Ok(Beyond { reached, cosine });
+                return Ok(Beyond { reached, cosine, off: 0.0 });
             }
         }
         Err(NewtonFailure::NoDescent.into())

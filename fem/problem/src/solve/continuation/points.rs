@@ -9,12 +9,16 @@ use super::metric::Metric;
 use crate::linear_algebra::spectrum::irregular;
 use crate::linear_algebra::vector::{dot, norm};
 use crate::solve::{
-    Elimination, FieldUnknowns, LineSearch, LinearSolver, NewtonError, NewtonFailure, NewtonOptions, NewtonStep,
-    NonlinearProblem, SolverError, Start, newton_eliminating,
+    Elimination, FieldUnknowns, LineSearch, LinearSolver, NewtonError, NewtonFailure, NewtonOptions,
+    NewtonStep, NonlinearProblem, SolverError, Start, newton_eliminating,
 };
 
 /// Directions with a smaller cosine between them are those of a kink, or of a step that is too long.
 pub(super) const TURN: f64 = 0.5;
+
+/// Steps with a smaller cosine, or a point that is farther off by this part of the step, are too long: they may lead to another branch.
+pub(super) const BEND: f64 = 0.8;
+pub(super) const OFF: f64 = 0.5;
 
 /// Corrections of this multiple of the tolerance are left by Newton's method.
 const CORRECTION: f64 = 100.0;
@@ -31,10 +35,13 @@ pub(super) struct Solution {
     pub iterations: usize,
 }
 
-/// A point beyond another, and the cosine between the directions of both.
+/// A point beyond another.
 pub(super) struct Beyond {
     pub reached: Reached,
+    /// The cosine between the directions of both.
     pub cosine: f64,
+    /// How far the point is from the tangent of the other, relative to the step.
+    pub off: f64,
 }
 
 /// What finds points.
@@ -149,13 +156,14 @@ impl<'f> Points<'f> {
         let plane = Plane { normal: from.direction.clone(), base: from.at.clone(), distance };
         let guess = from.at.moved(&from.direction, distance);
         let solution = self.on_plane(&plane, &guess)?;
+        let off = self.metric.length(&solution.at.since(&guess)) / distance;
         let way = self.metric.length(&solution.at.since(&from.at));
         let mut reached = self.analyse(solution, &from.direction, from.arc_length + way)?;
         let mut cosine = self.metric.inner(&from.direction, &reached.direction);
         if cosine < TURN && orient(&self.metric, from, &mut reached) {
             cosine = self.metric.inner(&from.direction, &reached.direction);
         }
-        Ok(Beyond { reached, cosine })
+        Ok(Beyond { reached, cosine, off })
     }
 
     /// The amount of the eigenvalue of the solver's tangent that is nearest to zero, and vectors that belong to it and to the next ones, by
@@ -172,7 +180,8 @@ impl<'f> Points<'f> {
         let mut vectors = start.to_vec();
         for number in vectors.len()..count {
             let turned = irregular(size + number).skip(number);
-            vectors.push(turned.enumerate().map(|(k, sign)| sign * (1.0 + (k % (7 + number)) as f64)).collect());
+            vectors
+                .push(turned.enumerate().map(|(k, sign)| sign * (1.0 + (k % (7 + number)) as f64)).collect());
         }
         orthonormalise(&mut vectors);
         let mut amount = 0.0;
@@ -191,7 +200,8 @@ impl<'f> Points<'f> {
     /// A vector of the free unknowns on all unknowns, with its largest entry one.
     pub fn mode(&self, vector: &[f64]) -> Result<Vec<f64>, NewtonFailure> {
         let mut mode = self.elimination.extend_by_zero(vector)?;
-        let largest = mode.iter().fold(0.0, |most: f64, value| if value.abs() > most.abs() { *value } else { most });
+        let largest =
+            mode.iter().fold(0.0, |most: f64, value| if value.abs() > most.abs() { *value } else { most });
         if largest != 0.0 {
             mode.iter_mut().for_each(|value| *value /= largest);
         }

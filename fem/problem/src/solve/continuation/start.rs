@@ -37,7 +37,12 @@ pub(super) enum First {
 
 impl First {
     /// The first point, with the length of the first step. The metric is that of the first step.
-    pub fn find(self, points: &mut Points<'_>, step: f64, form: &'static str) -> Result<(Reached, f64), ContinuationFailure> {
+    pub fn find(
+        self,
+        points: &mut Points<'_>,
+        step: f64,
+        form: &'static str,
+    ) -> Result<(Reached, f64), ContinuationFailure> {
         match self {
             First::At(Place { u, parameter }) => {
                 let solution = points.at_parameter(u, parameter)?;
@@ -97,7 +102,8 @@ impl<const D: usize, const N: usize> Continuation<'_, D, N> {
                 Ok(First::At(Place { u, parameter: *value }))
             }
             Origin::Bifurcation { event, mode, amplitude } => {
-                self.problem.check_spaces("bifurcation", event.fields.each_ref().map(|field| field.space()))?;
+                self.problem
+                    .check_spaces("bifurcation", event.fields.each_ref().map(|field| field.space()))?;
                 let known = event.modes.len();
                 let fields =
                     event.modes.get(*mode).ok_or(ContinuationFailure::NoMode { number: *mode, known })?;

@@ -10,9 +10,7 @@ use super::start::First;
 use super::tracing::{Steps, Traced};
 use crate::assemble::AssemblyError;
 use crate::linear_algebra::{CsrMatrix, LinearAlgebraError, Sign};
-use crate::solve::{
-    Elimination, LinearSolver, NewtonOptions, NonlinearProblem, SolverError, Tangent,
-};
+use crate::solve::{Elimination, LinearSolver, NewtonOptions, NonlinearProblem, SolverError, Tangent};
 use std::collections::BTreeMap;
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
@@ -34,7 +32,8 @@ impl NonlinearProblem for Algebraic {
     fn tangent(&mut self, u: &[f64]) -> Result<Tangent<'_>, AssemblyError> {
         let rows = (self.law)(u, self.parameter).1;
         let entries = rows.iter().enumerate();
-        let entries = entries.flat_map(|(i, row)| row.iter().enumerate().map(move |(j, value)| (i, j, *value)));
+        let entries =
+            entries.flat_map(|(i, row)| row.iter().enumerate().map(move |(j, value)| (i, j, *value)));
         let entries: Vec<(usize, usize, f64)> = entries.collect();
         let matrix = CsrMatrix::from_triplets(u.len(), u.len(), &entries).map_err(AssemblyError::other)?;
         Ok(matrix.into())
@@ -153,7 +152,9 @@ fn a_pitchfork_and_its_branches() -> Outcome {
             assert!(matches!(other.end, Ok(BranchEnd::Range)), "{:?}", other.end);
             assert_eq!(other.events.len(), 0);
             for (parameter, u) in &other.seen {
-                assert!((u[0] * u[0] - parameter).abs() < 1e-10 && u[0] * event.modes[0][0] * amplitude > 0.0);
+                assert!(
+                    (u[0] * u[0] - parameter).abs() < 1e-10 && u[0] * event.modes[0][0] * amplitude > 0.0
+                );
             }
             assert!((other.seen[0].1[0].abs() - 0.1).abs() < 1e-2, "{:?}", other.seen[0]);
         }
@@ -259,7 +260,13 @@ fn von_mises_truss() -> Outcome {
 fn a_bordered_matrix_with_a_singular_core() -> Outcome {
     let whole = |corner: [f64; 2]| {
         let mut entries = vec![(0, 0, 2.0), (0, 1, -2.0), (1, 0, -2.0), (1, 1, 2.0)];
-        entries.extend([(0, 2, corner[0]), (1, 2, corner[1]), (2, 0, corner[0]), (2, 1, corner[1]), (2, 2, 0.5)]);
+        entries.extend([
+            (0, 2, corner[0]),
+            (1, 2, corner[1]),
+            (2, 0, corner[0]),
+            (2, 1, corner[1]),
+            (2, 2, 0.5),
+        ]);
         CsrMatrix::from_triplets(3, 3, &entries)
     };
     let mut solver = BorderedSolver::default();

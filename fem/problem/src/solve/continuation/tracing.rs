@@ -6,7 +6,7 @@ use super::branch::{BranchEnd, ContinuationFailure};
 use super::events::{EventKind, Located, kinds_between, locate};
 use super::family::{Next, Reached};
 use super::kinks::{Ways, events_at_kink};
-use super::points::{Beyond, Points, TURN, is_judged};
+use super::points::{BEND, Beyond, OFF, Points, TURN, is_judged};
 use crate::solve::NewtonError;
 
 /// Length and number of steps.
@@ -117,8 +117,10 @@ impl Failed {
 
 /// One step of a length. One that turns much, or has several kinds of events, is refused unless it is short already.
 fn step(points: &mut Points<'_>, from: &Reached, length: f64, is_long: bool) -> Result<Step, Failed> {
-    let Beyond { reached, cosine } = match points.beyond(from, length) {
-        Ok(Beyond { cosine, .. }) if cosine < TURN && is_long => return Err(Failed::Turns),
+    let Beyond { reached, cosine, .. } = match points.beyond(from, length) {
+        Ok(Beyond { cosine, off, .. }) if is_long && (cosine < BEND || off > OFF) => {
+            return Err(Failed::Turns);
+        }
         Ok(beyond) => beyond,
         Err(error) if is_long => return Err(Failed::Newton(error)),
         // The new direction may point back across the plane.

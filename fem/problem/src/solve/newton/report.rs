@@ -154,7 +154,9 @@ pub enum NewtonFailure {
         number: usize,
     },
     /// Newton's method starts at a solution that is to be avoided.
-    #[error("the start is the known solution number {number} (numbered from 0): give another start (`Problem::start`)")]
+    #[error(
+        "the start is the known solution number {number} (numbered from 0): give another start (`Problem::start`)"
+    )]
     StartsAtKnownSolution {
         /// Its number among the known ones.
         number: usize,
