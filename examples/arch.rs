@@ -6,7 +6,7 @@
 //!
 //! σ is the vertical traction of the lower side, g its distance from the floor. The branch of equilibria is followed by its arc length through
 //! both limit points, with contact in between; a bifurcation on it leads to arches that lean to one side. At one load deflation finds
-//! the other equilibria from three guesses. Work and energy are compared along the branch.
+//! the upright equilibria from one guess. Work and energy are compared along the branch.
 //!
 //! Run it with `cargo run --release --bin arch -- [CELLS ALONG THE ARCH]`.
 
@@ -37,8 +37,8 @@ const DEFLECTION: f64 = 0.4;
 const LARGEST_LOAD: f64 = 8e-4;
 /// The load at which deflation looks for all equilibria \[N/mm\].
 const LOAD: f64 = 3e-4;
-/// The lean of a guess \[mm\].
-const LEAN: f64 = 0.03;
+/// The largest displacement from a bifurcation to the first arch that leans \[mm\].
+const LEAN: f64 = 0.005;
 /// Most equilibria that deflation looks for from a guess.
 const MOST: usize = 8;
 /// A place below every floor.
@@ -168,7 +168,7 @@ impl Setting {
         let mut leant = false;
         let found = self
             .continuation(FLOOR)
-            .switched(fork, 0, 0.01)
+            .switched(fork, 0, LEAN)
             .step(2e-5)
             .between_steps(1.0 / 1024.0, 1.0)
             .points(60)
@@ -181,20 +181,16 @@ impl Setting {
         Ok(found)
     }
 
-    /// Equilibria at one load that were not known yet, from one guess, each with the number of negative eigenvalues of its tangent.
-    fn deflated(
-        &self,
-        guess: &Field<2>,
-        known: &mut Deflation<2>,
-    ) -> Result<Vec<(Measured, Option<usize>)>, Box<dyn Error>> {
+    /// Equilibria at one load from one guess, each with the number of negative eigenvalues of its tangent.
+    fn deflated(&self, guess: &Field<2>) -> Result<Vec<(Measured, Option<usize>)>, Box<dyn Error>> {
         let form = Self::model(LOAD, FLOOR).balance();
-        let mut found = vec![];
+        let (mut known, mut found) = (Deflation::new(), vec![]);
         while found.len() < MOST {
             let mut solver = TangentSolver::default();
             let options = NewtonOptions { max_iterations: 100, ..NewtonOptions::default() };
             let problem =
                 Problem::new(&form, &self.space).constrained(&self.clamps).assembler(&self.assembler);
-            let solved = problem.start(guess).deflated(known).solver(&mut solver).options(options).solve();
+            let solved = problem.start(guess).deflated(&known).solver(&mut solver).options(options).solve();
             let Ok(solved) = solved else { break };
             found.push((
                 Self::measure(FLOOR, &solved).map_err(|e| e.to_string())?,
@@ -290,19 +286,9 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let leaning = setting.leaning(fork)?;
     table(out, &leaning);
 
-    // Three guesses: the arch on its way down, leant to either side, and pressed onto the floor.
-    let (pressed, mode) = (&held.points.last().ok_or("no point")?.measured.u, &fork.modes[0][0]);
-    let falling = held.points.iter().filter(|point| point.slope < 0.0);
-    let near = falling.min_by(|a, b| (a.parameter - LOAD).abs().total_cmp(&(b.parameter - LOAD).abs()));
-    let near = &near.ok_or("no limit point")?.measured.u;
-    let leant = |lean: f64| {
-        let values = near.values().iter().zip(mode.values()).map(|(u, mode)| u + lean * mode);
-        Field::from_values(&setting.space, values.collect())
-    };
-    let (mut known, mut found) = (Deflation::new(), vec![]);
-    for guess in [&leant(LEAN)?, &leant(-LEAN)?, pressed] {
-        found.extend(setting.deflated(guess, &mut known)?);
-    }
+    // One guess, the arch pressed onto the floor.
+    let guess = &held.points.last().ok_or("no point")?.measured.u;
+    let found = setting.deflated(guess)?;
     out.line(format!("equilibria at the load {LOAD} N/mm, by deflation:"));
     out.line(
         "| deflection [mm] | floor [N/mm] | sway [mm] | stored [N] | potential [N] | negative eigenvalues |",

@@ -125,8 +125,10 @@ pub enum ContinuationFailure {
         /// λ of the last point.
         parameter: f64,
     },
-    /// Another branch that is the same one.
-    #[error("the amplitude {amplitude} leads to a point far from the bifurcation: take a smaller one")]
+    /// A first point that is not next to the bifurcation in the direction of the null vector.
+    #[error(
+        "the amplitude {amplitude} leads to a point far from the bifurcation, perhaps on the branch itself: take another one"
+    )]
     FarFromBifurcation {
         /// The amplitude that was asked for.
         amplitude: f64,

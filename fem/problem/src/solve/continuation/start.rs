@@ -24,8 +24,9 @@ pub(super) enum Origin<'a, const D: usize, const N: usize> {
 /// A difference of residuals that is off by more than this part says that the rate is another form's.
 const WRONG_RATE: f64 = 1e-2;
 
-/// A first point on another branch is at most this multiple of its distance along the null vector away.
-const FAR: f64 = 10.0;
+/// A first point on another branch is at most this multiple of its distance along the null vector away: one farther off is on the branch
+/// that it was to leave.
+const FAR: f64 = 2.0;
 
 /// The first point, in vectors.
 pub(super) enum First {
