@@ -12,6 +12,7 @@ mod of_forms;
 mod points;
 mod start;
 mod tracing;
+mod turns;
 
 use std::borrow::Cow;
 use std::error::Error;
@@ -158,7 +159,7 @@ impl<'a, const D: usize, const N: usize> Continuation<'a, D, N> {
         self
     }
 
-    /// Begins on another branch at a bifurcation, in the direction of a null vector (numbered from 0) there. `amplitude` is the largest
+    /// A start on another branch at a bifurcation, in the direction of a null vector (numbered from 0) there. `amplitude` is the largest
     /// change of an unknown up to the first point; its sign chooses the half of the branch.
     pub fn switched(mut self, event: &'a BranchEvent<D, N>, mode: usize, amplitude: f64) -> Self {
         self.origin = Origin::Bifurcation { event, mode, amplitude };

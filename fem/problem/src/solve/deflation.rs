@@ -107,13 +107,6 @@ impl Centre {
         self.weights.iter().map(|(range, weight)| weight * square_distance(&self.values, u, range)).sum()
     }
 
-    fn square_length(&self, step: &[f64]) -> f64 {
-        let of_field = |(range, weight): &(Range<usize>, f64)| {
-            weight * step[range.clone()].iter().map(|value| value * value).sum::<f64>()
-        };
-        self.weights.iter().map(of_field).sum()
-    }
-
     /// ⟨u − u_k, δ⟩.
     fn along(&self, u: &[f64], step: &[f64]) -> f64 {
         let of_field = |(range, weight): &(Range<usize>, f64)| {
@@ -131,6 +124,9 @@ pub(super) struct Repulsion {
     square_radius: f64,
 }
 
+/// A step is lengthened at most by this factor.
+const LONGEST: f64 = 10.0;
+
 /// A solution nearer to a known one than this part of the start's distance is the same.
 const SAME: f64 = 1e-4;
 
@@ -142,10 +138,7 @@ impl Repulsion {
             -2.0 * centre.along(u, step) / (square * (1.0 + square / self.square_radius))
         });
         let rest = 1.0 - slopes.filter(|slope| slope.is_finite()).sum::<f64>();
-        // A step is lengthened at most to the way from the start to the nearest solution.
-        let length = self.centres.iter().map(|centre| centre.square_length(step)).fold(0.0, f64::max).sqrt();
-        let longest = if length < 1.0 { 1.0 / length } else { 1.0 };
-        if rest == 0.0 { longest } else { (1.0 / rest).clamp(-longest, longest) }
+        if rest == 0.0 { LONGEST } else { (1.0 / rest).clamp(-LONGEST, LONGEST) }
     }
 
     /// The number of the known solution at u.

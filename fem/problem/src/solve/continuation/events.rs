@@ -139,6 +139,10 @@ pub(super) fn locate(
     }
     let modes = best.1.iter().filter_map(|vector| points.mode(vector).ok()).collect();
     let mut found = place(kind, &low, &high, modes, zero_of(samples));
+    // Next to a bifurcation the direction of a point has a part of the null vector, that of the step has none.
+    if let Some(chord) = points.metric.unit(b.at.since(&a.at)) {
+        found.direction = chord;
+    }
     found.uncertainty = found.uncertainty.max(points.accuracy());
     found
 }

@@ -1,57 +1,18 @@
-//! Kinks of a branch, as where contact begins: the direction beyond, and steps that no plane across the old direction reaches.
+//! Kinks of a branch, as where contact begins: steps that no plane across the old direction reaches, and events.
 //!
-//! Between a and b the branch goes by α along the direction at a, and by β along the direction at b. Both are positive, which says which of
-//! its two senses the new direction has. Where contact stiffens a falling branch, the new direction points back across the old one's plane, so
-//! that the next point is found on a plane across the new direction.
+//! Where contact stiffens a falling branch, the new direction points back across the old one's plane, so that the next point is found on a
+//! plane across the new direction.
 
 use super::arc::Plane;
 use super::events::{EventKind, Located};
-use super::family::{Direction, Reached};
+use super::family::Reached;
 use super::metric::Metric;
 use super::points::{Beyond, Points, Solution, TURN};
+use super::turns::{Ways, orient};
 use crate::solve::{NewtonError, NewtonFailure};
-
-/// The way before a kink may be negative by this part of the step: its direction is that of a point near it.
-const BEFORE: f64 = 0.1;
 
 /// Multiples of the distance at which the tangent beyond a kink is looked for.
 const REACHES: [f64; 3] = [1.0, 4.0, 16.0];
-
-/// Ways along both directions to and from a kink between two points.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Ways {
-    pub before: f64,
-    pub after: f64,
-}
-
-impl Ways {
-    /// The ways of b − a along the directions of both; none where they are parallel.
-    pub fn between(metric: &Metric, a: &Reached, b: &Reached) -> Option<Ways> {
-        let way = b.at.since(&a.at);
-        let cosine = metric.inner(&a.direction, &b.direction);
-        let (along, along_new) = (metric.inner(&way, &a.direction), metric.inner(&way, &b.direction));
-        let rest = 1.0 - cosine * cosine;
-        let ways =
-            Ways { before: (along - cosine * along_new) / rest, after: (along_new - cosine * along) / rest };
-        (ways.before.is_finite() && ways.after.is_finite()).then_some(ways)
-    }
-}
-
-impl Direction {
-    fn turn_round(&mut self) {
-        self.u.iter_mut().for_each(|value| *value = -*value);
-        self.parameter = -self.parameter;
-    }
-}
-
-/// Gives the direction at b the sense in which the branch leaves a kink between a and b. The kink is between them if the answer is true.
-pub(super) fn orient(metric: &Metric, a: &Reached, b: &mut Reached) -> bool {
-    let Some(ways) = Ways::between(metric, a, b) else { return false };
-    if ways.after < 0.0 {
-        b.direction.turn_round();
-    }
-    ways.before >= -BEFORE * ways.after.abs()
-}
 
 impl Points<'_> {
     /// A point beyond a kink that is within about a distance: on a plane across the direction that the tangent has there.

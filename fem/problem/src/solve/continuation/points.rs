@@ -4,8 +4,8 @@ use super::arc::{ArcEquations, ArrowPattern, Plane};
 use super::bordered_solver::BorderedSolver;
 use super::family::{Direction, Family, Place, Reached};
 use super::inertia::Inertia;
-use super::kinks::orient;
 use super::metric::Metric;
+use super::turns::orient;
 use crate::linear_algebra::spectrum::irregular;
 use crate::linear_algebra::vector::{dot, norm};
 use crate::solve::{
@@ -72,7 +72,7 @@ impl<'f> Points<'f> {
         Points { family, elimination, extended, fields, metric, pattern, solver, options }
     }
 
-    /// What is done with steps of Newton's method that a line search shortens.
+    /// A search with steps of Newton's method that a line search shortens.
     pub fn with_line_search<T>(&mut self, find: impl FnOnce(&mut Self) -> T) -> T {
         let usual = std::mem::replace(&mut self.options.line_search, LineSearch::OnResidual);
         let found = find(self);
@@ -198,6 +198,9 @@ impl<'f> Points<'f> {
     }
 
     /// A vector of the free unknowns on all unknowns, with its largest entry one.
+    ///
+    /// # Errors
+    /// [`NewtonFailure`]: a vector of another length.
     pub fn mode(&self, vector: &[f64]) -> Result<Vec<f64>, NewtonFailure> {
         let mut mode = self.elimination.extend_by_zero(vector)?;
         let largest =
@@ -208,7 +211,7 @@ impl<'f> Points<'f> {
         Ok(mode)
     }
 
-    /// How far a rate is from the difference of residuals near a place, as a part of the larger of both.
+    /// The distance of a rate from the difference of residuals near a place, as a part of the larger of both.
     ///
     /// # Errors
     /// If assembly fails.

@@ -38,6 +38,9 @@ pub(super) enum First {
 
 impl First {
     /// The first point, with the length of the first step. The metric is that of the first step.
+    ///
+    /// # Errors
+    /// [`ContinuationFailure`]: no such point, or a rate of another form.
     pub fn find(
         self,
         points: &mut Points<'_>,

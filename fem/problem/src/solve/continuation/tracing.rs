@@ -5,8 +5,9 @@ use std::ops::RangeInclusive;
 use super::branch::{BranchEnd, ContinuationFailure};
 use super::events::{EventKind, Located, kinds_between, locate};
 use super::family::{Next, Reached};
-use super::kinks::{Ways, events_at_kink};
+use super::kinks::events_at_kink;
 use super::points::{BEND, Beyond, OFF, Points, TURN, is_judged};
+use super::turns::Ways;
 use crate::solve::NewtonError;
 
 /// Length and number of steps.
@@ -49,7 +50,7 @@ impl Traced {
         Ok(next)
     }
 
-    /// Follows a branch from its first point, with a first step of a length.
+    /// The end of a branch that is followed from its first point, with a first step of a length.
     ///
     /// # Errors
     /// [`ContinuationFailure`]: the smallest step fails, or a measurement.

@@ -4,7 +4,7 @@ use super::{Problem, SolveError};
 use crate::solve::{Deflation, Elimination, NewtonFailure};
 
 impl<const D: usize, const N: usize> Problem<'_, D, N> {
-    /// Keeps Newton's method away from known solutions: steps are lengthened, shortened or turned round, and the criterion of convergence stays.
+    /// Known solutions, from which Newton's method is kept away: steps are lengthened, shortened or turned round, and the criterion of convergence stays.
     /// A start other than these solutions is needed ([`Problem::start`]). A known solution that is found all the same is refused:
     /// [`NewtonFailure::KnownSolution`].
     pub fn deflated(mut self, known: &Deflation<D, N>) -> Self {
