@@ -85,7 +85,7 @@ fn is_odd(permutation: &[usize]) -> bool {
             place = permutation[place];
             length += 1;
         }
-        odd ^= length > 1 && length % 2 == 0;
+        odd ^= length > 1 && length.is_multiple_of(2);
     }
     odd
 }

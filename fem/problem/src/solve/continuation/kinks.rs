@@ -50,10 +50,12 @@ pub(super) fn events_at_kink(metric: &Metric, kinds: &[EventKind], a: &Reached, 
     let Some(ways) = Ways::between(metric, a, b) else { return vec![] };
     let at = a.at.moved(&a.direction, ways.before);
     let from_b = b.at.moved(&b.direction, -ways.after);
+    let away = |end: &Reached| (at.parameter - end.at.parameter).abs();
     let located = |kind: &EventKind| Located {
         kind: *kind,
         at: at.clone(),
-        uncertainty: (at.parameter - from_b.parameter).abs(),
+        // The kink is between both points, and the branch may be curved.
+        uncertainty: away(a).max(away(b)).max((at.parameter - from_b.parameter).abs()),
         arc_length: a.arc_length + ways.before.max(0.0),
         modes: vec![],
         direction: a.direction.clone(),
