@@ -69,7 +69,7 @@ impl<const D: usize, const N: usize> Deflation<D, N> {
     }
 
     /// The repulsion in an iteration from a start.
-    pub(super) fn from_start(&self, start: &[f64]) -> Repulsion {
+    pub(super) fn repulsion_at(&self, start: &[f64]) -> Repulsion {
         let centres = self.known.iter().map(|fields| {
             let values: Vec<f64> = fields.iter().flat_map(|field| field.values()).copied().collect();
             let mut weights = vec![];

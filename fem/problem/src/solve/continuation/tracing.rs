@@ -100,7 +100,7 @@ impl Traced {
 
 /// A reason to halve a step.
 enum Failed {
-    Newton(NewtonError),
+    Newton(Box<NewtonError>),
     Turns,
     Singular,
     Together,
@@ -109,7 +109,7 @@ enum Failed {
 impl Failed {
     fn of(self, parameter: f64) -> ContinuationFailure {
         match self {
-            Failed::Newton(why) => ContinuationFailure::Step { parameter, why: Box::new(why) },
+            Failed::Newton(why) => ContinuationFailure::Step { parameter, why },
             Failed::Turns => ContinuationFailure::Kink { parameter },
             Failed::Singular | Failed::Together => ContinuationFailure::Singular { parameter },
         }
@@ -123,9 +123,9 @@ fn step(points: &mut Points<'_>, from: &Reached, length: f64, is_long: bool) -> 
             return Err(Failed::Turns);
         }
         Ok(beyond) => beyond,
-        Err(error) if is_long => return Err(Failed::Newton(error)),
+        Err(error) if is_long => return Err(Failed::Newton(Box::new(error))),
         // The new direction may point back across the plane.
-        Err(error) => points.beyond_kink(from, length).map_err(|_| Failed::Newton(error))?,
+        Err(error) => points.beyond_kink(from, length).map_err(|_| Failed::Newton(Box::new(error)))?,
     };
     if !is_judged(reached.inertia) {
         return Err(Failed::Singular);

@@ -21,7 +21,7 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
         }
         let mut imposed = start.to_vec();
         elimination.impose(&mut imposed).map_err(NewtonFailure::Mismatch)?;
-        let repulsion = deflation.from_start(&imposed);
+        let repulsion = deflation.repulsion_at(&imposed);
         if let Some(number) = repulsion.starts_at() {
             return Err(NewtonFailure::StartsAtKnownSolution { number }.into());
         }
