@@ -170,6 +170,10 @@ const MAKERS: [Maker; 35] = [
         ],
     },
     Maker {
+        arguments: &["--bin", "arch"],
+        pictures: &[("out/arch.png", "arch.png"), ("out/arch_curves.png", "arch_curves.png")],
+    },
+    Maker {
         arguments: &["--bin", "die_on_slab"],
         pictures: &[
             ("out/die_on_slab.png", "die_on_slab.png"),

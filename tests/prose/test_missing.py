@@ -32,6 +32,7 @@ CLAIMS = [
     ("docs/inverse_problems.md", "`MotionHistory` refuses them by name", "fem/src/inverse/motion_history.rs", r"is_on_displaced_surfaces", "needs"),
     ("docs/capabilities.md", "Lagrange of degree 1 to 4", "fem/mesh/src/element/lagrange.rs", r"the degrees are 1 to 4", "needs"),
     ("docs/eigenproblems.md", "Complex eigenvalues", "fem/linear_algebra/src/eigenpairs.rs", r"\b(?:Complex|c64)\b", "refutes"),
+    ("docs/continuation.md", "Histories, several processes, other linear solvers", "fem/problem/src/solve/continuation.rs", r"pub fn (?:on|solver)\(", "refutes"),
     ("docs/shape_optimisation.md", "Remeshing is 2D only", "fem/mesh/src/mesh/remeshing/*.rs", r"Mesh<3>|Mesh<D>", "refutes"),
 ]
 # Pages with a list of what is missing that no source text can decide.

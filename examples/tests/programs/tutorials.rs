@@ -236,6 +236,22 @@ fn a_pressed_ring_is_a_beam_and_then_closes() {
     assert!(last[3] > 0.9 * last[2] && last[3] < last[2], "{printed}");
 }
 
+/// The branch has a limit point, a bifurcation and the touch of the floor; work and energy are the program's own check.
+#[test]
+fn an_arch_snaps_onto_a_floor() {
+    let printed = run_with(env!("CARGO_BIN_EXE_arch"), &["24"], "arch.png");
+    let (_, held) = printed.split_once("with a floor:").expect("a second branch");
+    let (held, leaning) = held.split_once("arches that lean:").expect("a third branch");
+    assert_eq!(held.matches("limit point").count(), 2, "{printed}");
+    assert!(held.contains("bifurcation (1)"), "{printed}");
+    let last = held.lines().rfind(|line| line.starts_with("| 0")).expect("a point");
+    let numbers: Vec<f64> = last.split('|').filter_map(|number| number.trim().parse().ok()).collect();
+    // The floor carries more than half of the load in the end, and the arch is stable.
+    assert!(numbers[2] > 0.5 * numbers[1] && numbers[5] == 0.0, "{printed}");
+    let (_, deflated) = leaning.split_once("by deflation").expect("a table");
+    assert!(deflated.lines().filter(|line| line.starts_with("| 0.")).count() >= 2, "{printed}");
+}
+
 /// A ball that slides is held back by friction and by the slope in front of it, the same all along.
 #[test]
 fn a_die_slides_along_a_slab() {

@@ -25,6 +25,7 @@ pub mod cholesky;
 pub mod condensation;
 pub mod condition;
 pub mod csr;
+pub mod determinant;
 mod dissection;
 pub mod eigenpairs;
 #[doc(hidden)]
@@ -67,6 +68,7 @@ pub use cholesky::{Refined, Remainder, SymmetricFactor};
 pub use condensation::{Condensation, DenseFactor};
 pub use condition::{ConditionEstimate, condition_estimate};
 pub use csr::{CsrMatrix, Entry};
+pub use determinant::{Sign, determinant_sign};
 pub use eigenpairs::{EigenError, Eigenpair, Positive, SymmetricPencil};
 pub use error::LinearAlgebraError;
 pub use gmres::{GmresError, GmresOptions, GmresReport, gmres};

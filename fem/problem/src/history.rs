@@ -305,4 +305,9 @@ pub(crate) fn commits<const D: usize>(inputs: &Inputs<D>) -> u64 {
     histories.sum()
 }
 
+/// Whether a form reads values at quadrature points.
+pub(crate) fn reads_history<const D: usize>(inputs: &Inputs<D>) -> bool {
+    inputs.sources.iter().any(|source| matches!(source, Some(Source::History(_))))
+}
+
 instantiate!(history: PointStorage::<D>::snapshot, PointStorage::<D>::on_pairs, commits::<D>);

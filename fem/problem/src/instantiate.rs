@@ -50,6 +50,7 @@ where
             Self::block_pattern(),
             Self::bounds(),
             Self::constraints(),
+            Self::continuation(),
             Self::derived(),
             Self::eigenproblem(),
             Self::elimination(),

@@ -98,6 +98,26 @@ impl Elimination {
         Ok(self)
     }
 
+    /// This elimination once more, without its map between matrices.
+    pub(in crate::solve) fn again(&self) -> Self {
+        Elimination {
+            size: self.size,
+            prescribed: self.prescribed.clone(),
+            relations: self.relations.clone(),
+            free: self.free.clone(),
+            restriction: None,
+            weighted: None,
+        }
+    }
+
+    /// This elimination with one more unknown after the others, which is free.
+    pub(in crate::solve) fn with_one_more(&self) -> Self {
+        let mut more = self.again();
+        more.free.push(more.size);
+        more.size += 1;
+        more
+    }
+
     /// The same with the map between matrices of an earlier elimination, if it is the one of these free unknowns.
     pub(crate) fn with_restriction(mut self, earlier: Option<Restriction>) -> Self {
         let only = self.relations.is_empty();

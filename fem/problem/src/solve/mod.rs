@@ -3,14 +3,17 @@
 //! [`newton()`] asks a [`NonlinearProblem`] for residuals and tangents, an [`Elimination`] takes the
 //! prescribed unknowns out, and a [`LinearSolver`] (the [`TangentSolver`] unless another is given) solves.
 //! A [`Problem`] makes such a problem of a compiled form with one or several unknowns, and solves itself.
+//! A [`Continuation`] follows a branch of solutions through limit points and bifurcations.
 //! A [`MultigridSolver`] takes large systems in space. An [`Eigenproblem`] of two forms gives vibrations and buckling loads.
 //! The solver keeps its factor, so that adjoint problems with the tangent or its transpose reuse it.
 
 pub mod communicator;
 mod condensation;
 pub mod condensed_solver;
+pub mod continuation;
 #[cfg(test)]
 mod contrasts;
+pub mod deflation;
 pub mod eigenproblem;
 pub mod elimination;
 mod floating;
@@ -35,6 +38,11 @@ pub mod tangent_solver;
 pub use crate::assemble::Terms;
 pub use communicator::{CommunicationError, Communicator};
 pub use condensed_solver::CondensedSolver;
+pub use continuation::{
+    Branch, BranchEnd, BranchEvent, BranchPoint, Continuation, ContinuationError, ContinuationFailure,
+    EventKind, Inertia,
+};
+pub use deflation::Deflation;
 pub use eigenproblem::{Eigenmode, Eigenproblem, EigenproblemError};
 pub use elimination::Elimination;
 pub use floating::Floating;

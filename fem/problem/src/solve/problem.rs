@@ -3,6 +3,7 @@
 mod affine;
 mod agreement;
 mod bounded;
+mod deflated;
 mod diagnosis;
 mod equations;
 mod free_bodies;
@@ -22,6 +23,7 @@ pub use self::positivity::PositivityError;
 pub use self::solution::StepMemory;
 use self::solution::{EachStep, Solver};
 use super::communicator::Communicator;
+use super::deflation::{Deflation, Repulsion};
 use super::linear_and_nonlinear::SplitSystem;
 use super::linear_part::{Assembled, System};
 use super::{
@@ -78,6 +80,9 @@ pub struct Problem<'a, const D: usize, const N: usize = 1> {
     pub(in crate::solve) start: Option<[&'a Field<D>; N]>,
     /// The state from which a load step goes; the start is its prediction.
     pub(in crate::solve) last_state: Option<[&'a Field<D>; N]>,
+    /// Known solutions, and the same as seen from the start.
+    pub(in crate::solve) deflation: Option<Deflation<D, N>>,
+    pub(in crate::solve) repulsion: Option<Repulsion>,
     pub(in crate::solve) solver: Solver<'a>,
     pub(in crate::solve) options: NewtonOptions,
     pub(in crate::solve) progress: Option<EachStep<'a>>,
@@ -132,6 +137,8 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
             held: vec![],
             start: None,
             last_state: None,
+            deflation: None,
+            repulsion: None,
             solver: Solver::Own(Box::default()),
             options: NewtonOptions::default(),
             progress: None,

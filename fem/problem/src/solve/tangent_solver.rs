@@ -114,6 +114,11 @@ impl TangentSolver {
         Self { options, ..Self::default() }
     }
 
+    /// A solver with the same options that knows no matrix.
+    pub(super) fn anew(&self) -> Self {
+        Self::new(self.options.clone())
+    }
+
     /// The work done so far.
     pub fn report(&self) -> &SolverReport {
         &self.report
@@ -137,6 +142,12 @@ impl TangentSolver {
     /// Whether the current factor is an LLᵀ, so that the symmetric part it was made of is positive definite.
     pub fn is_positive_definite(&self) -> Option<bool> {
         self.factor.as_ref().map(SymmetricFactor::is_positive_definite)
+    }
+
+    /// The number of negative eigenvalues of the current matrix, where it is symmetric and its own factor tells.
+    pub fn negative_eigenvalues(&self) -> Option<usize> {
+        let tells = self.matrix.is_some() && self.symmetric && self.factor_is_fresh && !self.by_lu;
+        self.factor.as_ref().filter(|_| tells).map(SymmetricFactor::negative_eigenvalues)
     }
 
     /// Estimate of the current matrix's condition in the 1-norm, by about five solves; it is also reported.

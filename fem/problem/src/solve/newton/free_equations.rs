@@ -219,6 +219,10 @@ impl Equations for FreeEquations<'_> {
 
     fn take(&mut self, change: Change) -> Result<(), NewtonFailure> {
         let Change { mut values, origin } = change;
+        if let Origin::Tangent { .. } = origin {
+            let factor = self.problem.factor_of_step(&self.iterates.u, &values);
+            values.iter_mut().for_each(|value| *value *= factor);
+        }
         let (linear_iterations, condensed_unknowns) = match origin {
             Origin::Tangent { linear_iterations, condensed_unknowns } => {
                 (linear_iterations, condensed_unknowns)

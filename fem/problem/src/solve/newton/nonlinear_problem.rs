@@ -62,6 +62,11 @@ pub trait NonlinearProblem {
         Ok(None)
     }
 
+    /// The factor of a Newton step at u, as deflation of known solutions has one. A line search then shortens the step that is left.
+    fn factor_of_step(&mut self, _u: &[f64], _step: &[f64]) -> f64 {
+        1.0
+    }
+
     /// The problem as a sum of a linear and a nonlinear part, if it can be taken apart. A [`CondensedSolver`](crate::solve::CondensedSolver)
     /// then factors the linear part once, and iterates on the unknowns that the nonlinear part touches.
     fn partly_linear(&mut self) -> Option<&mut dyn PartlyLinear> {

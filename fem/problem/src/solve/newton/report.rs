@@ -173,6 +173,22 @@ pub enum NewtonFailure {
         /// The last correction as a part of the largest value of its component.
         part: f64,
     },
+    /// The solution is one that was to be avoided.
+    #[error(
+        "the solution is the known one number {number} (numbered from 0), though it was deflated: perhaps there is no other one,          or another start or radius finds it"
+    )]
+    KnownSolution {
+        /// Its number among the known ones.
+        number: usize,
+    },
+    /// Newton's method starts at a solution that is to be avoided.
+    #[error(
+        "the start is the known solution number {number} (numbered from 0): give another start (`Problem::start`)"
+    )]
+    StartsAtKnownSolution {
+        /// Its number among the known ones.
+        number: usize,
+    },
     /// The residual became NaN or infinite.
     #[error("the residual is not finite")]
     NotFinite,

@@ -121,8 +121,12 @@ impl<const D: usize, const N: usize> NonlinearProblem for Problem<'_, D, N> {
     }
 
     fn partly_linear(&mut self) -> Option<&mut dyn PartlyLinear> {
-        // Steps on few unknowns are not limited.
-        if self.positive.is_empty() { Some(self) } else { None }
+        // Steps on few unknowns are not limited, and known solutions repel all unknowns.
+        if self.positive.is_empty() && self.repulsion.is_none() { Some(self) } else { None }
+    }
+
+    fn factor_of_step(&mut self, u: &[f64], step: &[f64]) -> f64 {
+        self.repulsion.as_ref().map_or(1.0, |repulsion| repulsion.factor(u, step))
     }
 }
 

@@ -6,7 +6,11 @@ use std::sync::Arc;
 use super::Problem;
 use crate::assemble::AssemblyError;
 use crate::constraints::Constraints;
+use crate::contract::Form;
 use crate::space::Space;
+
+/// A number of commits that no form has.
+const OTHER_DATA: u64 = u64::MAX;
 
 impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     /// A guess at the first iterates: each vector field on the mesh moved by 1.05 times the mean of its prescribed
@@ -67,6 +71,15 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
                 let (form, field) = (self.system.form.name(), self.system.unknown_name(number));
                 Err(AssemblyError::OtherSpace { form, field, what })
             }
+        }
+    }
+
+    /// Takes the same form with other data. What was assembled is computed anew, in the same memory.
+    pub(in crate::solve) fn replace_form(&mut self, form: Form<D>) {
+        self.system.form = form;
+        self.split = None;
+        if let Some(assembled) = &mut self.assembled {
+            assembled.commits = OTHER_DATA;
         }
     }
 

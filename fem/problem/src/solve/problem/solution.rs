@@ -79,16 +79,29 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
             error.notes.extend(self.notes.iter().cloned());
             error
         })?;
+        let seconds = begun.elapsed().as_secs_f64();
+        Ok(Solved { history, report, seconds, ..self.solved_at(&u, residual)? })
+    }
+
+    /// A solution that was found, without its history.
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: pairs that cannot be found.
+    pub(in crate::solve) fn solved_at(
+        &self,
+        u: &[f64],
+        residual: Vec<f64>,
+    ) -> Result<Solved<D, N>, AssemblyError> {
         let constraints = self.all_constraints()?.map(Cow::into_owned);
         Ok(Solved {
             at_bounds: self.at_bounds(&self.held, constraints),
-            fields: self.system.fields(&u),
-            history,
+            fields: self.system.fields(u),
+            history: vec![],
             residual,
-            report,
+            report: None,
             assembly_seconds: self.seconds,
-            seconds: begun.elapsed().as_secs_f64(),
-            pairs: self.system.pairs(&u)?,
+            seconds: 0.0,
+            pairs: self.system.pairs(u)?,
             assembler: match self.communicator {
                 // Each process has the whole solution.
                 Some(_) => self.system.assembler.on_all_cells(),
@@ -108,7 +121,9 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         solver.set_local_unknowns(groups_of(&self.system.spaces, &elimination));
         if self.system.form.is_affine() && self.bounds.is_empty() && self.positive.is_empty() {
             elimination = elimination.with_restriction(self.memory.restriction.take());
+            self.repel(&elimination, &vec![0.0; self.system.unknowns()])?;
             let found = self.solve_affine(&mut elimination, solver);
+            let found = found.and_then(|found| self.refuse_known(&found.0).map(|()| found));
             self.memory.restriction = elimination.into_restriction();
             return found;
         }
@@ -131,6 +146,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
             None => vec![0.0; self.system.unknowns()],
         };
         self.overlap_touching(&elimination, &mut u)?;
+        self.repel(&elimination, &u)?;
         let guess = self.extrapolate_prescribed(&u, constraints);
         self.split = None;
         let bounds = self.all_bounds()?;
@@ -161,6 +177,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
             error
         })?;
         self.held = found.held;
+        self.refuse_known(&found.u)?;
         Ok((found.u, found.residual, found.history))
     }
 
