@@ -102,7 +102,7 @@ pub mod mixed_nitsche {
             + integral(GammaC, nitsche_energy(normal_stress(u, p), u))
     }
 
-    /// The same with u, p and j.
+    /// `energy` with u, p and j.
     pub fn three_field_energy(u: Unknown<Vector>, p: Unknown<Scalar>, dilatation: Unknown<Scalar>) -> Energy {
         integral(Omega, three_field_density(u, p, dilatation)) - work_of_loads(u)
             + integral(GammaC, nitsche_energy(normal_stress(u, p), u))
