@@ -2,6 +2,7 @@
 
 mod adaptive;
 mod convergence;
+mod half_ring;
 mod readme;
 mod rolling_ring;
 mod shape_optimisation;
