@@ -258,7 +258,7 @@ impl Ring<'_> {
                 .solve()?;
             // The other half of the half ring has as much.
             let force = -2.0 * solved.reaction_of(0, "top")?[1];
-            local_unknowns = solved.report.as_ref().and_then(|report| report.local_unknowns.clone());
+            local_unknowns = solved.report.as_ref().and_then(|report| report.local_unknowns);
             let off = (force - self.setting.force).abs();
             if nearest.as_ref().is_none_or(|(_, other, _)| off < (other - self.setting.force).abs()) {
                 nearest = Some((step.factor, force, solved.fields.clone()));
