@@ -43,7 +43,7 @@ macro_rules! tutorial {
     };
 }
 
-const MAKERS: [Maker; 35] = [
+const MAKERS: [Maker; 27] = [
     tutorial!("01_poisson", "01"),
     tutorial!("02_elasticity", "02"),
     tutorial!("03_neo_hookean", "03"),
@@ -172,6 +172,20 @@ const MAKERS: [Maker; 35] = [
     Maker {
         arguments: &["--bin", "arch"],
         pictures: &[("out/arch.png", "arch.png"), ("out/arch_curves.png", "arch_curves.png")],
+    },
+    Maker {
+        arguments: &["--bin", "half_ring"],
+        pictures: &[
+            ("out/half_ring.png", "half_ring.png"),
+            ("out/half_ring_newton.png", "half_ring_newton.png"),
+        ],
+    },
+    Maker {
+        arguments: &["--bin", "sealed_ring"],
+        pictures: &[
+            ("out/sealed_ring.png", "sealed_ring.png"),
+            ("out/sealed_ring_forces.png", "sealed_ring_forces.png"),
+        ],
     },
     Maker {
         arguments: &["--bin", "die_on_slab"],

@@ -8,6 +8,10 @@
 //! | [`frictional_penalty`] | penalty | small |
 //! | [`augmented_lagrangian`] | Alart and Curnier's augmented Lagrangian, multipliers on facets | small |
 //! | [`finite_nitsche`] | Nitsche's method, θ = 0 | finite, neo-Hooke |
+//! | [`mixed_nitsche`] | Nitsche's method, θ = 0, and an energy without friction: nearly incompressible, (u, p) and (u, p, J − 1) | finite, neo-Hooke |
+//! | [`averaged_nitsche`] | Nitsche's method, θ = 0: nearly incompressible, F-bar | finite, neo-Hooke |
+//! | [`mixed_bodies`], [`averaged_bodies`] | the same between bodies, at points that slide | finite, neo-Hooke |
+//! | [`sealed_cavity`] | an energy with a round tool and the pressure of a closed cavity | finite, neo-Hooke |
 //! | [`two_bodies`] | Nitsche's method, every θ, between two bodies, at pairs of fixed points | small |
 //! | [`sliding_bodies`] | Nitsche's method, θ = 0, between bodies or of one with itself, at points that slide | finite, neo-Hooke |
 //! | [`capsule`] | Nitsche's method, θ = 0, with a round obstacle that moves and turns | finite, neo-Hooke |
@@ -22,12 +26,17 @@
 
 pub mod analytic_obstacle;
 pub mod augmented_lagrangian;
+pub mod averaged_bodies;
+pub mod averaged_nitsche;
 pub mod capsule;
 pub mod cohesive;
 pub mod contact_heat;
 pub mod finite_nitsche;
 pub mod frictional_penalty;
+pub mod mixed_bodies;
+pub mod mixed_nitsche;
 pub mod moving_obstacle;
+pub mod sealed_cavity;
 pub mod sliding_bodies;
 pub mod two_bodies;
 pub mod uzawa;

@@ -24,16 +24,20 @@
 //! An operator reads the importing module's data by name: each module's `Data` says which, and `#[includes(..)]` takes them in.
 //! A material that varies declares `lambda: Given<Scalar>` itself; that wins.
 
+mod cavities;
 mod interfaces;
 mod materials;
+mod nearly_incompressible;
 mod parameters;
 mod secants;
 mod two_sides;
 mod work;
 
-pub use interfaces::{cohesion, friction, obstacle, signed_distance};
+pub use cavities::cavity;
+pub use interfaces::{cohesion, friction, obstacle, rigid_flat, signed_distance};
 pub use materials::{linear_elastic, neo_hookean, st_venant_kirchhoff, strains};
+pub use nearly_incompressible::rubber;
 pub use parameters::{penalty, variant};
 pub use secants::neo_hookean_secant;
-pub use two_sides::bodies;
+pub use two_sides::{bodies, sliding};
 pub use work::{body_load, linear_criterion, loads, resultant};

@@ -25,23 +25,17 @@ pub use self::sliding_bodies::*;
 #[forms]
 pub mod sliding_bodies {
     pub use super::super::two_bodies::{Data, GammaN, Omega, Touch, criterion, loads, slip_limit};
-    use crate::operators::friction::{augmented_traction, contact_traction, deformed_normal};
     pub use crate::operators::neo_hookean::{cauchy_stress, first_piola};
-
-    fn augmented(w: Vector) -> Vector {
-        let turned = toward - this(deformed_normal(displacement_before));
-        let slip = jump(w - displacement_before) + gap * turned;
-        augmented_traction(this(first_piola(w) * n), gap, slip, this(gamma0) / this(h), toward)
-    }
+    use crate::operators::sliding::{pressure, traction as between};
 
     /// \[P_n\]₋, the contact pressure per reference area.
     pub fn contact_pressure(w: Vector) -> Scalar {
-        neg_part(dot(augmented(w), toward))
+        pressure(first_piola(w) * n, w)
     }
 
     /// T(u), the traction of the opposite body on this one, per reference area.
     pub fn opposite_traction(w: Vector) -> Vector {
-        contact_traction(augmented(w), slip_limit(contact_pressure(w)), toward)
+        between(first_piola(w) * n, w)
     }
 
     /// The direct problem.

@@ -3,6 +3,7 @@
 
 mod analytic_obstacle;
 mod augmented_lagrangian;
+mod averaged_nitsche;
 mod bad_input;
 mod bad_parameters;
 mod block;
@@ -20,11 +21,15 @@ mod gradients;
 mod hertz_of_bodies;
 mod layer;
 mod mindlin;
+mod mixed_nitsche;
 mod nearly_incompressible;
 mod random_loads;
 mod rigid_layers;
 mod rigid_tools;
 mod rolling;
+mod rubber_block;
+mod rubber_bodies;
+mod sealed_cavity;
 mod self_contact;
 mod setting;
 mod shape;

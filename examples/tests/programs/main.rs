@@ -3,6 +3,7 @@
 mod adaptive;
 mod bounds;
 mod convergence;
+mod half_ring;
 mod readme;
 mod rolling_ring;
 mod shape_optimisation;

@@ -2,6 +2,21 @@
 
 use forms_fem::forms;
 
+/// A rigid obstacle whose normal is known, and the parameter of the method.
+#[forms]
+pub mod rigid_flat {
+    /// The place of the obstacle.
+    #[includes(super::super::penalty::Data)]
+    pub struct Data {
+        /// n_y, unit normal pointing into the obstacle.
+        #[doc(alias = "n_y")]
+        pub obstacle_normal: Given<Vector>,
+        /// g, the initial gap \[length\].
+        #[doc(alias = "g")]
+        pub gap: Given<Scalar>,
+    }
+}
+
 /// Frictionless contact with a rigid obstacle, for any material: what Nitsche's method needs is the material's normal
 /// stress σ_n, which the operators take as an argument. Equation numbers are those of Bretin et al. (2023), hal-03936245.
 ///
@@ -11,14 +26,8 @@ pub mod obstacle {
     pub use super::super::penalty::gamma;
 
     /// The obstacle, and the parameters of the method.
-    #[includes(super::super::penalty::Data)]
+    #[includes(super::super::rigid_flat::Data)]
     pub struct Data {
-        /// n_y, unit normal pointing into the obstacle.
-        #[doc(alias = "n_y")]
-        pub obstacle_normal: Given<Vector>,
-        /// g, the initial gap \[length\].
-        #[doc(alias = "g")]
-        pub gap: Given<Scalar>,
         /// θ: −1 skew-symmetric, 0 incomplete, 1 symmetric variant.
         pub theta: Param,
     }
@@ -48,6 +57,12 @@ pub mod obstacle {
     #[doc(alias = "P_γ")]
     pub fn augmented_stress(sigma_n: Scalar, w: Vector) -> Scalar {
         sigma_n - gamma() * penetration(w)
+    }
+
+    /// (\[P_γ\]₋² − σ_n²)/2γ: the energy per area of Nitsche's contact term without friction, whose variation is that of θ = 1, for
+    /// any material.
+    pub fn nitsche_energy(sigma_n: Scalar, w: Vector) -> Scalar {
+        (sqr(nitsche_pressure(sigma_n, w)) - sqr(sigma_n)) / (2 * gamma())
     }
 
     /// \[σ_n − γ (w_n − g)\]₋: the contact pressure of Nitsche's method.
@@ -206,6 +221,13 @@ pub mod signed_distance {
     ) -> Vector {
         let P = augmented_traction(own_traction, distance, slip, gamma, -outward);
         contact_traction(P, slip_stress + friction * neg_part(-dot(P, outward)), -outward)
+    }
+
+    /// (\[σ_n + γ φ\]₋² − σ_n²)/2γ: the energy per area of Nitsche's contact term without friction, θ = 1, where the body has the
+    /// traction σn.
+    pub fn nitsche_energy(own_traction: Vector, distance: Scalar, outward: Vector, gamma: Scalar) -> Scalar {
+        let sigma_n = -dot(own_traction, outward);
+        (sqr(neg_part(sigma_n + gamma * distance)) - sqr(sigma_n)) / (2 * gamma)
     }
 
     /// Nitsche's density −(θ/γ) σ(u)n·σ(v)n + (1/γ) T·(θ σ(v)n − γ v).

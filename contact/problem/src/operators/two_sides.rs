@@ -40,3 +40,43 @@ pub mod bodies {
         gap - dot(jump(w), toward)
     }
 }
+
+/// Contact with friction at pairs that slide, for any material: the traction of the own body at X is an argument,
+/// `first_piola(w) * n`. Imported functions are for integrals over `Touch(u)`.
+#[forms]
+pub mod sliding {
+    use super::super::friction::{augmented_traction, contact_traction, deformed_normal, slip_limit};
+
+    /// Friction, and the parameters of the method; each surface takes its own body's h and γ.
+    #[includes(super::super::friction::Data)]
+    pub struct Data {
+        /// γ₀ \[stress\]; γ = γ₀ / h_T.
+        pub gamma0: Given<Scalar>,
+        /// Part of each surface's integral: ½ where both surfaces are integrated over, 1 where one of them is.
+        #[default(0.5)]
+        pub share: Param,
+    }
+
+    /// The surfaces that may touch.
+    #[pairs]
+    pub struct Touch;
+
+    /// P, with a slip that counts the rotation of the deformed normal, so that turning both bodies together is no slip, whatever the gap.
+    #[doc(alias = "P")]
+    pub fn augmented(own_traction: Vector, w: Vector) -> Vector {
+        let turned = toward - this(deformed_normal(displacement_before));
+        let slip = jump(w - displacement_before) + gap * turned;
+        augmented_traction(this(own_traction), gap, slip, this(gamma0) / this(h), toward)
+    }
+
+    /// \[P_n\]₋, the contact pressure per reference area.
+    pub fn pressure(own_traction: Vector, w: Vector) -> Scalar {
+        neg_part(dot(augmented(own_traction, w), toward))
+    }
+
+    /// T, the traction of the opposite body on this one, per reference area.
+    #[doc(alias = "T")]
+    pub fn traction(own_traction: Vector, w: Vector) -> Vector {
+        contact_traction(augmented(own_traction, w), slip_limit(pressure(own_traction, w)), toward)
+    }
+}
