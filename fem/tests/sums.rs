@@ -254,6 +254,23 @@ fn sums_are_assembled_as_their_parts() -> Outcome {
     Ok(())
 }
 
+/// Where all parts have kernels for products without a matrix, their sum has; otherwise it says what is missing.
+#[test]
+fn sums_act_without_a_matrix_if_their_parts_do() -> Outcome {
+    let (assembler, space) = setting()?;
+    let (u, w) = (wave(&space, 0.37, 0.03), wave(&space, 0.91, 1.0));
+    let product = |form: &Form<2>| {
+        let mut product = vec![0.0; space.unknowns()];
+        TangentAction::new(&assembler, form, &[&u]).apply(w.values(), &mut product).map(|()| product)
+    };
+    let (elasticity, stored): (Form<2>, Form<2>) = (solid().elasticity(), solid().stored().into());
+    let sum = &elasticity - 2.5 * &stored + load(Side::Top, 1.0);
+    assert_near(&product(&sum)?, combined(&[(1.0, product(&elasticity)?), (-2.5, product(&stored)?)]));
+    let message = product(&(sum + touch("bottom", 0.1))).unwrap_err().to_string();
+    assert!(message.contains("no kernels for products without a matrix"), "{message}");
+    Ok(())
+}
+
 /// Powers of two scale without rounding, and zero adds nothing.
 #[test]
 fn simple_multiples_have_the_same_bits() -> Outcome {
