@@ -48,6 +48,7 @@ mod sliding_linear_bodies;
 mod sliding_pairs;
 mod split_facets;
 mod sum_factorisation;
+mod sums;
 mod swinging_body;
 mod threads;
 mod time_events;

@@ -2,6 +2,7 @@
 //! `form.rs` and `function.rs`, its integrands and the order in which a backend calls them in `kernel.rs`, the values of its fields in `source.rs`. Emitted paths read `<crate>::contract::Name`, so a
 //! crate that re-exports this module can replace `forms-core` (`#[forms(crate = that_crate)]`).
 
+pub use crate::adaptation::Adaptation;
 pub use crate::degree::{Degree, DegreeSum, Derivatives, GeometryDegrees};
 pub use crate::dimension::{Dim, Dimension};
 pub use crate::dual::{Dual, Seeded};
@@ -9,9 +10,9 @@ pub use crate::external::{External, external, tabulated};
 pub use crate::form::{
     Constants, Dependence, Entity, FieldDescription, Formula, Inputs, Integral, Region, Role,
 };
-pub use crate::function::{Function, is_on_same_points};
+pub use crate::function::{CombinationError, Function, is_on_same_points};
 pub use crate::history::History;
-pub use crate::integrals::{Backend, Integrals, Term};
+pub use crate::integrals::{Backend, CombiningBackend, Integrals, Term};
 pub use crate::kernel::{
     Basis, BilinearKernel, CellGeometry, ExpressionKernel, FieldSlot, Further, Hessian, LinearKernel,
     Operations, OppositePoint, Order, PointGeometry, Requirements, Side,

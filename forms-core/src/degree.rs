@@ -2,11 +2,11 @@
 //! to, a backend finds that of its quadrature rule.
 
 /// Degree of an integrand as a polynomial: the largest of several sums, or 0. For what is not a polynomial, an estimate as in UFL.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Degree(pub &'static [DegreeSum]);
 
 /// One product's degree: a constant and multiples of the degrees of its factors.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct DegreeSum {
     /// The part that does not depend on the fields.
     pub constant: usize,

@@ -1,6 +1,7 @@
 //! A backend without code: forms that only say what they are.
 
-use crate::integrals::Backend;
+use crate::adaptation::Adaptation;
+use crate::integrals::{Backend, CombiningBackend};
 use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel};
 use crate::kernel_constants::{BilinearConstants, ExpressionConstants, LinearConstants};
 
@@ -23,5 +24,19 @@ impl<const D: usize> Backend<D> for Described {
 
     fn expression<K: ExpressionKernel<D>>(_: K) -> ExpressionConstants {
         ExpressionConstants::of::<K, D>()
+    }
+}
+
+impl<const D: usize> CombiningBackend<D> for Described {
+    fn adapt_linear(kernel: &LinearConstants, adaptation: Adaptation) -> LinearConstants {
+        LinearConstants { requirements: adaptation.requirements(kernel.requirements), ..*kernel }
+    }
+
+    fn adapt_bilinear(kernel: &BilinearConstants, adaptation: Adaptation) -> BilinearConstants {
+        BilinearConstants { requirements: adaptation.requirements(kernel.requirements), ..*kernel }
+    }
+
+    fn adapt_expression(kernel: &ExpressionConstants, adaptation: Adaptation) -> ExpressionConstants {
+        ExpressionConstants { requirements: adaptation.requirements(kernel.requirements), ..*kernel }
     }
 }

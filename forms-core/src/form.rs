@@ -79,7 +79,7 @@ impl FieldDescription {
 }
 
 /// The dependence of an integral on the unknowns; proved by the compiler.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Dependence {
     /// Not at all: a load. Its tangent does not exist.
     Constant,
@@ -92,7 +92,7 @@ pub enum Dependence {
 /// The description of one integral. A form has one per region and [`Dependence`], whatever
 /// the number of `integral(..)` terms in its source; with one unknown, what is linear and what is nonlinear on the same
 /// cells is one nonlinear integral.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Integral {
     /// Index into [`Inputs::regions`].
     pub region: usize,

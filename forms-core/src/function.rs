@@ -3,12 +3,18 @@
 //! `#[forms]` emits a constructor for each function of a module. It returns one of the types here: a name, fields, data, and
 //! lists of integrals, each with its description and its kernel. Values are cheap to clone. A [`Backend`] says in which form it
 //! keeps kernels: the compiler hands over typed kernels once, when a value is made, and nothing after that knows their types.
+//! Sums and multiples of values are values of the same types ([`CombinationError`] says which have none).
+
+mod combination;
 
 use std::any::TypeId;
+use std::borrow::Cow;
 use std::fmt;
 use std::ops::Deref;
 use std::sync::Arc;
 
+use self::combination::Addend;
+pub use self::combination::CombinationError;
 use crate::form::{Dependence, FieldDescription, Formula, Inputs, Integral, Role};
 use crate::integrals::{Backend, Integrals, Term};
 
@@ -16,9 +22,12 @@ use crate::integrals::{Backend, Integrals, Term};
 /// function does not have is an empty list.
 pub struct Function<const D: usize, B: Backend<D>> {
     name: &'static str,
-    fields: &'static [FieldDescription],
+    /// Compiled functions whose sum it is, with their factors: itself, unless it was combined from others.
+    addends: Vec<Addend>,
+    /// The reason for which what it was combined from has no sum.
+    fault: Option<CombinationError>,
+    fields: Cow<'static, [FieldDescription]>,
     shape: &'static [usize],
-    formula: &'static Formula,
     inputs: Inputs<D>,
     residual: Vec<Term<B::Linear>>,
     joined_residual: Vec<Term<B::Linear>>,
@@ -35,9 +44,10 @@ impl<const D: usize, B: Backend<D>> Function<D, B> {
         let constants = inputs.constants();
         Function {
             name,
-            fields: I::fields(),
+            addends: vec![Addend { factor: 1.0, name, formula }],
+            fault: None,
+            fields: Cow::Borrowed(I::fields()),
             shape: I::shape(),
-            formula,
             residual: I::residual::<B>(constants),
             joined_residual: I::joined_residual::<B>(constants),
             tangent: I::tangent::<B>(constants),
@@ -49,14 +59,27 @@ impl<const D: usize, B: Backend<D>> Function<D, B> {
         }
     }
 
-    /// The name in its module.
+    fn function(&self) -> &Self {
+        self
+    }
+
+    /// The name in its module; of a sum those of its addends.
     pub fn name(&self) -> &'static str {
         self.name
     }
 
+    /// An error if it is a sum of functions that do not fit each other. Arithmetic on values gives no errors itself: who binds
+    /// a function asks here first.
+    ///
+    /// # Errors
+    /// [`CombinationError`] with the names of the functions and their fields.
+    pub fn check(&self) -> Result<(), CombinationError> {
+        self.fault.clone().map_or(Ok(()), Err)
+    }
+
     /// The fields, by index.
-    pub fn fields(&self) -> &'static [FieldDescription] {
-        self.fields
+    pub fn fields(&self) -> &[FieldDescription] {
+        &self.fields
     }
 
     /// The name of the field with a role; empty if there is none.
@@ -64,14 +87,22 @@ impl<const D: usize, B: Backend<D>> Function<D, B> {
         self.fields.iter().find(|field| field.role == role).map_or("", |field| field.name)
     }
 
+    /// The factors of the compiled functions whose sum it is; one factor, 1, unless it was added or scaled.
+    pub fn factors(&self) -> impl Iterator<Item = f64> {
+        self.addends.iter().map(|addend| addend.factor)
+    }
+
     /// Data, regions, parameters.
     pub fn inputs(&self) -> &Inputs<D> {
         &self.inputs
     }
 
-    /// The function as mathematics.
-    pub fn formula(&self) -> &'static Formula {
-        self.formula
+    /// The function as mathematics. A sum has the names with their factors, then the formula of each.
+    pub fn formula(&self) -> Formula {
+        match &self.addends[..] {
+            [Addend { factor: 1.0, formula, .. }] => **formula,
+            addends => combination::formula_of(addends),
+        }
     }
 
     /// The terms of the residual, one per region and [`Dependence`].
@@ -127,7 +158,7 @@ impl<const D: usize, B: Backend<D>> Function<D, B> {
         self.residual.iter().any(|term| term.integral.displacement.is_some())
     }
 
-    /// Whether these are its integrals.
+    /// Whether these are its integrals. Those of a sum or multiple are of no type.
     pub fn has_integrals<I: Integrals<D>>(&self) -> bool {
         self.integrals == TypeId::of::<I>()
     }

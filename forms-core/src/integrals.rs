@@ -1,5 +1,6 @@
 //! Integrals of a compiled function, and the backend that takes their kernels.
 
+use crate::adaptation::Adaptation;
 use crate::form::{Constants, FieldDescription, Integral};
 use crate::kernel::{BilinearKernel, ExpressionKernel, LinearKernel};
 
@@ -18,6 +19,16 @@ pub trait Backend<const D: usize>: Sized + 'static {
     fn bilinear<K: BilinearKernel<D>>(kernel: K) -> Self::Bilinear;
     /// Takes a kernel without test function.
     fn expression<K: ExpressionKernel<D>>(kernel: K) -> Self::Expression;
+}
+
+/// A backend whose kernels can be terms of sums. Without it values can neither be added nor scaled.
+pub trait CombiningBackend<const D: usize>: Backend<D> {
+    /// A linear kernel with a factor, which reads fields with other numbers.
+    fn adapt_linear(kernel: &Self::Linear, adaptation: Adaptation) -> Self::Linear;
+    /// The same of a bilinear kernel.
+    fn adapt_bilinear(kernel: &Self::Bilinear, adaptation: Adaptation) -> Self::Bilinear;
+    /// The same of a kernel without test function.
+    fn adapt_expression(kernel: &Self::Expression, adaptation: Adaptation) -> Self::Expression;
 }
 
 /// One integral of a function: its description, and its kernel as the backend keeps it.

@@ -126,7 +126,7 @@ impl<L: Lane, const D: usize> PointGeometry<L, D> {
 }
 
 /// The derivative of a field that a kernel reads.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Order {
     /// The value: `components` numbers.
     Value,
@@ -157,7 +157,7 @@ impl Order {
 }
 
 /// The side of a facet on which a field is read. Cells and exterior facets have only `This`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Side {
     /// The cell that owns the facet.
     This,
@@ -166,7 +166,7 @@ pub enum Side {
 }
 
 /// One entry of the field data that a kernel reads at a point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FieldSlot {
     /// Index into [`crate::form::Inputs::sources`] and [`crate::function::Function::fields`].
     pub field: usize,
@@ -181,7 +181,7 @@ pub struct FieldSlot {
 }
 
 /// The inputs of a kernel; a backend need not compute anything else.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Requirements {
     /// Reads [`CellGeometry::diameter`].
     pub diameter: bool,

@@ -10,6 +10,7 @@
 //! [`real`] and [`dual`] numbers, are called through [`external`], and may use [`spectral`] ones; a [`table`]
 //! is a law given by points, and [`history`] what a material remembers. [`pairing`] says which surfaces of a region of contact pairs meet.
 
+pub mod adaptation;
 pub mod contract;
 pub mod degree;
 pub mod described;

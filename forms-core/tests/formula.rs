@@ -41,7 +41,7 @@ where
     assert_eq!(form.formula().unicode, text);
     assert!(form.formula().latex.contains("\\int_{\\Omega } (\\Phi (s) - f\\, s) \\,\\mathrm{d}x"));
     let (energy, form_of_it): (&Energy<2>, &Form<2>) = (&form, &form);
-    let others: [&Formula; 3] = [energy.formula(), form_of_it.formula(), &membrane::potential::FORMULA];
+    let others: [Formula; 3] = [energy.formula(), form_of_it.formula(), membrane::potential::FORMULA];
     assert!(others.iter().all(|formula| *formula == form.formula()));
 }
 

@@ -10,7 +10,7 @@ use super::{Nodal, rays};
 /// Inputs of a walk: the mesh, the form's description, the unknowns' values.
 pub struct Walk<'a, const D: usize> {
     pub mesh: &'a Mesh<D>,
-    pub fields: &'static [FieldDescription],
+    pub fields: &'a [FieldDescription],
     pub inputs: &'a Inputs<D>,
     pub unknowns: &'a [Nodal],
     /// Per unknown; read by actions.

@@ -74,7 +74,7 @@ impl<T> Deref for List<'_, T> {
 pub(super) struct Binding<'a, const D: usize> {
     pub name: &'static str,
     pub mesh: &'a Mesh<D>,
-    pub fields: &'static [FieldDescription],
+    pub fields: &'a [FieldDescription],
     pub values: List<'a, Values<'a, D>>,
     /// The distinct elements of all discrete fields and test spaces.
     pub elements: List<'a, Tabulated>,
@@ -120,6 +120,7 @@ impl<'a, const D: usize> Binding<'a, D> {
         unknowns: &[FieldView<'a, D>],
     ) -> Result<Self, AssemblyError> {
         let (name, fields, inputs) = (form.name(), form.fields(), form.inputs());
+        form.check().map_err(|source| AssemblyError::Combination { source })?;
         for (value, parameter) in inputs.parameters.iter().zip(&inputs.parameter_names) {
             if !value.is_finite() {
                 let (parameter, value) = (parameter.clone(), *value);
@@ -191,7 +192,7 @@ impl<'a, const D: usize> Binding<'a, D> {
     #[inline(never)]
     pub fn empty(
         name: &'static str,
-        fields: &'static [FieldDescription],
+        fields: &'a [FieldDescription],
         regions: &'a [Region],
         mesh: &'a Mesh<D>,
     ) -> Self {

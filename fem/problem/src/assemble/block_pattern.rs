@@ -167,6 +167,7 @@ impl<const D: usize> BlockPattern<D> {
         let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|unknown| unknown.space).collect();
         let trials = &trials[..];
         let name = form.name();
+        form.check().map_err(|source| AssemblyError::Combination { source })?;
         let count = |is: fn(Role) -> bool| form.fields().iter().filter(|field| is(field.role)).count();
         for (what, expected, found) in [
             ("test functions", count(|role| matches!(role, Role::Test(_))), tests.len()),

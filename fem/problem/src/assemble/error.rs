@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use forms_core::contract::CombinationError;
 use thiserror::Error;
 
 use crate::element::Elements;
@@ -18,6 +19,12 @@ use crate::solve::CommunicationError;
 /// Errors of assembly. Every message names the form and the thing in it.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum AssemblyError {
+    /// A sum of forms that do not fit each other.
+    #[error("{source}")]
+    Combination {
+        /// The forms and their fields.
+        source: CombinationError,
+    },
     /// A product without a matrix of a form that has no kernels for it.
     #[error(
         "`{form}` has no kernels for products without a matrix; write `#[forms(matrix_free)]` on its module"

@@ -6,8 +6,8 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use forms_core::contract::{
-    Backend, BilinearConstants, BilinearKernel, ExpressionConstants, ExpressionKernel, LinearConstants,
-    LinearKernel,
+    Adaptation, Backend, BilinearConstants, BilinearKernel, CombiningBackend, ExpressionConstants,
+    ExpressionKernel, LinearConstants, LinearKernel,
 };
 
 use super::AssemblyError;
@@ -28,34 +28,91 @@ impl<const D: usize> Backend<D> for Lanes {
     type Expression = PointKernel<D>;
 
     fn linear<K: LinearKernel<D>>(kernel: K) -> VectorKernel<D> {
-        VectorKernel(Arc::new(kernel))
+        let constants = LinearConstants::of::<K, D>();
+        VectorKernel { calls: Arc::new(kernel), constants, factor: 1.0 }
     }
 
     fn bilinear<K: BilinearKernel<D>>(kernel: K) -> MatrixKernel<D> {
-        MatrixKernel(Arc::new(kernel))
+        let constants = BilinearConstants::of::<K, D>();
+        MatrixKernel { calls: Arc::new(kernel), constants, factor: 1.0 }
     }
 
     fn expression<K: ExpressionKernel<D>>(kernel: K) -> PointKernel<D> {
-        PointKernel(Arc::new(kernel))
+        let constants = ExpressionConstants::of::<K, D>();
+        PointKernel { calls: Arc::new(kernel), constants, factor: 1.0 }
     }
 }
 
-/// The kernel of an integral that is linear in a test function.
-#[derive(Clone)]
-pub struct VectorKernel<const D: usize>(Arc<dyn VectorCalls<D>>);
+impl<const D: usize> CombiningBackend<D> for Lanes {
+    fn adapt_linear(kernel: &VectorKernel<D>, adaptation: Adaptation) -> VectorKernel<D> {
+        let VectorKernel { calls, constants, factor } = kernel.clone();
+        let constants =
+            LinearConstants { requirements: adaptation.requirements(constants.requirements), ..constants };
+        VectorKernel { calls, constants, factor: adaptation.factor() * factor }
+    }
 
-/// The kernel of an integral that is linear in a test and in a trial function.
-#[derive(Clone)]
-pub struct MatrixKernel<const D: usize>(Arc<dyn MatrixCalls<D>>);
+    fn adapt_bilinear(kernel: &MatrixKernel<D>, adaptation: Adaptation) -> MatrixKernel<D> {
+        let MatrixKernel { calls, constants, factor } = kernel.clone();
+        let constants =
+            BilinearConstants { requirements: adaptation.requirements(constants.requirements), ..constants };
+        MatrixKernel { calls, constants, factor: adaptation.factor() * factor }
+    }
 
-/// The kernel of a density, a derived field, or switches.
+    fn adapt_expression(kernel: &PointKernel<D>, adaptation: Adaptation) -> PointKernel<D> {
+        let PointKernel { calls, constants, factor } = kernel.clone();
+        let constants = ExpressionConstants {
+            requirements: adaptation.requirements(constants.requirements),
+            ..constants
+        };
+        PointKernel { calls, constants, factor: adaptation.factor() * factor }
+    }
+}
+
+/// The kernel of an integral that is linear in a test function, with a factor.
 #[derive(Clone)]
-pub struct PointKernel<const D: usize>(Arc<dyn PointCalls<D>>);
+pub struct VectorKernel<const D: usize> {
+    calls: Arc<dyn VectorCalls<D>>,
+    constants: LinearConstants,
+    factor: f64,
+}
+
+/// The kernel of an integral that is linear in a test and in a trial function, with a factor.
+#[derive(Clone)]
+pub struct MatrixKernel<const D: usize> {
+    calls: Arc<dyn MatrixCalls<D>>,
+    constants: BilinearConstants,
+    factor: f64,
+}
+
+/// The kernel of a density, a derived field, or switches, with a factor.
+#[derive(Clone)]
+pub struct PointKernel<const D: usize> {
+    calls: Arc<dyn PointCalls<D>>,
+    constants: ExpressionConstants,
+    factor: f64,
+}
+
+/// Hands over what is computed, times a factor. A factor of one costs nothing.
+fn scale(
+    factor: f64,
+    deliver: Deliver,
+    compute: impl FnOnce(Deliver) -> Result<(), AssemblyError>,
+) -> Result<(), AssemblyError> {
+    if factor == 1.0 {
+        return compute(deliver);
+    }
+    let mut scaled = Vec::new();
+    compute(&mut |first, values| {
+        scaled.clear();
+        scaled.extend(values.iter().map(|value| factor * value));
+        deliver(first, &scaled)
+    })
+}
 
 impl<const D: usize> VectorKernel<D> {
     /// Constants of the kernel.
     pub fn constants(&self) -> LinearConstants {
-        self.0.constants()
+        self.constants
     }
 
     /// See [`ElementVectors::compute`].
@@ -66,14 +123,16 @@ impl<const D: usize> VectorKernel<D> {
         entities: Range<usize>,
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        self.0.compute(task, set, entities, deliver)
+        scale(self.factor, deliver, |deliver| {
+            self.calls.compute(task, &self.constants, set, entities, deliver)
+        })
     }
 }
 
 impl<const D: usize> MatrixKernel<D> {
     /// Constants of the kernel.
     pub fn constants(&self) -> BilinearConstants {
-        self.0.constants()
+        self.constants
     }
 
     /// See [`ElementMatrices::compute`].
@@ -84,14 +143,16 @@ impl<const D: usize> MatrixKernel<D> {
         entities: Range<usize>,
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        self.0.compute(task, set, entities, deliver)
+        scale(self.factor, deliver, |deliver| {
+            self.calls.compute(task, &self.constants, set, entities, deliver)
+        })
     }
 }
 
 impl<const D: usize> PointKernel<D> {
     /// Constants of the kernel.
     pub fn constants(&self) -> ExpressionConstants {
-        self.0.constants()
+        self.constants
     }
 
     /// See [`each_point`].
@@ -102,15 +163,24 @@ impl<const D: usize> PointKernel<D> {
         entities: Range<usize>,
         receive: &mut ReceivePoint<D>,
     ) -> Result<(), AssemblyError> {
-        self.0.each_point(batch, points, entities, receive)
+        let factor = self.factor;
+        if factor == 1.0 {
+            return self.calls.each_point(batch, points, entities, receive);
+        }
+        let mut scaled = Vec::new();
+        self.calls.each_point(batch, points, entities, &mut |value, weight, position| {
+            scaled.clear();
+            scaled.extend(value.iter().map(|value| factor * value));
+            receive(&scaled, weight, position)
+        })
     }
 }
 
 trait VectorCalls<const D: usize>: Send + Sync {
-    fn constants(&self) -> LinearConstants;
     fn compute(
         &self,
         task: &ElementVectors<D>,
+        constants: &LinearConstants,
         set: InstructionSet,
         entities: Range<usize>,
         deliver: Deliver,
@@ -118,26 +188,23 @@ trait VectorCalls<const D: usize>: Send + Sync {
 }
 
 impl<K: LinearKernel<D>, const D: usize> VectorCalls<D> for K {
-    fn constants(&self) -> LinearConstants {
-        LinearConstants::of::<K, D>()
-    }
-
     fn compute(
         &self,
         task: &ElementVectors<D>,
+        constants: &LinearConstants,
         set: InstructionSet,
         entities: Range<usize>,
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        task.compute(self, set, entities, deliver)
+        task.compute((self, constants), set, entities, deliver)
     }
 }
 
 trait MatrixCalls<const D: usize>: Send + Sync {
-    fn constants(&self) -> BilinearConstants;
     fn compute(
         &self,
         task: &ElementMatrices<D>,
+        constants: &BilinearConstants,
         set: InstructionSet,
         entities: Range<usize>,
         deliver: Deliver,
@@ -145,23 +212,19 @@ trait MatrixCalls<const D: usize>: Send + Sync {
 }
 
 impl<K: BilinearKernel<D>, const D: usize> MatrixCalls<D> for K {
-    fn constants(&self) -> BilinearConstants {
-        BilinearConstants::of::<K, D>()
-    }
-
     fn compute(
         &self,
         task: &ElementMatrices<D>,
+        constants: &BilinearConstants,
         set: InstructionSet,
         entities: Range<usize>,
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        task.compute(self, set, entities, deliver)
+        task.compute((self, constants), set, entities, deliver)
     }
 }
 
 trait PointCalls<const D: usize>: Send + Sync {
-    fn constants(&self) -> ExpressionConstants;
     fn each_point(
         &self,
         batch: &mut Batch<f64, D>,
@@ -172,10 +235,6 @@ trait PointCalls<const D: usize>: Send + Sync {
 }
 
 impl<K: ExpressionKernel<D>, const D: usize> PointCalls<D> for K {
-    fn constants(&self) -> ExpressionConstants {
-        ExpressionConstants::of::<K, D>()
-    }
-
     fn each_point(
         &self,
         batch: &mut Batch<f64, D>,

@@ -110,7 +110,7 @@ impl<const D: usize> ElementKernel<D> {
         let name = form.name();
         let unsuited = |what: String| AssemblyError::Layout { form: name, what };
         if !form.has_integrals::<I>() {
-            return Err(unsuited("the kernels are those of another form".to_owned()));
+            return Err(unsuited("the kernels are those of another form, or of a part of a sum".to_owned()));
         }
         let tests = form.fields().iter().filter(|field| matches!(field.role, Role::Test(_)));
         let components: Vec<usize> = tests.map(|field| field.components()).collect();

@@ -91,12 +91,12 @@ impl<const D: usize> ElementMatrices<'_, D> {
     /// Errors of the form's data, or of `deliver`.
     pub fn compute<K: BilinearKernel<D>>(
         &self,
-        kernel: &K,
+        (kernel, constants): (&K, &BilinearConstants),
         set: InstructionSet,
         range: Range<usize>,
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        set.checked().run(Compute { task: self, kernel, range, deliver })
+        set.checked().run(Compute { task: self, kernel, constants, range, deliver })
     }
 
     /// The loops, with memory of their own.
@@ -333,6 +333,7 @@ pub(in crate::assemble) fn by_moments<const D: usize>(
 struct Compute<'a, 'd, K, const D: usize> {
     task: &'a ElementMatrices<'a, D>,
     kernel: &'a K,
+    constants: &'a BilinearConstants,
     range: Range<usize>,
     deliver: Deliver<'d>,
 }
@@ -344,8 +345,7 @@ impl<K: BilinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
     fn run<L: SimdLane>(self) -> Self::Output {
         let mut factors = Factors::<K, L, D>::default();
         let calls = &mut BilinearCalls::new(self.kernel, &mut factors);
-        let constants = const { &BilinearConstants::of::<K, D>() };
-        self.task.compute_in_order::<L>(constants, calls, self.range, self.deliver)
+        self.task.compute_in_order::<L>(self.constants, calls, self.range, self.deliver)
     }
 }
 

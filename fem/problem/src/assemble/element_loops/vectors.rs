@@ -66,12 +66,12 @@ impl<const D: usize> ElementVectors<'_, D> {
     /// Errors of the form's data, or of `deliver`.
     pub fn compute<K: LinearKernel<D>>(
         &self,
-        kernel: &K,
+        (kernel, constants): (&K, &LinearConstants),
         set: InstructionSet,
         range: Range<usize>,
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        set.checked().run(Compute { task: self, kernel, range, deliver })
+        set.checked().run(Compute { task: self, kernel, constants, range, deliver })
     }
 
     /// The loops, with memory of their own.
@@ -205,6 +205,7 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
 struct Compute<'a, 'd, K, const D: usize> {
     task: &'a ElementVectors<'a, D>,
     kernel: &'a K,
+    constants: &'a LinearConstants,
     range: Range<usize>,
     deliver: Deliver<'d>,
 }
@@ -214,9 +215,8 @@ impl<K: LinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
 
     #[inline(always)]
     fn run<L: SimdLane>(self) -> Self::Output {
-        let constants = const { &LinearConstants::of::<K, D>() };
         let calls = &mut LinearCalls::<K, L, D>::new(self.kernel);
-        self.task.compute_in_order::<L>(constants, calls, self.range, self.deliver)
+        self.task.compute_in_order::<L>(self.constants, calls, self.range, self.deliver)
     }
 }
 

@@ -60,13 +60,16 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
             Fingerprint::default().reals(&inputs.parameters).text(&format!("{:?}", inputs.tables));
         let regions =
             inputs.regions.iter().fold(Fingerprint::default(), |all, one| add_region(all, one, mesh));
+        // Kernels have the factors of a sum, which are among no parameters.
+        let factors: Vec<f64> = system.form.factors().collect();
+        let form = Fingerprint::default().text(system.form.name()).reals(&factors);
         let starts = [self.start, self.last_state].map(|state| add_state(Fingerprint::default(), state));
         let entries = system.loads.iter().flat_map(|loads| &loads.entries).flat_map(|(_, entries)| entries);
         let loads = Fingerprint::default()
             .numbers(entries.clone().map(|(unknown, _)| *unknown as u64))
             .reals(entries.map(|(_, force)| force));
         vec![
-            ("the form", Fingerprint::default().text(system.form.name()).finish()),
+            ("the form", form.finish()),
             ("the mesh", Fingerprint::default().mesh(mesh).finish()),
             ("a space", spaces.finish()),
             ("the constraints", constraints.finish()),
