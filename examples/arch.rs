@@ -102,6 +102,9 @@ mod arch {
     }
 }
 
+/// An equilibrium, with the number of negative eigenvalues of its tangent where it is known.
+type Equilibrium = (Measured, Option<usize>);
+
 /// A point of a load–deflection curve.
 #[derive(Clone, Debug)]
 struct Measured {
@@ -186,7 +189,7 @@ impl Setting {
         &self,
         guess: &Field<2>,
         known: &mut Deflation<2>,
-    ) -> Result<Vec<(Measured, Option<usize>)>, Box<dyn Error>> {
+    ) -> Result<Vec<Equilibrium>, Box<dyn Error>> {
         let form = Self::model(LOAD, FLOOR).balance();
         let mut found = vec![];
         while found.len() < MOST {
