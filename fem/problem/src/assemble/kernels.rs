@@ -92,15 +92,13 @@ pub struct PointKernel<const D: usize> {
     factor: f64,
 }
 
-/// Hands over what is computed, times a factor. A factor of one costs nothing.
-fn scale(
+/// Hands over what is computed, times a factor.
+#[cold]
+fn scaled(
     factor: f64,
     deliver: Deliver,
-    compute: impl FnOnce(Deliver) -> Result<(), AssemblyError>,
+    compute: &dyn Fn(Deliver) -> Result<(), AssemblyError>,
 ) -> Result<(), AssemblyError> {
-    if factor == 1.0 {
-        return compute(deliver);
-    }
     let mut scaled = Vec::new();
     compute(&mut |first, values| {
         scaled.clear();
@@ -123,9 +121,9 @@ impl<const D: usize> VectorKernel<D> {
         entities: Range<usize>,
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        scale(self.factor, deliver, |deliver| {
-            self.calls.compute(task, &self.constants, set, entities, deliver)
-        })
+        let compute =
+            |deliver: Deliver| self.calls.compute(task, &self.constants, set, entities.clone(), deliver);
+        if self.factor == 1.0 { compute(deliver) } else { scaled(self.factor, deliver, &compute) }
     }
 }
 
@@ -143,9 +141,9 @@ impl<const D: usize> MatrixKernel<D> {
         entities: Range<usize>,
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        scale(self.factor, deliver, |deliver| {
-            self.calls.compute(task, &self.constants, set, entities, deliver)
-        })
+        let compute =
+            |deliver: Deliver| self.calls.compute(task, &self.constants, set, entities.clone(), deliver);
+        if self.factor == 1.0 { compute(deliver) } else { scaled(self.factor, deliver, &compute) }
     }
 }
 
