@@ -13,10 +13,10 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 COUNTS = [
     ("visitors of a form", r"\b(?:trait|for) \w*Visitor\b(?!.*syn)", False, 0),
     ("signatures generic over a form", r"[<,(] ?(?:[A-Z]\w*|\w+: &?impl) ?:? (?:contract::)?(?:Form|Functional|Expression|Integrals|Compiled|WithIntegrals)<", False, 12),
-    ("#[inline(never)]", r"#\[inline\(never\)\]", False, 242),
-    ("instantiate! blocks", r"^\s*instantiate!\(", False, 80),
+    ("#[inline(never)]", r"#\[inline\(never\)\]", False, 248),
+    ("instantiate! blocks", r"^\s*instantiate!\(", False, 82),
 ]
-LINES = [("lines of Rust without tests", False, 139_000), ("lines of Rust", True, 192_500)]
+LINES = [("lines of Rust without tests", False, 146_500), ("lines of Rust", True, 204_000)]
 
 
 def sources():

@@ -35,15 +35,11 @@ pub fn impact(
     (mesh, assembler): (&Mesh<2>, &Assembler<2>),
     density: f64,
     (lambda, mu, gamma0): (f64, f64, f64),
-    regions: &impact::Regions,
     start: State<2>,
 ) -> Result<(), Failure> {
     let even = Field::interpolate(&Space::discontinuous_scalar(&mesh, 0)?, |_| density)?;
     let rho = redistributed_mass(&even, "left", &assembler)?;
-    let form = |step: &Step<2>| {
-        let data = impact::data_from(step).lambda(lambda).mu(mu).gamma0(gamma0).obstacle_normal([-1.0, 0.0]);
-        impact::Model { data: data.gap(0.0).theta(0.0).rho(&rho), regions: regions.clone() }.motion()
-    };
+    let form = |step: &Step<2>| impact::Model::new(impact::data_from(step).lambda(lambda).mu(mu).gamma0(gamma0).obstacle_normal([-1.0, 0.0]).gap(0.0).theta(0.0).rho(&rho)).motion();
     let scheme = GeneralisedAlpha::with_spectral_radius(0.8)?;
     TimeLoop::new(form, scheme, start).take(0.1)?;
     Ok(())

@@ -81,8 +81,7 @@ mod second_derivatives {
 
     pub fn hessian(history: LoadHistory<'_, 2>, (m, d): ([f64; 1], [f64; 1])) -> Result<[Vec<f64>; 2], Failure> {
         let mut history = history.second_sensitivities(|at, s| {
-            let data = creep::data().conductivity(at.number("conductivity")?).source(1.0);
-            let data = data.d_conductivity(s.along.number("conductivity")?);
+            let data = creep::data().conductivity(at.number("conductivity")?).source(1.0).d_conductivity(s.along.number("conductivity")?);
             Ok(creep::Model::new(data).second_sensitivities(s.u, at.before()?, s.p, s.du, s.dbefore, s.dp))
         });
         let found = history.hessian(&m, &d)?;

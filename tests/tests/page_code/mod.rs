@@ -5,22 +5,26 @@
 
 mod adaptivity;
 mod bounds;
+mod branches;
 mod contact;
 mod dynamics;
 mod histories;
 mod language;
+mod rubber;
 
 /// The pages with blocks in Rust, and what compiles them elsewhere.
-const PAGES: [(&str, Option<&str>); 12] = [
+const PAGES: [(&str, Option<&str>); 14] = [
     ("adaptivity", None),
     ("bounds", None),
     ("coming_from", Some("the documentation tests of this crate")),
     ("contact_between_bodies", None),
     ("contact_with_adjoint", Some("the program of that name")),
+    ("continuation", None),
     ("eigenproblems", None),
     ("friction", None),
     ("inverse_problems", None),
     ("language", None),
+    ("nearly_incompressible", None),
     ("new_contact_law", None),
     ("python", Some("the example of the bindings")),
     ("time", None),
@@ -43,10 +47,12 @@ fn every_block_of_a_page_is_compiled() {
     let compiled = [
         include_str!("adaptivity.rs"),
         include_str!("bounds.rs"),
+        include_str!("branches.rs"),
         include_str!("contact.rs"),
         include_str!("dynamics.rs"),
         include_str!("histories.rs"),
         include_str!("language.rs"),
+        include_str!("rubber.rs"),
     ];
     let compiled = bare(&compiled.concat());
     let directory = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs");
