@@ -13,7 +13,7 @@ pub mod arch {
     pub fn balance(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         integral(Omega, inner(grad(u), grad(v)) + load * v[1])
     }
-    pub fn by_load(u: State<Vector>, v: Test<Vector>) -> Form {
+    pub fn by_load(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         derivative(balance(u, v), load, 1)
     }
     pub fn deflection(u: State<Vector>) -> Functional {
@@ -24,7 +24,7 @@ pub mod arch {
 pub fn branch(
     space: Arc<Space<2>>,
     clamps: Constraints<2>,
-    model: &arch::Model,
+    model: &arch::Model<2>,
 ) -> Result<Vec<(f64, f64)>, Failure> {
     let forms = |load: f64| {
         let model = arch::Model::new(arch::data().load(load));

@@ -104,3 +104,13 @@ contact_law!(tresca {
     direct: direct, region: gamma_c, criterion: slip, adjoint: adjoint,
     positive: gamma0, non_negative: slip_stress, line_search: OnResidual
 });
+
+pub fn press(space: Arc<Space<2>>, constraints: Constraints<2>) -> Result<[Field<2>; 2], Failure> {
+    let data = tresca::data().lambda(1.0).mu(1.0).gamma0(20.0).obstacle_normal([0.0, -1.0]);
+    let data = data.gap(0.0).theta(0.0).slip_stress(0.05);
+    let model = tresca::Model { data, regions: tresca::Regions::default().gamma_c("bottom") };
+    let problem = ContactProblem::new(&space, model, constraints);
+    let u = problem.direct()?.solve()?.into_field();
+    let p = problem.adjoint(&u)?.solve()?.into_field();
+    Ok([u, p])
+}
