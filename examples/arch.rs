@@ -89,7 +89,7 @@ mod arch {
     pub fn by_load(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         derivative(balance(u, v), load, 1)
     }
-    /// What the rubber stores, with the terms of contact, which vanish with the mesh size.
+    /// The stored energy of the rubber, with the terms of contact, which vanish with the mesh size.
     pub fn stored(u: State<Vector>) -> Functional {
         integral(Omega, energy_density(u)) + integral(Bottom, contact(u))
     }

@@ -100,7 +100,7 @@ fn model(way: f64) -> beam::Model<2> {
     beam::Model::new(data)
 }
 
-/// What a step gives, of the whole beam.
+/// Numbers of the whole beam after a step.
 struct Step {
     way: f64,
     force: f64,

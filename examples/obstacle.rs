@@ -97,7 +97,7 @@ impl Membrane {
     }
 }
 
-/// What a mesh gives: of a quarter, for the whole disc.
+/// Numbers of the whole disc, from a mesh of a quarter.
 struct Row {
     unknowns: usize,
     steps: usize,

@@ -66,7 +66,7 @@ struct Pressed {
     water: f64,
     /// The cavity's area over that of the undeformed one.
     area: f64,
-    /// What the whole ring stores \[N\].
+    /// The stored energy of the whole ring \[N\].
     stored: f64,
     iterations: usize,
 }

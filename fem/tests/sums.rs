@@ -14,7 +14,7 @@ mod body {
     pub struct Data {
         lambda: Param,
         mu: Param,
-        /// Where an area is weighed.
+        /// Weight of an area.
         weight: Given<Scalar>,
     }
     #[cells]

@@ -163,7 +163,7 @@ fn mismatches_name_forms_and_fields() {
     assert_eq!(std::iter::empty::<Form<2>>().sum::<Form<2>>().check(), Err(CombinationError::Empty));
 }
 
-/// What is combined is no longer the function that was compiled; forms have no value, energies have one.
+/// A combination is no longer the function that was compiled; forms have no value, energies have one.
 #[test]
 fn kinds_are_kept() {
     assert!(tension().has_integrals::<bar::tension::Kernels>());

@@ -1,4 +1,4 @@
-//! What continuation refuses, by name.
+//! Refusals of continuation, by name.
 
 use forms_fem::prelude::*;
 use forms_fem::solve::ContinuationFailure;

@@ -35,7 +35,7 @@ pub struct BranchEvent<const D: usize, const N: usize = 1> {
     pub kind: EventKind,
     /// λ there.
     pub parameter: f64,
-    /// How far λ may be off, from the points next to it \[λ\].
+    /// The uncertainty of λ, from the points next to it \[λ\].
     pub uncertainty: f64,
     /// Length of the branch up to here.
     pub arc_length: f64,
@@ -75,7 +75,7 @@ pub struct Branch<M, const D: usize, const N: usize = 1> {
     pub events: Vec<BranchEvent<D, N>>,
     /// The unknowns at the last point.
     pub fields: Option<[Field<D>; N]>,
-    /// Why it ended; none where it failed.
+    /// The reason of its end; `None` if it failed.
     pub end: Option<BranchEnd>,
 }
 

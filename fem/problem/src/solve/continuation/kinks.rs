@@ -1,6 +1,6 @@
 //! Kinks of a branch, as where contact begins: steps that no plane across the old direction reaches, and events.
 //!
-//! Where contact stiffens a falling branch, the new direction points back across the old one's plane, so that the next point is found on a
+//! Kinks of a branch. Where contact stiffens a falling branch, the new direction points back across the old one's plane, so that the next point is found on a
 //! plane across the new direction.
 
 use super::arc::Plane;
@@ -45,7 +45,7 @@ impl Points<'_> {
     }
 }
 
-/// What happens at a kink between two points.
+/// The event at a kink between two points.
 pub(super) fn events_at_kink(metric: &Metric, kinds: &[EventKind], a: &Reached, b: &Reached) -> Vec<Located> {
     let Some(ways) = Ways::between(metric, a, b) else { return vec![] };
     let at = a.at.moved(&a.direction, ways.before);

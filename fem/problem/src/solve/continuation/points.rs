@@ -40,11 +40,11 @@ pub(super) struct Beyond {
     pub reached: Reached,
     /// The cosine between the directions of both.
     pub cosine: f64,
-    /// How far the point is from the tangent of the other, relative to the step.
+    /// The distance of the point from the tangent of the other, relative to the step.
     pub off: f64,
 }
 
-/// What finds points.
+/// The search for points.
 pub(super) struct Points<'f> {
     pub family: &'f mut dyn Family,
     elimination: Elimination,

@@ -15,7 +15,7 @@ use crate::history::reads_history;
 use crate::instantiate::instantiate;
 use crate::solve::{Elimination, NewtonFailure, TangentSolver};
 
-/// Where a branch begins.
+/// The start of a branch.
 pub(super) enum Origin<'a, const D: usize, const N: usize> {
     Parameter { value: f64, start: Option<[&'a Field<D>; N]> },
     Bifurcation { event: &'a BranchEvent<D, N>, mode: usize, amplitude: f64 },

@@ -108,7 +108,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         }
     }
 
-    /// What a solution says of bounds.
+    /// The unknowns of a solution at bounds, with a remark on weak ones.
     pub(super) fn at_bounds(&self, held: &[HeldUnknown], constraints: [Constraints<D>; N]) -> AtBounds<D, N> {
         let own = |number: usize| {
             let begin = self.offset(number);

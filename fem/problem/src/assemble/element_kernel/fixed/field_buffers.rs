@@ -13,7 +13,7 @@ use crate::lanes::{SimdLane, Starts};
 /// Memory of a batch, kept from one run to the next: coefficients per slot, node × component. Only the first slot of a field has any.
 pub(super) struct FieldBuffers<L>(pub Vec<Vec<L>>);
 
-/// What a kernel reads of fields at a point, at the places of its slots. An array: where places are constants its numbers stay in registers.
+/// Numbers that a kernel reads of fields at a point, at the places of its slots. An array: where places are constants its numbers stay in registers.
 pub(super) type Numbers<L> = [L; MOST_NUMBERS];
 
 impl<L: SimdLane> FieldBuffers<L> {
