@@ -14,7 +14,7 @@ pub use self::mixed_nitsche::*;
 /// body is that of [`rubber`](fn@crate::operators::rubber::mixed_density), the contact that of
 /// [`frictional_nitsche`](super::frictional_nitsche).
 ///
-/// γ₀ has the scale of μ where the element is stable for incompressible bodies, and not that of K: [`usual_gamma0`](super::mixed_nitsche::usual_gamma0).
+/// γ₀ has the scale of μ where the element is stable for incompressible bodies, and not that of K: [`usual_gamma0`].
 ///
 /// [`mixed_problem`] and [`three_field_problem`] solve it; choose the quadrature rule, as `Quadrature::Degree(5)` for degree 2. Fields p and j with discontinuous spaces are eliminated cell by cell.
 #[forms]

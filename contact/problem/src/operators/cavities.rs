@@ -14,7 +14,7 @@ pub mod cavity {
         -dot(cof(I + grad(u)) * n, x + u) / D
     }
 
-    /// [`enclosed`](cavity::enclosed) of the undeformed wall.
+    /// `enclosed` of the undeformed wall.
     pub fn enclosed_at_rest() -> Scalar {
         -dot(n, x) / D
     }

@@ -7,11 +7,11 @@ use forms_fem::forms;
 ///
 /// | unknowns | density | element |
 /// | --- | --- | --- |
-/// | u | [`energy_density`](rubber::energy_density) | degree 2 or more, K/μ below 100 |
-/// | u | [`averaged_density`](rubber::averaged_density) | F-bar: quadrilaterals and hexahedra of degree 1 |
-/// | u, p | [`averaged_mixed_density`](rubber::averaged_mixed_density) | F-bar with one p per cell: the same solution in fewer steps |
-/// | u, p | [`mixed_density`](rubber::mixed_density) | MINI, P2/P1, Q2/P₋₁ |
-/// | u, p, j | [`three_field_density`](rubber::three_field_density) | Q2/P₋₁; with degree 0 the mean dilatation |
+/// | u | [`energy_density`](fn@rubber::energy_density) | degree 2 or more, K/μ below 100 |
+/// | u | [`averaged_density`](fn@rubber::averaged_density) | F-bar: quadrilaterals and hexahedra of degree 1 |
+/// | u, p | [`averaged_mixed_density`](fn@rubber::averaged_mixed_density) | F-bar with one p per cell: the same solution in fewer steps |
+/// | u, p | [`mixed_density`](fn@rubber::mixed_density) | MINI, P2/P1, Q2/P₋₁ |
+/// | u, p, j | [`three_field_density`](fn@rubber::three_field_density) | Q2/P₋₁; with degree 0 the mean dilatation |
 ///
 /// p is the mean of Cauchy's stress, negative where the body is pressed, and j is J − 1. Where p and j have the same discontinuous space, both
 /// mixed forms have the same u and p.
@@ -89,12 +89,12 @@ pub mod rubber {
         isochoric_piola(F) + p * cof(F)
     }
 
-    /// W(F̄) with [`f_bar`](fn@super::strains::f_bar).
+    /// W(F̄) with `strains::f_bar`.
     pub fn averaged_density(u: Vector) -> Scalar {
         density(f_bar(u))
     }
 
-    /// [`averaged_density`](rubber::averaged_density) with p for its pressure, W_iso(F̄) + p (det ⟨F⟩ − 1) − p²/2K. With one p in each cell the
+    /// `averaged_density` with p for its pressure, W_iso(F̄) + p (det ⟨F⟩ − 1) − p²/2K. With one p in each cell the
     /// solution is that of F-bar in u, and Newton's method takes far fewer steps where K/μ is large.
     pub fn averaged_mixed_density(u: Vector, p: Scalar) -> Scalar {
         isochoric_density(f_bar(u)) + p * (det(mean(deformation_gradient(u))) - 1)
