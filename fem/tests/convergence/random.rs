@@ -85,3 +85,17 @@ fn run(kinds: &[(&str, Kind)]) {
 fn no_answer_is_wrong_and_no_right_one_is_refused() {
     run(&kinds::ALL);
 }
+
+/// Conduction with an offset of 10⁵ to 10⁷ next to a contrast of 10⁷ to 10¹⁵: corrections below 10⁻⁶ of the offset are as large as the
+/// variation of the solution.
+#[test]
+fn an_offset_is_no_scale_of_rounding() {
+    let (_, conduction) = kinds::ALL.iter().find(|(name, _)| *name == "conduction").unwrap();
+    for seed in [2461, 7033, 9513, 9842, 10045] {
+        let (described, outcome) = conduction(&mut Numbers::new(seed + 1));
+        assert!(
+            !matches!(outcome, Outcome::Wrong { .. } | Outcome::WronglyRefused { .. }),
+            "{described}: {outcome:?}"
+        );
+    }
+}

@@ -1,3 +1,5 @@
+//! Bounds: the strictest one counts, and contradictions are named.
+
 use super::*;
 use crate::element::CellShape;
 use crate::mesh::rectangle;
