@@ -1,11 +1,13 @@
 //! `docs/contact_between_bodies.md`, `docs/friction.md` and `docs/new_contact_law.md`.
 
 use forms_contact::laws::sliding_bodies;
-use forms_contact::{ContactProblem, contact_law};
+use forms_contact::ContactProblem;
 use forms_fem::constraints::RigidMap;
 use forms_fem::mesh::RigidSurface;
 use forms_fem::pairs::Approach;
 use forms_fem::prelude::*;
+
+use super::tresca::tresca;
 
 type Sliding = ContactProblem<2, sliding_bodies::Model<2>>;
 
@@ -70,40 +72,6 @@ pub fn two_steps_with_friction(
     problem.law.data.displacement_before = Given::field(&u);
     Ok(())
 }
-
-#[forms]
-pub mod tresca {
-    use forms_contact::operators::friction::{augmented_traction, contact_traction};
-    use forms_contact::operators::linear_elastic::stress;
-    use forms_contact::operators::obstacle::{current_gap, gamma};
-
-    // The imported functions read λ, μ (of the first struct) and n_y, g, γ₀, θ (of the second).
-    #[includes(forms_contact::operators::linear_elastic::Data, forms_contact::operators::obstacle::Data)]
-    pub struct Data { pub slip_stress: Param }
-    #[cells] pub struct Omega;
-    #[facets] pub struct GammaC;
-
-    fn traction(w: Vector) -> Vector {
-        let P = augmented_traction(stress(w) * n, current_gap(w), w, gamma(), obstacle_normal);
-        contact_traction(P, slip_stress, obstacle_normal)
-    }
-    pub fn direct(u: Unknown<Vector>, v: Test<Vector>) -> Form {
-        let tested = theta * (stress(v) * n) - gamma() * v;
-        integral(Omega, inner(stress(u), eps(v)))
-            - integral(GammaC, theta / gamma() * dot(stress(u) * n, stress(v) * n) - dot(traction(u), tested) / gamma())
-    }
-    pub fn slip(u: State<Vector>) -> Functional {
-        integral(GammaC, dot(u, u) / 2)
-    }
-    pub fn adjoint(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
-        derivative(direct(u, p), u, q) + derivative(slip(u), u, q)
-    }
-}
-
-contact_law!(tresca {
-    direct: direct, region: gamma_c, criterion: slip, adjoint: adjoint,
-    positive: gamma0, non_negative: slip_stress, line_search: OnResidual
-});
 
 pub fn press(space: Arc<Space<2>>, constraints: Constraints<2>) -> Result<[Field<2>; 2], Failure> {
     let data = tresca::data().lambda(1.0).mu(1.0).gamma0(20.0).obstacle_normal([0.0, -1.0]);
