@@ -209,6 +209,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         .range(0.0, 1.0)
         .without_mesh_lines()
         .size(420.0, 260.0)
+        .length_unit("mm")
         .title("A cracked beam under a round tool (right half)")
         .write_png("out/damage.png")?;
     let (ways, forces): (Vec<f64>, Vec<f64>) = steps.iter().map(|step| (step.way, step.force)).unzip();

@@ -273,15 +273,19 @@ impl Ring<'_> {
         let start = spaces.map(Field::zero);
         let mut load = LoadSteps::uniform(end, end as f64);
         load.smallest_increment = 1.0 / 16.0;
-        let (last, failure) = match load.advance(start, solve) {
+        let (last, mut failure) = match load.advance(start, solve) {
             Ok(path) => (path.state, None),
             Err(error) => {
                 let why = format!("{} not reached from {}: {}", error.failed, error.factor, error.why);
                 (error.state, Some(why))
             }
         };
-        let at_force = match nearest {
-            Some(nearest) => Some(self.under_force(spaces, &held, form, nearest)?),
+        let at_force = match nearest.map(|nearest| self.under_force(spaces, &held, form, nearest)) {
+            Some(Ok(found)) => Some(found),
+            Some(Err(why)) => {
+                failure.get_or_insert(format!("no state at {} N/mm: {why}", self.setting.force));
+                None
+            }
             None => None,
         };
         Ok(Path { steps, failure, last, at_force, local_unknowns })
