@@ -1,11 +1,15 @@
 //! Derived fields: any function of a forms module at points, at quadrature points, or along facets.
 
+mod found;
+
 use std::sync::Arc;
 
 use forms_core::contract::{Entity, Pairing, Region, Requirements};
 
-use super::batch::{Batch, BatchBuffers, Cells};
+pub(crate) use self::found::Found;
+use super::batch::BatchBuffers;
 use super::binding::{Binding, pair_error};
+use super::functional::chunks_of;
 use super::groups::{Group, Places};
 use super::{Assembler, AssemblyError};
 use crate::assemble::binding::entities::Entities;
@@ -74,7 +78,7 @@ impl<const D: usize> Assembler<D> {
             let groups = places.iter().map(one).collect::<Result<_, _>>();
             groups.map_err(|source| AssemblyError::Quadrature { form, source })
         })?;
-        Ok(found.into_iter().collect())
+        Ok(found.into())
     }
 
     /// A derived field at one point: its components, row-major.
@@ -100,11 +104,25 @@ impl<const D: usize> Assembler<D> {
         region: &str,
         degree: usize,
     ) -> Result<PointValues<D>, AssemblyError> {
+        Ok(self.found_at_quadrature_points(expression, entity, region, degree)?.into())
+    }
+
+    /// As [`Assembler::at_quadrature_points`].
+    ///
+    /// # Errors
+    /// As there.
+    pub(crate) fn found_at_quadrature_points(
+        &self,
+        expression: &Expression<D>,
+        entity: Entity,
+        region: &str,
+        degree: usize,
+    ) -> Result<Found<D>, AssemblyError> {
         let form = expression.name();
         let missing = |source: MeshError| AssemblyError::Region { form, symbol: "derived field", source };
         let quadrature = |source| AssemblyError::Quadrature { form, source };
         let degree = self.history_degree(expression)?.unwrap_or(degree);
-        let found = match entity {
+        match entity {
             Entity::Cells => {
                 let cells = self.mesh.cell_region(region).map_err(missing)?;
                 self.values(expression, &mut |binding| {
@@ -115,17 +133,16 @@ impl<const D: usize> Assembler<D> {
                         Group::new(binding, place(region), cells, &places, rule.weights, further(expression))
                     };
                     self.mesh.runs_of_shape(cells).map(|run| group(run).map_err(quadrature)).collect()
-                })?
+                })
             }
             // Pairs are no named facets: an error that names `at_pairs`.
             Entity::Facets | Entity::InteriorFacets | Entity::Pairs => {
                 let facets = self.facets(form, entity, region)?;
                 let shape = self.mesh.shape_of_facets();
                 let rule = self.quadrature.facet_reference_rule(shape, degree).map_err(quadrature)?;
-                self.facet_values(expression, region, &facets, &rule)?
+                self.facet_values(expression, region, &facets, &rule)
             }
-        };
-        Ok(found.into_iter().collect())
+        }
     }
 
     /// A derived field at the quadrature points of contact pairs, with their weights: gap, jump, what the opposite side
@@ -142,6 +159,19 @@ impl<const D: usize> Assembler<D> {
         pairing: &Pairing,
         degree: usize,
     ) -> Result<PointValues<D>, AssemblyError> {
+        Ok(self.found_at_pairs(expression, pairing, degree)?.into())
+    }
+
+    /// As [`Assembler::at_pairs`].
+    ///
+    /// # Errors
+    /// As there.
+    pub(crate) fn found_at_pairs(
+        &self,
+        expression: &Expression<D>,
+        pairing: &Pairing,
+        degree: usize,
+    ) -> Result<Found<D>, AssemblyError> {
         let described = expression;
         let region = Region::of_pairs("derived field", pairing.clone());
         let failed = |source| pair_error(described.name(), &region, source);
@@ -153,9 +183,7 @@ impl<const D: usize> Assembler<D> {
         binding.check_functions(&self.known_pairs, &region, &self.quadrature, degree, requirements.fields)?;
         let pairs = self.pairs_of(pairing, degree).map_err(failed)?;
         let place = format!("the pairs {pairing}");
-        let found =
-            self.values(expression, &mut |binding| groups_of(binding, &place, &pairs, requirements))?;
-        Ok(found.into_iter().collect())
+        self.values(expression, &mut |binding| groups_of(binding, &place, &pairs, requirements))
     }
 
     /// A derived field along a facet region, exterior or interior: on each facet, in the region's order, at
@@ -179,9 +207,13 @@ impl<const D: usize> Assembler<D> {
         let found = self.facet_values(expression, region, &facets, &rule)?;
         let facets = (0..facets.count()).map(|index| facets.sides(index)[0]);
         let places = facets.flat_map(|facet| parameters.iter().map(move |parameter| (facet, *parameter)));
-        let sample =
-            |((facet, parameter), (position, _, value))| FacetSample { facet, parameter, position, value };
-        Ok(places.zip(found).map(sample).collect())
+        let sample = |(point, (facet, parameter))| FacetSample {
+            facet,
+            parameter,
+            position: found.positions[point],
+            value: found.value(point).to_vec(),
+        };
+        Ok(places.enumerate().map(sample).collect())
     }
 
     /// `count` equidistant samples on each facet of a two-dimensional mesh's region, both ends included.
@@ -233,15 +265,16 @@ impl<const D: usize> Assembler<D> {
         let found = self.facet_values(expression, region, &facets, &rule)?;
         let mut sums = vec![0.0; space.unknowns()];
         let mut counts = vec![0.0_f64; space.node_count()];
-        let mut values = found.into_iter();
+        let mut point = 0;
         for index in 0..facets.count() {
             let facet = facets.sides(index)[0];
             for node in space.cell_element(facet.cell as usize).facet_nodes(usize::from(facet.local)) {
                 let number = space.cell_nodes(facet.cell as usize)[node] as usize;
                 counts[number] += 1.0;
-                for (component, value) in values.next().iter().flat_map(|(_, _, value)| value).enumerate() {
+                for (component, value) in found.value(point).iter().enumerate() {
                     sums[number * components + component] += value;
                 }
+                point += 1;
             }
         }
         for (index, sum) in sums.iter_mut().enumerate() {
@@ -259,7 +292,7 @@ impl<const D: usize> Assembler<D> {
         Entities::of(&self.mesh, form, &Region::named(entity, "derived field", region))
     }
 
-    /// (position, weight, value) at the points of a rule on the facet's own reference cell, facet after facet.
+    /// The values at the points of a rule on the facet's own reference cell, facet after facet.
     /// Facets that are numbered alike are computed together, because they share their tables.
     fn facet_values(
         &self,
@@ -267,20 +300,22 @@ impl<const D: usize> Assembler<D> {
         region: &str,
         facets: &Entities,
         rule: &QuadratureRule<2>,
-    ) -> Result<Vec<PointValue<D>>, AssemblyError> {
-        let mut places = Vec::new();
+    ) -> Result<Found<D>, AssemblyError> {
+        let mut indices = Vec::new();
         let found = self.values(expression, &mut |binding| {
-            let (groups, indices): (Vec<_>, Vec<_>) =
+            let (groups, of_groups): (Vec<_>, Vec<Vec<usize>>) =
                 facet_groups(binding, &place(region), facets, rule, further(expression))?.into_iter().unzip();
-            places = indices;
+            indices = of_groups.concat();
             Ok(groups)
         })?;
-        let mut found = found.into_iter();
-        let mut ordered = vec![vec![]; facets.count()];
-        for index in places.into_iter().flatten() {
-            ordered[index] = found.by_ref().take(rule.len()).collect();
+        let mut places = vec![0; indices.len()];
+        indices.iter().enumerate().for_each(|(place, index)| places[*index] = place);
+        let mut ordered = Found { components: found.components, ..Found::default() };
+        for point in places.into_iter().flat_map(|place| place * rule.len()..(place + 1) * rule.len()) {
+            let (weight, position) = (found.weights[point], &found.positions[point]);
+            ordered.add(expression.name(), found.value(point), weight, position)?;
         }
-        Ok(ordered.into_iter().flatten().collect())
+        Ok(ordered)
     }
 
     /// The degree of the rule of the histories that a function reads, if it reads any.
@@ -307,15 +342,19 @@ impl<const D: usize> Assembler<D> {
         }
     }
 
-    /// (position, weight, value) at every point of the groups, in their order.
+    /// The values at every point of the groups, in their order.
     fn values(
         &self,
         expression: &Expression<D>,
         build: &mut dyn FnMut(&Binding<D>) -> Result<Vec<Group<D>>, AssemblyError>,
-    ) -> Result<Vec<PointValue<D>>, AssemblyError> {
+    ) -> Result<Found<D>, AssemblyError> {
         let binding = Binding::new(expression, &self.mesh, &[])?;
         let groups = build(&binding)?;
-        let (requirements, mut found) = (*requirements(expression), Vec::new());
+        let components = expression.shape().iter().product();
+        let mut found = Found { components, ..Found::default() };
+        let receive = |found: &mut Found<D>, value: &[f64], weight: f64, position: &[f64; D]| {
+            found.add(binding.name, value, weight, position)
+        };
         let (mut buffers, mut shapes) = (BatchBuffers::default(), vec![]);
         for group in &groups {
             // Memory is made for the sizes of the group before.
@@ -323,32 +362,14 @@ impl<const D: usize> Assembler<D> {
             if own != shapes {
                 (buffers, shapes) = (BatchBuffers::default(), own);
             }
-            let (cells, located) =
-                (Cells::Mesh(binding.mesh), Requirements { position: true, ..requirements });
-            let mut batch = Batch::<f64, D>::new(&binding, group, cells, located, &[], &mut buffers)?;
             for term in expression.densities() {
-                let entities = 0..group.entities();
-                term.kernel.each_point(
-                    &mut batch,
-                    group.points(),
-                    entities,
-                    &mut |value, weight, position| {
-                        if !value.iter().all(|entry| entry.is_finite()) {
-                            let (form, position) = (binding.name, position.to_vec());
-                            return Err(AssemblyError::ValueNotFinite { form, position });
-                        }
-                        found.push((*position, weight, value.to_vec()));
-                        Ok(())
-                    },
-                )?;
+                let chunks = chunks_of(&binding, group, &term.kernel, self.threads, &mut buffers, &receive)?;
+                chunks.into_iter().for_each(|chunk| found.append(chunk));
             }
         }
         Ok(found)
     }
 }
-
-/// Position, weight and value at a point.
-type PointValue<const D: usize> = ([f64; D], f64, Vec<f64>);
 
 /// The tables that a derived field reads.
 fn further<const D: usize>(expression: &Expression<D>) -> FurtherTables {
@@ -362,18 +383,6 @@ fn requirements<const D: usize>(expression: &Expression<D>) -> &'static Requirem
 
 fn place(region: &str) -> String {
     format!("the region \"{region}\"")
-}
-
-impl<const D: usize> FromIterator<PointValue<D>> for PointValues<D> {
-    fn from_iter<T: IntoIterator<Item = PointValue<D>>>(points: T) -> Self {
-        let mut all = PointValues { positions: vec![], weights: vec![], values: vec![] };
-        for (position, weight, value) in points {
-            all.positions.push(position);
-            all.weights.push(weight);
-            all.values.push(value);
-        }
-        all
-    }
 }
 
 instantiate!(

@@ -6,7 +6,7 @@ use forms_core::contract::{ExpressionKernel, Requirements, Term};
 
 use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
-use super::groups::groups;
+use super::groups::{Group, groups};
 use super::kernels::PointKernel;
 use super::{Assembler, AssemblyError};
 use crate::contract::{Form, Function, Functional};
@@ -160,35 +160,52 @@ impl<const D: usize> PointWalk<'_, D> {
     ) -> Result<Vec<R>, AssemblyError> {
         let (requirements, mut results) = (kernel.constants().requirements, Vec::new());
         for group in groups(self.binding, integral, self.quadrature, &self.degrees, requirements, &[])? {
-            let (entities, chunks) = (group.entities(), group.entities().div_ceil(CHUNK));
-            let parts = self.threads.count().min(chunks).max(1);
-            let parts = (0..parts).map(|part| part * chunks / parts..(part + 1) * chunks / parts).collect();
-            let done = self.threads.run(parts, |chunks: Range<usize>| {
-                let located = Requirements { position: true, ..*requirements };
-                let (cells, mut buffers) = (Cells::Mesh(self.binding.mesh), BatchBuffers::default());
-                let mut batch =
-                    Batch::<f64, D>::new(self.binding, &group, cells, located, &[], &mut buffers)?;
-                let mut results = Vec::with_capacity(chunks.len());
-                for chunk in chunks {
-                    let range = chunk * CHUNK..entities.min((chunk + 1) * CHUNK);
-                    let mut result = R::default();
-                    let mut receive =
-                        |value: &[f64], weight, x: &[f64; D]| receive(&mut result, value, weight, x);
-                    kernel.each_point(&mut batch, group.points(), range, &mut receive)?;
-                    results.push(result);
-                }
-                Ok(results)
-            });
-            for part in done {
-                results.extend(part?);
-            }
+            let mut buffers = BatchBuffers::default();
+            results.extend(chunks_of(self.binding, &group, kernel, self.threads, &mut buffers, receive)?);
         }
         Ok(results)
     }
 }
 
+/// Results of the chunks of a group's entities, in their order. `buffers` serve where there is one part.
+pub(super) fn chunks_of<R: Default + Send, const D: usize>(
+    binding: &Binding<D>,
+    group: &Group<D>,
+    kernel: &PointKernel<D>,
+    threads: Threads,
+    buffers: &mut BatchBuffers<f64, D>,
+    receive: &Receive<R, D>,
+) -> Result<Vec<R>, AssemblyError> {
+    let located = Requirements { position: true, ..*kernel.constants().requirements };
+    let (entities, chunks) = (group.entities(), group.entities().div_ceil(CHUNK));
+    let of_part = |chunks: Range<usize>, buffers: &mut BatchBuffers<f64, D>| {
+        let mut batch =
+            Batch::<f64, D>::new(binding, group, Cells::Mesh(binding.mesh), located, &[], buffers)?;
+        let mut results = Vec::with_capacity(chunks.len());
+        for chunk in chunks {
+            let range = chunk * CHUNK..entities.min((chunk + 1) * CHUNK);
+            let mut result = R::default();
+            let mut receive = |value: &[f64], weight, x: &[f64; D]| receive(&mut result, value, weight, x);
+            kernel.each_point(&mut batch, group.points(), range, &mut receive)?;
+            results.push(result);
+        }
+        Ok(results)
+    };
+    let parts = threads.count().min(chunks);
+    if parts <= 1 {
+        return of_part(0..chunks, buffers);
+    }
+    let parts = (0..parts).map(|part| part * chunks / parts..(part + 1) * chunks / parts).collect();
+    let done = threads.run(parts, |chunks| of_part(chunks, &mut BatchBuffers::default()));
+    let mut results = Vec::with_capacity(chunks);
+    for part in done {
+        results.extend(part?);
+    }
+    Ok(results)
+}
+
 /// Takes a chunk's result so far, and the value, weight and position of a quadrature point.
-type Receive<'a, R, const D: usize> =
+pub(super) type Receive<'a, R, const D: usize> =
     dyn Fn(&mut R, &[f64], f64, &[f64; D]) -> Result<(), AssemblyError> + Sync + 'a;
 
 /// Takes the value, weight and position of a quadrature point.

@@ -61,10 +61,13 @@ impl<const D: usize> Assembler<D> {
             return Err(AssemblyError::Components { form: name, field: "the space", expected, found });
         }
         let degree = self.degree_of_mass(space);
-        let found = self.at_quadrature_points(expression, Entity::Cells, crate::mesh::EVERYWHERE, degree)?;
+        let found =
+            self.found_at_quadrature_points(expression, Entity::Cells, crate::mesh::EVERYWHERE, degree)?;
         let degree = self.history_degree(expression)?.unwrap_or(degree);
-        let (values, weights) = (found.values.concat(), found.weights);
-        self.project_values(&ValuesAtPoints { name, degree, values: &values, weights: &weights }, space)
+        self.project_values(
+            &ValuesAtPoints { name, degree, values: &found.values, weights: &found.weights },
+            space,
+        )
     }
 
     /// The degree of the rule that is exact for a space's mass matrix on all cells.

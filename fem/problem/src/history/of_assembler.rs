@@ -137,13 +137,15 @@ impl<const D: usize> Assembler<D> {
         // At its own points, whatever this assembler would take.
         let own = self.clone().with_quadrature(storage.quadrature.clone());
         let values = match &storage.pairs {
-            Some(pairs) => own.at_pairs(expression, &pairs.pairing, storage.degree)?,
-            None => own.at_quadrature_points(expression, storage.entity, &storage.region, storage.degree)?,
+            Some(pairs) => own.found_at_pairs(expression, &pairs.pairing, storage.degree)?,
+            None => {
+                own.found_at_quadrature_points(expression, storage.entity, &storage.region, storage.degree)?
+            }
         };
-        if values.values.len() * found != storage.committed().len() {
+        if values.values.len() != storage.committed().len() {
             return Err(mismatch(HistoryMismatch::Rule));
         }
-        storage.write(values.values.concat());
+        storage.write(values.values);
         Ok(())
     }
 
