@@ -142,6 +142,7 @@ pub enum Order {
 
 impl Order {
     /// Number of axes along which a component is differentiated.
+    #[inline]
     pub const fn axes(self) -> usize {
         match self {
             Order::Value | Order::MeanValue => 0,
@@ -151,6 +152,7 @@ impl Order {
     }
 
     /// Whether it is a mean over the cell.
+    #[inline]
     pub const fn is_mean(self) -> bool {
         matches!(self, Order::MeanValue | Order::MeanGradient)
     }

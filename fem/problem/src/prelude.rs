@@ -18,8 +18,8 @@ pub use crate::output::Failure;
 pub use crate::quadrature::{Quadrature, QuadratureRule};
 pub use crate::solve::{
     CondensedSolver, Continuation, Deflation, Eigenproblem, Increment, LineSearch, LinearSolver, LoadSteps,
-    LuSolver, MultigridSolver, MultigridSolverOptions, NewtonError, NewtonOptions, NewtonStep, Problem,
-    SolveError, Solved, TangentSolver, TangentSolverOptions,
+    LuSolver, MultigridSolver, MultigridSolverOptions, NewtonError, NewtonOptions, NewtonStep,
+    PrescribedValues, Problem, SolveError, Solved, TangentSolver, TangentSolverOptions,
 };
 pub use crate::space::{Scope, Space};
 pub use crate::threads::Threads;

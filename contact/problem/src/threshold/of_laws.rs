@@ -11,6 +11,9 @@ use super::eigenvalue::largest_eigenvalue;
 use crate::contact_problem::ContactProblem;
 use crate::law::{ContactLaw, WithThreshold};
 
+/// Matrices whose entries differ by less than this part of the largest one are the same.
+const SAME_MATRIX: f64 = 1e-12;
+
 /// The γ₀ \[stress\] of [`threshold`] at which s = 1 on the worst contact cell.
 ///
 /// # Errors
@@ -144,12 +147,43 @@ pub fn largest_eigenvalues(
         let sum = stresses.entry(element.cell).or_insert_with(|| vec![0.0; element.values.len()]);
         sum.iter_mut().zip(&element.values).for_each(|(sum, value)| *sum += value);
     }
-    let stresses: Vec<(u32, Vec<f64>)> = stresses.into_iter().collect();
-    let largest = |(cell, stress): &(u32, Vec<f64>)| {
-        (*cell, energies.get(cell).map(|energy| largest_eigenvalue(energy.rows, stress, &energy.values)))
-    };
-    let count = threads.count().clamp(1, stresses.len().max(1));
-    let parts = (0..count).map(|k| &stresses[k * stresses.len() / count..(k + 1) * stresses.len() / count]);
-    let found = threads.run(parts.collect(), |part: &[_]| part.iter().map(largest).collect::<Vec<_>>());
-    found.into_iter().flatten().collect()
+    let cells: Vec<CellMatrices<'_>> = stresses
+        .iter()
+        .map(|(cell, stress)| CellMatrices { cell: *cell, stress, energy: energies.get(cell) })
+        .collect();
+    // Cells of one shape follow each other on many meshes: one of them is enough. Which ones are compared does not depend on threads.
+    let firsts: Vec<usize> =
+        (0..cells.len()).filter(|k| *k == 0 || !cells[*k].is_as(&cells[*k - 1])).collect();
+    let count = threads.count().clamp(1, firsts.len().max(1));
+    let parts = (0..count).map(|k| &firsts[k * firsts.len() / count..(k + 1) * firsts.len() / count]);
+    let largest =
+        |part: &[usize]| part.iter().map(|first| cells[*first].largest_eigenvalue()).collect::<Vec<_>>();
+    let found: Vec<Option<f64>> = threads.run(parts.collect(), largest).into_iter().flatten().collect();
+    let of_first = |k: usize| found[firsts.partition_point(|first| *first <= k) - 1];
+    cells.iter().enumerate().map(|(k, one)| (one.cell, of_first(k))).collect()
+}
+
+/// The matrices of a cell that has products of stresses on its facets.
+struct CellMatrices<'a> {
+    cell: u32,
+    stress: &'a [f64],
+    energy: Option<&'a ElementMatrix>,
+}
+
+impl CellMatrices<'_> {
+    fn largest_eigenvalue(&self) -> Option<f64> {
+        self.energy.map(|energy| largest_eigenvalue(energy.rows, self.stress, &energy.values))
+    }
+
+    /// Whether another cell has the same matrices up to rounding.
+    fn is_as(&self, other: &Self) -> bool {
+        let same = |a: &[f64], b: &[f64]| {
+            let most = a.iter().fold(0.0_f64, |most, entry| most.max(entry.abs()));
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME_MATRIX * most)
+        };
+        match (self.energy, other.energy) {
+            (Some(a), Some(b)) => same(self.stress, other.stress) && same(&a.values, &b.values),
+            _ => false,
+        }
+    }
 }

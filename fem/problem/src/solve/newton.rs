@@ -30,7 +30,9 @@ use iterates::{Iterates, Step};
 pub use line_search::LineSearch;
 pub use nonlinear_problem::NonlinearProblem;
 pub use partly_linear::{LinearPart, NonlinearTangent, PartlyLinear};
-pub use report::{NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep, WorstEquation};
+pub use report::{
+    NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep, PrescribedValues, WorstEquation,
+};
 pub use tangent::{Products, Tangent};
 
 /// Newton's method for R(u) = 0 on the free unknowns from `start`, with the prescribed values imposed on it. `progress` is called once

@@ -8,7 +8,7 @@ use super::Iterates;
 use crate::linear_algebra::vector::{largest, norm};
 use crate::solve::elimination::Elimination;
 
-/// An iterate is judged once the residual of each field has dropped to this part of the largest that it had, or stays.
+/// An iterate is judged once the residual of each field has dropped to this part of the largest that it had, or to a larger tolerance, or stays.
 const WORTH_JUDGING: f64 = 1e-6;
 
 /// A step below this part of a field leaves it as it is, so that a residual that stays is not a matter of u.
@@ -141,11 +141,12 @@ impl Iterates<'_> {
     /// Whether it is worth while to judge the last iterate. It decides nothing: it spares work at iterates that are far off.
     pub fn is_worth_judging(&self) -> bool {
         let [.., before, last] = &self.norms[..] else { return false };
+        let worth = WORTH_JUDGING.max(self.options.relative_tolerance);
         let is_higher =
             |steps: &[Norms], field: usize| steps[1].residual[field] > 0.5 * steps[0].residual[field];
         (0..last.residual.len()).all(|field| {
             let steps = self.norms[self.norms.len().saturating_sub(3)..].windows(2);
-            last.residual[field] <= WORTH_JUDGING * self.largest_residual(field)
+            last.residual[field] <= worth * self.largest_residual(field)
                 || before.residual[field] == 0.0
                 // While contact is searched for, residuals go up and down.
                 || (steps.len() == 2 && steps.into_iter().all(|steps| is_higher(steps, field)))

@@ -4,7 +4,10 @@ use super::bounded::{ActiveSet, Moved};
 use super::equations::{Change, Equations, Origin, Verdict};
 use super::judgement::{LastChange, Refinement};
 use super::line_search::{Forced, Taken, check_potential};
-use super::{Iterates, LineSearch, NewtonFailure, NonlinearProblem, Norms, Step, Tangent, WorstEquation};
+use super::{
+    Iterates, LineSearch, NewtonFailure, NonlinearProblem, Norms, PrescribedValues, Products, Step, Tangent,
+    WorstEquation,
+};
 use crate::linear_algebra::vector::{add_scaled, norm};
 use crate::solve::elimination::Elimination;
 use crate::solve::linear_solver::LinearSolver;
@@ -52,6 +55,8 @@ pub(in crate::solve) struct FreeEquations<'a> {
     /// The last change of all unknowns, where it is known.
     pub(super) last_change: Option<LastChange>,
     pub(super) refinement: Refinement,
+    /// Whether products need another tangent than the last one. It is assembled when a judgement asks for one.
+    pub(super) products_are_old: bool,
     /// The equation that is off by the most of its terms, where one was.
     pub(super) worst: Option<WorstEquation>,
     pub(super) forced: Option<Forced>,
@@ -75,6 +80,7 @@ impl<'a> FreeEquations<'a> {
             residuals: Residuals::default(),
             last_change: None,
             refinement: Refinement::default(),
+            products_are_old: false,
             worst: None,
             forced: None,
             bounds: None,
@@ -109,13 +115,18 @@ impl<'a> FreeEquations<'a> {
         if (!norm(&self.residuals.reduced).is_finite() || !self.may_begin())
             && let Some(found) = self.impose_by_tangent(given)?
         {
-            self.residuals = found;
+            self.residuals = found.residuals;
+            return self.enter(Step::default(), None);
         }
-        self.enter(Step::default(), None)
+        self.enter(Step::default(), None)?;
+        match self.iterates.options.prescribed_values {
+            PrescribedValues::AtOnce => Ok(()),
+            PrescribedValues::ByTangent => self.step_to_prescribed_values(given),
+        }
     }
 
     /// Whether what is kept positive is so at the last iterate.
-    fn may_begin(&mut self) -> bool {
+    pub(super) fn may_begin(&mut self) -> bool {
         let at_rest = vec![0.0; self.iterates.u.len()];
         self.problem.largest_step(&self.iterates.u, &at_rest).is_ok()
     }
@@ -129,7 +140,7 @@ impl<'a> FreeEquations<'a> {
     }
 
     /// Enters the current iterate into the history, with its residual and the norms of the whole step that led to it.
-    fn enter(&mut self, step: Step, lengths: Option<Vec<f64>>) -> Result<(), NewtonFailure> {
+    pub(super) fn enter(&mut self, step: Step, lengths: Option<Vec<f64>>) -> Result<(), NewtonFailure> {
         let active = self.problem.active_points(&self.iterates.u)?;
         self.update_held()?;
         let held = self.bounds.as_ref().map(ActiveSet::count);
@@ -144,6 +155,7 @@ impl<'a> FreeEquations<'a> {
     /// # Errors
     /// If assembly or the linear solver fails.
     pub fn set_tangent(&mut self) -> Result<(), NewtonFailure> {
+        self.products_are_old = false;
         let tangent = checked_tangent(self.problem, &mut self.elimination, &self.iterates)?;
         let mut reduced = self.elimination.reduce_matrix(&tangent.matrix)?;
         drop(tangent);
@@ -152,6 +164,17 @@ impl<'a> FreeEquations<'a> {
             bounds.mask_matrix(&mut reduced);
         }
         Ok(self.solver.set_matrix(reduced)?)
+    }
+
+    /// K x, and Σ_j |K_ij x_j| of each row, at the last iterate.
+    ///
+    /// # Errors
+    /// If assembly fails.
+    pub(super) fn products(&mut self, x: &[f64]) -> Result<Products, NewtonFailure> {
+        if std::mem::take(&mut self.products_are_old) {
+            self.problem.tangent(&self.iterates.u)?;
+        }
+        Ok(self.problem.products(&self.iterates.u, x)?)
     }
 
     /// −K⁻¹R with the tangent that the solver has.
@@ -219,6 +242,7 @@ impl Equations for FreeEquations<'_> {
 
     fn take(&mut self, change: Change) -> Result<(), NewtonFailure> {
         let Change { mut values, origin } = change;
+        self.products_are_old = false;
         if let Origin::Tangent { .. } = origin {
             let factor = self.problem.factor_of_step(&self.iterates.u, &values);
             values.iter_mut().for_each(|value| *value *= factor);

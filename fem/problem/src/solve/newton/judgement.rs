@@ -74,8 +74,8 @@ impl FreeEquations<'_> {
         // A tangent from before a switch is not that of the equations after it.
         if self.iterates.switched() {
             self.set_tangent()?;
-        } else if self.tangent_is_old() {
-            self.problem.tangent(&self.iterates.u)?;
+        } else {
+            self.products_are_old = self.tangent_is_old();
         }
         let mut rows = self.judge_rows()?;
         let is_corrected = rows.hold || self.iterates.some_field_stays() || self.some_component_vanishes();

@@ -33,6 +33,20 @@ pub struct NewtonOptions {
     pub max_iterations: usize,
     /// Whether steps are shortened where a whole one is too long.
     pub line_search: LineSearch,
+    /// The way to prescribed values that differ from the start.
+    pub prescribed_values: PrescribedValues,
+}
+
+/// The way to prescribed values that differ from the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PrescribedValues {
+    /// They are imposed on the start, with all else as it was.
+    #[default]
+    AtOnce,
+    /// The first step takes them along: K(u₀) δ = −R(u₀) with the prescribed part of δ, so that the body follows. Where few nodes are moved by as
+    /// much as a cell, it saves the steps that repair the cells next to them. Where contact is searched for, [`PrescribedValues::AtOnce`] is
+    /// the better choice. If nothing can be computed after that step, they are imposed at once.
+    ByTangent,
 }
 
 impl Default for NewtonOptions {
@@ -42,6 +56,7 @@ impl Default for NewtonOptions {
             absolute_tolerance: 0.0,
             max_iterations: 50,
             line_search: LineSearch::Off,
+            prescribed_values: PrescribedValues::AtOnce,
         }
     }
 }

@@ -1,10 +1,10 @@
 //! Correction that is still to be expected, −K⁻¹R with the last tangent, next to the variation of the solution.
 
 use super::{LastChange, Rows, UNIFORM, UNKNOWN_ROUNDING, ZERO_COMPONENT, ZERO_PART};
-use crate::assemble::{AssemblyError, Terms};
+use crate::assemble::Terms;
 use crate::linear_algebra::vector::norm;
 use crate::solve::newton::convergence::Component;
-use crate::solve::newton::{FreeEquations, NewtonFailure, NonlinearProblem};
+use crate::solve::newton::{FreeEquations, NewtonFailure};
 
 /// A correction may be this much larger, as a part of u, than a residual as a part of its terms: a fine mesh has directions that
 /// are thousands of times softer than others.
@@ -42,7 +42,7 @@ impl FreeEquations<'_> {
     ) -> Result<Vec<(Component, f64)>, NewtonFailure> {
         let tolerance = SOFTNESS * self.iterates.options.relative_tolerance;
         let mut unsettled = Vec::new();
-        for component in &self.iterates.fields.components {
+        for component in self.iterates.fields.components.clone() {
             let (change, most) = (component.largest(correction), component.largest(&self.iterates.u));
             let range = component.range(&self.iterates.u);
             // A component may be zero, and its corrections the rounding of others.
@@ -51,12 +51,12 @@ impl FreeEquations<'_> {
             let rounding = part * in_field;
             let mut allowed = (tolerance * range).max(rounding);
             if change > allowed && range <= UNIFORM * most {
-                let resisted = resistance(self.problem, &self.iterates.u, component)?;
+                let resisted = self.resistance(&component)?;
                 allowed = allowed.max(tolerance * resisted * most);
             }
             if change > allowed {
                 let size = change / allowed.max(f64::MIN_POSITIVE);
-                unsettled.push((component.clone(), size));
+                unsettled.push((component, size));
             }
         }
         if unsettled.is_empty() {
@@ -71,7 +71,7 @@ impl FreeEquations<'_> {
         for unknown in unsettled.iter().flat_map(|(component, _)| component.unknowns()) {
             rest[unknown] = correction[unknown].abs();
         }
-        let made = self.problem.products(&self.iterates.u, &rest)?.sizes;
+        let made = self.products(&rest)?.sizes;
         let negligible = |terms: &[f64]| {
             let rows = made.iter().zip(&forces).zip(terms);
             rows.into_iter().all(|((made, force), term)| *made <= UNKNOWN_ROUNDING * (force + term))
@@ -81,21 +81,17 @@ impl FreeEquations<'_> {
         rows.forces = Some(forces);
         Ok(if is_rounding { vec![] } else { unsettled })
     }
-}
 
-/// The part, from 0 to 1, of a uniform value of a component that every row resists: 0 for a stress, 1 for a mass. Where all
-/// rows do, the value itself is a scale, and not its variation only.
-fn resistance(
-    problem: &mut dyn NonlinearProblem,
-    u: &[f64],
-    component: &Component,
-) -> Result<f64, AssemblyError> {
-    let mut uniform = vec![0.0; u.len()];
-    component.unknowns().for_each(|unknown| uniform[unknown] = 1.0);
-    let found = problem.products(u, &uniform)?;
-    let part = |unknown: usize| match found.sizes[unknown] {
-        0.0 => 1.0,
-        size => found.sums[unknown].abs() / size,
-    };
-    Ok(component.unknowns().map(part).fold(1.0, f64::min))
+    /// The part, from 0 to 1, of a uniform value of a component that every row resists: 0 for a stress, 1 for a mass. Where all
+    /// rows do, the value itself is a scale, and not its variation only.
+    fn resistance(&mut self, component: &Component) -> Result<f64, NewtonFailure> {
+        let mut uniform = vec![0.0; self.iterates.u.len()];
+        component.unknowns().for_each(|unknown| uniform[unknown] = 1.0);
+        let found = self.products(&uniform)?;
+        let part = |unknown: usize| match found.sizes[unknown] {
+            0.0 => 1.0,
+            size => found.sums[unknown].abs() / size,
+        };
+        Ok(component.unknowns().map(part).fold(1.0, f64::min))
+    }
 }

@@ -12,7 +12,7 @@ impl FreeEquations<'_> {
     /// Whether a correction is small next to the unknowns around each one, wherever they are: then residuals are rounding that
     /// the sizes of their terms do not show, as that of a stress computed from 1 + ∇u.
     pub(super) fn is_small_everywhere(&mut self, correction: &[f64]) -> Result<bool, NewtonFailure> {
-        for component in &self.iterates.fields.components {
+        for component in self.iterates.fields.components.clone() {
             let (change, range) = (component.largest(correction), component.range(&self.iterates.u));
             let in_field = component.largest_in_field(&self.iterates.u);
             // A pressure may be the same everywhere.
@@ -26,8 +26,8 @@ impl FreeEquations<'_> {
                 (own[unknown], uniform[unknown]) = (self.iterates.u[unknown].abs(), 1.0);
             }
             // Mean values of |u| around an unknown, with the amounts of its row for weights.
-            let sums = self.problem.products(&self.iterates.u, &own)?.sizes;
-            let weights = self.problem.products(&self.iterates.u, &uniform)?.sizes;
+            let sums = self.products(&own)?.sizes;
+            let weights = self.products(&uniform)?.sizes;
             let small = |unknown: usize| {
                 let change = correction[unknown].abs();
                 change * weights[unknown] <= LARGEST_ROUNDING * sums[unknown] || change <= rounding
@@ -70,7 +70,7 @@ impl FreeEquations<'_> {
             return Ok(None);
         }
         // A solution that is zero, under forces that balance, has no other scale than these forces.
-        let made = self.problem.products(&self.iterates.u, &rest)?.sizes;
+        let made = self.products(&rest)?.sizes;
         let terms = self.problem.sizes_of_terms(&self.iterates.u, Terms::OfCellsByComponent)?;
         let Some(terms) = terms else { return Ok(part) };
         let negligible = made.iter().zip(&terms).all(|(made, term)| *made <= ROW_ROUNDING * term);

@@ -88,6 +88,6 @@ impl FreeEquations<'_> {
     /// (|K| |u|)_i of all rows.
     pub(in crate::solve::newton) fn forces(&mut self) -> Result<Vec<f64>, NewtonFailure> {
         let amounts = self.iterates.u.iter().map(|u| u.abs()).collect::<Vec<_>>();
-        Ok(self.problem.products(&self.iterates.u, &amounts)?.sizes)
+        Ok(self.products(&amounts)?.sizes)
     }
 }

@@ -89,8 +89,8 @@ impl FreeEquations<'_> {
             let of = |(u, is_own): (&f64, &bool)| if *is_own == own { u.abs() } else { 0.0 };
             self.iterates.u.iter().zip(unknowns).map(of).collect()
         };
-        let own = self.problem.products(&self.iterates.u, &amounts(true))?.sizes;
-        let others = self.problem.products(&self.iterates.u, &amounts(false))?.sizes;
+        let (own, others) = (amounts(true), amounts(false));
+        let (own, others) = (self.products(&own)?.sizes, self.products(&others)?.sizes);
         let mut shared = own.iter().zip(&others).zip(forces).filter(|((_, others), _)| **others > 0.0);
         let enters = own.iter().zip(&others).any(|(own, others)| *own > 0.0 && *others > 0.0);
         Ok(enters && shared.all(|((own, _), force)| *own <= ROW_ROUNDING * force))
