@@ -12,6 +12,7 @@
 //! | [`averaged_nitsche`] | Nitsche's method, θ = 0: nearly incompressible, F-bar | finite, neo-Hooke |
 //! | [`mixed_bodies`], [`averaged_bodies`] | the same between bodies, at points that slide | finite, neo-Hooke |
 //! | [`sealed_cavity`] | an energy with a round tool and the pressure of a closed cavity | finite, neo-Hooke |
+//! | [`third_medium`] | bodies in a soft medium that is crushed between them | finite, neo-Hooke |
 //! | [`two_bodies`] | Nitsche's method, every θ, between two bodies, at pairs of fixed points | small |
 //! | [`sliding_bodies`] | Nitsche's method, θ = 0, between bodies or of one with itself, at points that slide | finite, neo-Hooke |
 //! | [`capsule`] | Nitsche's method, θ = 0, with a round obstacle that moves and turns | finite, neo-Hooke |
@@ -19,6 +20,7 @@
 //! | [`cohesive`] | two bodies that are glued together and separate, at pairs of fixed points | small |
 //! | [`wear`] | Nitsche's method, every θ, on a flat, with Archard's wear | small |
 //! | [`contact_heat`] | heat across two bodies' contact and from their friction, for a known displacement | small |
+//! | [`proximal_obstacle`], [`proximal_membrane`] | proximal Galerkin, without friction | small |
 //! | [`uzawa`] | multipliers at points of Γ_C, updated by [`solve_by_uzawa`](crate::uzawa::solve_by_uzawa) | small |
 //!
 //! The bound of friction is s = `slip_stress` + `friction` · pressure: Tresca's law is `friction` = 0, Coulomb's law
@@ -36,8 +38,11 @@ pub mod frictional_penalty;
 pub mod mixed_bodies;
 pub mod mixed_nitsche;
 pub mod moving_obstacle;
+pub mod proximal_membrane;
+pub mod proximal_obstacle;
 pub mod sealed_cavity;
 pub mod sliding_bodies;
+pub mod third_medium;
 pub mod two_bodies;
 pub mod uzawa;
 pub mod wear;

@@ -126,7 +126,7 @@ pub fn check_rotation<const D: usize>(
 ///         integral(Omega, conductivity * dot(grad(u), grad(v)) - source * v)
 ///     }
 /// }
-/// parameter_ranges!(layer { positive: conductivity, non_negative: source, });
+/// parameter_ranges!(layer { positive: conductivity, non_negative: source });
 ///
 /// let model: layer::Model<2> = layer::Model::new(layer::data().conductivity(-2.0).source(0.0));
 /// let told = model.check("heat").unwrap_err().to_string();
@@ -163,5 +163,9 @@ macro_rules! parameter_ranges {
                 Ok(())
             }
         }
+    };
+    // The last comma may be left out.
+    ($module:ident { $($range:ident: $($member:ident).+),+ }) => {
+        $crate::parameter_ranges!($module { $($range: $($member).+,)+ });
     };
 }

@@ -11,12 +11,13 @@ mod dynamics;
 mod histories;
 mod language;
 mod rubber;
+mod smooth;
 // The law of `docs/new_contact_law.md` is a crate of its own.
 #[path = "../../contact_law/src/tresca.rs"]
 mod tresca;
 
 /// The pages with blocks in Rust, and what compiles them elsewhere.
-const PAGES: [(&str, Option<&str>); 14] = [
+const PAGES: [(&str, Option<&str>); 15] = [
     ("adaptivity", None),
     ("bounds", None),
     ("coming_from", Some("the documentation tests of this crate")),
@@ -30,6 +31,7 @@ const PAGES: [(&str, Option<&str>); 14] = [
     ("nearly_incompressible", None),
     ("new_contact_law", None),
     ("python", Some("the example of the bindings")),
+    ("smooth_formulations", None),
     ("time", None),
 ];
 
@@ -57,6 +59,7 @@ fn every_block_of_a_page_is_compiled() {
         include_str!("histories.rs"),
         include_str!("language.rs"),
         include_str!("rubber.rs"),
+        include_str!("smooth.rs"),
         include_str!("../../contact_law/src/tresca.rs"),
     ];
     let compiled = bare(&compiled.concat());
