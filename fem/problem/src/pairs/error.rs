@@ -110,6 +110,21 @@ pub enum PairError {
         "a history has values for each own and opposite facet once, and this pairing has some of them twice"
     )]
     Twice,
+    /// Moving segments in space.
+    #[error(
+        "pairs of displaced surfaces are cut into pieces in the plane only: leave out `.at(PairQuadrature::Pieces)`, so that the points \
+         of whole facets slide"
+    )]
+    SegmentsInSpace,
+    /// Moving segments of facets whose positions have too high a degree.
+    #[error(
+        "the facets of \"{surface}\" have a degree above two and cannot be cut where opposite nodes slide: take displacements and a mesh of \
+         degree one or two, or leave out `.at(PairQuadrature::Pieces)`"
+    )]
+    SegmentsOfDegree {
+        /// The surface that is integrated over.
+        surface: String,
+    },
     /// A region of pairs without surfaces.
     #[error("the region says no surfaces; give a `Pairing` (`at_pairs` evaluates derived fields there)")]
     NoPairing,

@@ -48,13 +48,28 @@ pub(super) struct Counts<const D: usize> {
     pub largest: f64,
     pub paired: f64,
     pub measure: f64,
+    /// Segments, and parts between cuts that see nothing.
+    pub segments: usize,
+    pub dropped: usize,
 }
 
 impl<const D: usize> Default for Counts<D> {
     fn default() -> Self {
         let (points, open, rejected) = (0, 0, 0);
         let (deepest, largest, paired, measure) = (0.0, 0.0, 0.0, 0.0);
-        Counts { points, open, rejected, deepest, deepest_at: None, largest, paired, measure }
+        let (segments, dropped) = (0, 0);
+        Counts {
+            points,
+            open,
+            rejected,
+            deepest,
+            deepest_at: None,
+            largest,
+            paired,
+            measure,
+            segments,
+            dropped,
+        }
     }
 }
 
@@ -69,6 +84,8 @@ impl<const D: usize> Counts<D> {
         self.largest = self.largest.max(other.largest);
         self.paired += other.paired;
         self.measure += other.measure;
+        self.segments += other.segments;
+        self.dropped += other.dropped;
     }
 
     pub fn add_point(&mut self, position: &[f64; D], gap: f64, measure: f64) {

@@ -15,6 +15,7 @@
 //! candidates     the facets that rays may meet, kept while motions are small
 //! search, points, ray_points, found   the opposite points of an own facet's points
 //! pieces, clip   an own facet in parts that face one opposite facet, in the plane and in space
+//! segments, cuts   the same on displaced surfaces in the plane, where cuts move with the surfaces
 //! report    the numbers of a pairing's points
 //! known, surface_values   searches that were done, and the values that identify them
 //! jumping_data   functions of position that do not know on which body they are
@@ -29,6 +30,7 @@
 mod boundary_edges;
 mod candidates;
 mod clip;
+mod cuts;
 mod displacement;
 mod error;
 mod first_touch;
@@ -49,6 +51,7 @@ mod rest;
 mod rigid;
 mod search;
 mod search_key;
+mod segments;
 mod surface;
 mod surface_values;
 mod surfaces;

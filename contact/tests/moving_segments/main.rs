@@ -1,0 +1,4 @@
+//! Sliding pairs on moving segments: patch tests while bodies slide, balance, covered lengths, the same bits on any number of threads.
+
+mod balance;
+mod patch;
