@@ -295,6 +295,9 @@ pub trait LinearKernel<const D: usize>: Clone + Send + Sync + 'static {
     const TEST_COMPONENTS: usize;
     /// Cost of its functions.
     const OPERATIONS: Operations;
+    /// It is an integral over contact pairs that an unknown displaces: backends may run it on numbers with derivatives along the motion of
+    /// its points.
+    const SLIDES: bool = false;
     /// Constants of the cell.
     type Cell<L: Lane>: Copy;
     /// Coefficients of the test function's value and gradient, weight included.

@@ -7,7 +7,7 @@ use forms_fem::prelude::*;
 use forms_fem::threads::Threads;
 
 #[forms(dimension = 2)]
-mod springs {
+pub mod springs {
     pub struct Data {
         gamma: Param,
         #[default(0.5)]
@@ -28,7 +28,7 @@ mod springs {
 }
 
 /// A bent plate below another one, with these numbers of cells and a geometry of this degree.
-fn plates(shape: CellShape, geometry: usize, cells: [usize; 2]) -> Mesh<2> {
+pub fn plates(shape: CellShape, geometry: usize, cells: [usize; 2]) -> Mesh<2> {
     let lower = structured([cells[0], 1], shape, geometry, |[s, t]: [f64; 2]| {
         [3.0 * s, 0.4 * t - 0.4 + 0.15 * (5.0 * s).sin()]
     });
@@ -38,14 +38,14 @@ fn plates(shape: CellShape, geometry: usize, cells: [usize; 2]) -> Mesh<2> {
     Mesh::of_bodies(&[("lower", &lower.unwrap()), ("upper", &upper.unwrap())]).unwrap()
 }
 
-fn bent(space: &Arc<Space<2>>, phase: f64) -> Field<2> {
+pub fn bent(space: &Arc<Space<2>>, phase: f64) -> Field<2> {
     Field::interpolate(space, |x| {
         [0.05 * (2.0 * x[0] + phase).sin() + 0.03 * phase, 0.03 * (3.0 * x[0] + x[1] + 2.0 * phase).cos()]
     })
     .unwrap()
 }
 
-fn model(pairing: &Pairing) -> springs::Model<2> {
+pub fn model(pairing: &Pairing) -> springs::Model<2> {
     let regions = springs::Regions::default().touch(pairing.clone().at(PairQuadrature::Pieces));
     springs::Model { data: springs::data().gamma(7.0), regions }
 }

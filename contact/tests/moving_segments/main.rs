@@ -2,3 +2,4 @@
 
 mod balance;
 mod patch;
+mod tangent;

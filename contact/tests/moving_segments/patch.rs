@@ -12,7 +12,7 @@ const GAMMA: f64 = 4000.0;
 const DOWN: f64 = 0.01;
 
 #[forms(dimension = 2)]
-mod layers {
+pub mod layers {
     pub struct Data {
         lambda: Param,
         mu: Param,
@@ -59,17 +59,58 @@ mod layers {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Method {
+pub enum Method {
     Nitsche(f64),
     Penalty,
     Multiplier,
 }
 
 /// A layer of length 3 and a block of length 2 on it.
-fn bodies(shape: CellShape, cells: [usize; 2]) -> Mesh<2> {
+pub fn bodies(shape: CellShape, cells: [usize; 2]) -> Mesh<2> {
     let layer = rectangle([0.0, -0.5], [3.0, 0.0], [cells[0], 2], shape, 1).unwrap();
     let block = rectangle([0.0, 0.0], [2.0, 0.5], [cells[1], 2], shape, 1).unwrap();
     Mesh::of_bodies(&[("layer", &layer), ("block", &block)]).unwrap()
+}
+
+fn pressure_of(method: Method) -> f64 {
+    let soft = if method == Method::Penalty { 1.0 / GAMMA } else { 0.0 };
+    DOWN / (1.0 / (LAMBDA + 2.0 * MU) + soft)
+}
+
+/// The forms of a method, and a displacement with the block moved by (`aside`, `up`). The nodes of the interface belong to two bodies: the
+/// block's are moved by its cells.
+pub fn layers_of(
+    mesh: &Mesh<2>,
+    method: Method,
+    pairing: &Pairing,
+    (u, aside, up): (&Field<2>, f64, f64),
+) -> (layers::Model<2>, Field<2>) {
+    let theta = if let Method::Nitsche(theta) = method { theta } else { 0.0 };
+    let share = if pairing.surfaces.len() == 2 { 0.5 } else { 1.0 };
+    let data = layers::data()
+        .lambda(LAMBDA)
+        .mu(MU)
+        .gamma(GAMMA)
+        .theta(theta)
+        .share(share)
+        .pressure(pressure_of(method));
+    let regions = layers::Regions::default()
+        .surface("layer top")
+        .touch(pairing.clone().at(PairQuadrature::Pieces))
+        .cover(Pairing::onto("layer top", "block bottom").at(PairQuadrature::Pieces));
+    let space = u.space();
+    let mut moved = vec![false; space.unknowns()];
+    let mut values = u.values().to_vec();
+    for cell in mesh.cell_region("block").unwrap() {
+        for node in space.cell_nodes(*cell as usize) {
+            let first = 2 * *node as usize;
+            if !std::mem::replace(&mut moved[first], true) {
+                values[first] += aside;
+                values[first + 1] += up;
+            }
+        }
+    }
+    (layers::Model { data, regions }, Field::from_values(space, values).unwrap())
 }
 
 /// The largest error of the stress in the cells, the sideways force on the layer, both as parts of the pressure, and Newton's steps.
@@ -88,26 +129,8 @@ fn errors(
         held.fix_component(&format!("layer {side}"), 0, |_| 0.0).unwrap();
         held.fix_component(&format!("block {side}"), 0, |_| offset).unwrap();
     }
-    let soft = if method == Method::Penalty { 1.0 / GAMMA } else { 0.0 };
-    let pressure = DOWN / (1.0 / (LAMBDA + 2.0 * MU) + soft);
-    let theta = if let Method::Nitsche(theta) = method { theta } else { 0.0 };
-    let share = if pairing.surfaces.len() == 2 { 0.5 } else { 1.0 };
-    let data = layers::data().lambda(LAMBDA).mu(MU).gamma(GAMMA).theta(theta).share(share).pressure(pressure);
-    let regions = layers::Regions::default()
-        .surface("layer top")
-        .touch(pairing.clone())
-        .cover(Pairing::onto("layer top", "block bottom").at(PairQuadrature::Pieces));
-    let model = layers::Model { data, regions };
-    let start = Field::interpolate(&space, |_| [0.0; 2]).unwrap();
-    // The nodes of the interface belong to two bodies: the block's are moved by its cells.
-    let start = {
-        let (mut values, block) = (start.values().to_vec(), mesh.cell_region("block").unwrap());
-        for node in block.iter().flat_map(|cell| space.cell_nodes(*cell as usize)) {
-            values[2 * *node as usize] = offset;
-            values[2 * *node as usize + 1] = -1e-3;
-        }
-        Field::from_values(&space, values).unwrap()
-    };
+    let (model, start) = layers_of(mesh, method, pairing, (&Field::zero(&space), offset, -1e-3));
+    let pressure = pressure_of(method);
     let options = NewtonOptions { relative_tolerance: 1e-13, ..NewtonOptions::default() };
     let (u, steps) = match method {
         Method::Nitsche(_) | Method::Penalty => {
@@ -135,7 +158,7 @@ fn errors(
 
 const OFFSETS: [f64; 7] = [0.0, 0.137, 0.25, 0.401, 0.5, 0.77, 0.93];
 
-fn pairings() -> [Pairing; 3] {
+pub fn pairings() -> [Pairing; 3] {
     let (layer, block) = ("layer top", "block bottom");
     [Pairing::between(layer, block), Pairing::onto(layer, block), Pairing::onto(block, layer)]
 }
@@ -158,8 +181,7 @@ fn pressure_is_constant_while_bodies_slide() {
                 if method == Method::Multiplier && pairing.surfaces[0].own != "block bottom" {
                     continue;
                 }
-                let pieces = pairing.clone().at(PairQuadrature::Pieces);
-                let all = OFFSETS.map(|offset| errors(&mesh, degree, method, &pieces, offset));
+                let all = OFFSETS.map(|offset| errors(&mesh, degree, method, &pairing, offset));
                 let most = |of: fn(&(f64, f64, usize)) -> f64| all.iter().map(of).fold(0.0, f64::max);
                 let [stress, shear, steps] = [most(|e| e.0), most(|e| e.1), most(|e| e.2 as f64)];
                 println!(

@@ -125,6 +125,15 @@ pub enum PairError {
         /// The surface that is integrated over.
         surface: String,
     },
+    /// What is read at the points of moving segments and knows no derivative.
+    #[error(
+        "the points of moving segments move with the displacement, and {field} has no derivative along their motion: give a function of position \
+         with its gradient or a field, or leave out `.at(PairQuadrature::Pieces)`"
+    )]
+    NoGradient {
+        /// Name of the data member.
+        field: &'static str,
+    },
     /// A region of pairs without surfaces.
     #[error("the region says no surfaces; give a `Pairing` (`at_pairs` evaluates derived fields there)")]
     NoPairing,

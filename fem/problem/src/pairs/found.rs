@@ -1,8 +1,8 @@
 //! Results of a search: points with their opposite points, facet by facet, and their numbers.
 
-use super::PairGroup;
 use super::candidates::KeptList;
 use super::surface::SurfaceFacet;
+use super::{MovingEnd, PairGroup};
 use crate::mesh::{Facet, Mesh};
 
 /// A quadrature point with its opposite point.
@@ -28,6 +28,8 @@ pub(super) struct Unit {
     /// How many points it has, and where they begin.
     pub count: usize,
     pub start: FirstPoint,
+    /// Of a moving segment, its place among those that were found.
+    pub segment: Option<usize>,
 }
 
 /// Where a unit's points begin among numbers and normals of those that were found.
@@ -106,6 +108,11 @@ pub(super) struct Found<const D: usize> {
     pub points: Vec<f64>,
     /// Of each point that faces a rigid surface.
     pub rigid_normals: Vec<[f64; D]>,
+    /// Of each point of a moving segment: the derivatives of its numbers along the segment, and the part of the segment before it.
+    pub slopes: Vec<f64>,
+    pub fractions: Vec<f64>,
+    /// Of each moving segment.
+    pub ends: Vec<[MovingEnd<D>; 2]>,
     /// Of each own facet.
     pub counts: Vec<Counts<D>>,
     /// Lists of candidates that were made for some own facets.
@@ -129,6 +136,9 @@ impl<const D: usize> Found<D> {
             units: Vec::with_capacity(2 * facets),
             points: Vec::with_capacity(facets * points * PairGroup::<D>::STRIDE),
             rigid_normals: vec![],
+            slopes: vec![],
+            fractions: vec![],
+            ends: vec![],
             counts: Vec::with_capacity(facets),
             remade: vec![],
         }
@@ -191,7 +201,7 @@ impl<const D: usize> Found<D> {
                 }
             }
             let facets = [own.facet, facet];
-            self.units.push(Unit { place, facets, count, start });
+            self.units.push(Unit { place, facets, count, start, segment: None });
         }
         room.pairs.clear();
     }

@@ -6,13 +6,13 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
 #![allow(clippy::needless_range_loop)]
 
-use super::PairError;
 use super::candidates::RayBundle;
 use super::cuts::normals_through;
 use super::found::{Found, PairPoint, Unit};
 use super::rays::Rays;
 use super::search::Search;
 use super::surface::SurfaceFacet;
+use super::{PairError, PairGroup};
 use crate::lanes::{SimdLane, WIDEST};
 
 /// Parts shorter than this part of their facet hold nothing.
@@ -139,12 +139,19 @@ impl<const D: usize> Search<'_, '_, D> {
                         toward,
                         rigid_normal: opposite.rigid_normal,
                     });
+                    found.slopes.extend_from_slice(
+                        &self.slopes_of_point(own, places[lane], opposite, met[lane], gap)
+                            [..PairGroup::<D>::STRIDE],
+                    );
+                    found.fractions.push(rule.points[batch + lane][0]);
                     count += 1;
                 }
             }
             if count > 0 {
                 let facets = [own.facet, opposite.facet];
-                found.units.push(Unit { place, facets, count, start });
+                let number = Some(found.ends.len());
+                found.ends.push(segment.ends.map(|end| self.moving_end(own, &end, segment.facet)));
+                found.units.push(Unit { place, facets, count, start, segment: number });
             }
         }
     }

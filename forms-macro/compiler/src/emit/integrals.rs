@@ -5,7 +5,7 @@ use quote::{format_ident, quote};
 
 use super::description::{Argument as Described, NO_ARGUMENT, describe};
 use super::external::ExternalNames;
-use super::kernel::KernelWriter;
+use super::kernel::{KernelWriter, Motion};
 use super::names::has_tangent;
 use crate::check::fields_of;
 use crate::optimise::degree::Degree;
@@ -111,7 +111,12 @@ impl Lists {
         ] {
             for (index, integral) in integrals.iter().enumerate() {
                 let kernel = format_ident!("{prefix}{index}");
-                kernels.extend(writer.linear(&kernel, integral.test.field, &integral.flux));
+                let displaced = integral.description.displacement.iter().flatten();
+                let unknown = |field: &usize| matches!(writer.fields[*field].role, FieldRole::Unknown(_));
+                // Products without a matrix are derivatives already.
+                let slides = prefix != "Action" && displaced.into_iter().any(unknown);
+                let motion = if slides { Motion::Slides } else { Motion::Fixed };
+                kernels.extend(writer.linear(&kernel, integral.test.field, &integral.flux, motion));
                 let arguments = [argument(integral.test, writer.fields), NO_ARGUMENT];
                 let description = describe(&integral.description, used, arguments, false);
                 kernels.extend(described(&kernel, description));

@@ -30,6 +30,13 @@ struct PointFunction {
     operations: usize,
 }
 
+/// Whether an unknown moves the points of an integral.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    Fixed,
+    Slides,
+}
+
 /// Writes the kernels of one function in one dimension.
 pub struct KernelWriter<'a> {
     pub graph: &'a mut Graph,
@@ -40,7 +47,7 @@ pub struct KernelWriter<'a> {
 
 impl KernelWriter<'_> {
     /// Σ over slots of coefficient × weight × basis, per test component.
-    pub fn linear(&mut self, name: &Ident, test: usize, flux: &Coefficients) -> TokenStream {
+    pub fn linear(&mut self, name: &Ident, test: usize, flux: &Coefficients, motion: Motion) -> TokenStream {
         let d = self.dimension;
         let components: usize = self.fields[test].shape.iter().product();
         let weight = self.graph.intern(Node::Weight);
@@ -71,6 +78,7 @@ impl KernelWriter<'_> {
         let (cell_count, point_count) = (cell.values.len(), point.values.len());
         let requirements = &layout.requirements;
         let operations = operations([point_function.operations, test_body.operations, 0, 0, 0]);
+        let slides = (motion == Motion::Slides).then(|| quote! { const SLIDES: bool = true; });
 
         quote! {
             #structure
@@ -78,6 +86,7 @@ impl KernelWriter<'_> {
                 const REQUIREMENTS: contract::Requirements = #requirements;
                 const TEST_COMPONENTS: usize = #components;
                 const OPERATIONS: contract::Operations = #operations;
+                #slides
                 type Cell<L: Lane> = [L; #cell_count];
                 type Flux<L: Lane> = [L; #point_count];
                 type Block<L: Lane> = [L; #components];
