@@ -223,6 +223,9 @@ pub struct Requirements {
     pub test_mean: bool,
     /// `trial` reads [`Further::mean`].
     pub trial_mean: bool,
+    /// A derivative by the displacement of its contact pairs, at points that are held: wrong where points move with the pairs. Of residuals
+    /// of energies, and of derivatives of integrals that a state displaces.
+    pub holds_points: bool,
     /// The layout of the `fields` slice.
     pub fields: &'static [FieldSlot],
     /// Length of the `fields` slice.
@@ -252,6 +255,7 @@ impl Requirements {
         hessian: false,
         test_mean: false,
         trial_mean: false,
+        holds_points: false,
         fields: &[],
         field_length: 0,
     };

@@ -6,7 +6,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use forms_core::contract::{Entity, PairQuadrature, Role, Term};
+use forms_core::contract::{FieldSlot, Role, Term};
 
 use super::batch::Cells;
 use super::binding::{Binding, Values, pair_error};
@@ -39,9 +39,7 @@ fn is_on_segments<const D: usize>(
     term: &Term<VectorKernel<D>>,
 ) -> Option<&'static [usize]> {
     let region = &form.inputs().regions[term.integral.region];
-    let pieces = |pairing: &forms_core::contract::Pairing| pairing.quadrature == Some(PairQuadrature::Pieces);
-    let on_pieces = region.entity == Entity::Pairs && region.pairing.as_ref().is_some_and(pieces);
-    term.integral.displacement.filter(|_| on_pieces)
+    term.integral.displacement.filter(|by| region.is_on_moving_segments(Some(by)))
 }
 
 /// The derivatives of an end by the coefficients of a space; none of an end of the own facet.
@@ -201,12 +199,9 @@ impl<const D: usize> Motion<'_, D> {
     #[cold]
     fn no_gradient(&self) -> AssemblyError {
         let Motion { binding, term, .. } = *self;
-        let without = |slot: &&forms_core::contract::FieldSlot| {
-            matches!(binding.values[slot.field], Values::Function { .. })
-        };
+        let without = |slot: &&FieldSlot| matches!(binding.values[slot.field], Values::Function { .. });
         let slots = term.kernel.constants().requirements.fields;
-        let field =
-            slots.iter().find(without).map_or("a function of the form", |s| binding.fields[s.field].name);
+        let field = slots.iter().find(without).map_or("external function", |s| binding.fields[s.field].name);
         pair_error(binding.name, &binding.regions[term.integral.region], PairError::NoGradient { field })
     }
 }

@@ -127,13 +127,20 @@ pub enum PairError {
     },
     /// What is read at the points of moving segments and knows no derivative.
     #[error(
-        "the points of moving segments move with the displacement, and {field} has no derivative along their motion: give a function of position \
+        "the points of moving segments move with the displacement, and `{field}` has no derivative along their motion: give a function of position \
          with its gradient or a field, or leave out `.at(PairQuadrature::Pieces)`"
     )]
     NoGradient {
         /// Name of the data member.
         field: &'static str,
     },
+    /// A derivative by a displacement that moves points, which it holds.
+    #[error(
+        "the points of moving segments move with the surfaces, and this derivative by what displaces them holds them: it is not that of what is \
+         assembled. Take the transposed tangent of the residual (as `LoadHistory` does), write an energy as a form \
+         (`derivative(energy(u), u, v)` of the unknown u), or leave out `.at(PairQuadrature::Pieces)`"
+    )]
+    HeldPoints,
     /// A region of pairs without surfaces.
     #[error("the region says no surfaces; give a `Pairing` (`at_pairs` evaluates derived fields there)")]
     NoPairing,

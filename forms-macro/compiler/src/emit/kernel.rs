@@ -43,6 +43,8 @@ pub struct KernelWriter<'a> {
     pub fields: &'a [FieldInfo],
     pub externals: &'a ExternalNames,
     pub dimension: usize,
+    /// Of the integral that is written: `contract::Requirements::holds_points`.
+    pub holds_points: bool,
 }
 
 impl KernelWriter<'_> {
@@ -60,7 +62,7 @@ impl KernelWriter<'_> {
             }
             roots.push(self.graph.sum(&parts));
         }
-        let layout = Layout::new(self.graph, self.fields, self.dimension, &roots);
+        let layout = Layout::new(self.graph, self.fields, self.dimension, &roots).holding(self.holds_points);
         let mut code = Code::new(self.graph, &roots);
         let values: Vec<Value> = roots.iter().map(|root| code.lower(*root)).collect();
 
@@ -115,7 +117,7 @@ impl KernelWriter<'_> {
         let cell_constant =
             !tests.iter().chain(trials).any(|factor| self.graph.depends(*factor, varies_over_cell));
         let roots: Vec<Scalar> = integral.plan.roots().copied().collect();
-        let layout = Layout::new(self.graph, self.fields, self.dimension, &roots);
+        let layout = Layout::new(self.graph, self.fields, self.dimension, &roots).holding(self.holds_points);
         let mut code = Code::new(self.graph, &roots);
         let mut lower =
             |list: &[Scalar]| -> Vec<Value> { list.iter().map(|scalar| code.lower(*scalar)).collect() };
@@ -219,7 +221,8 @@ impl KernelWriter<'_> {
     pub fn expression(&mut self, name: &Ident, components: &[Scalar], shape: &[usize]) -> TokenStream {
         let d = self.dimension;
         let count = components.len();
-        let layout = Layout::new(self.graph, self.fields, self.dimension, components);
+        let layout =
+            Layout::new(self.graph, self.fields, self.dimension, components).holding(self.holds_points);
         let mut code = Code::new(self.graph, components);
         let values: Vec<Value> = components.iter().map(|component| code.lower(*component)).collect();
         let printer = Printer { code: &code, externals: self.externals };
