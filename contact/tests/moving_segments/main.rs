@@ -2,5 +2,7 @@
 
 mod balance;
 mod errors;
+mod histories;
 mod patch;
+mod rings;
 mod tangent;
