@@ -6,3 +6,4 @@ mod histories;
 mod patch;
 mod rings;
 mod tangent;
+mod wobble;

@@ -193,3 +193,29 @@ fn pressure_is_constant_while_bodies_slide() {
         }
     }
 }
+
+/// Systems condensed to what contact touches have the solutions of whole tangents.
+#[test]
+fn condensed_systems_have_the_same_solutions() {
+    let mesh = bodies(CellShape::Quadrilateral, [9, 8]);
+    let space = Space::vector(&mesh, 2).unwrap();
+    let pairing = &pairings()[0];
+    let start = Field::interpolate(&space, |x| [0.0, 1e-3 * (3.0 * x[0]).sin()]).unwrap();
+    let (model, start) = layers_of(&mesh, Method::Nitsche(0.0), pairing, (&start, 0.31, -0.01));
+    let mut held = Constraints::new(&space);
+    held.fix("layer bottom", |_| [0.0; 2]).unwrap();
+    held.fix("block top", |x| [0.31, -DOWN - 2e-3 * x[0]]).unwrap();
+    let form = model.nitsche();
+    let solve = |solver: &mut dyn LinearSolver| {
+        let options = NewtonOptions { relative_tolerance: 1e-12, ..NewtonOptions::default() };
+        let problem = Problem::new(&form, &space).constrained(&held).start(&start).solver(solver);
+        let solved = problem.options(options).solve().unwrap();
+        println!("{} steps", solved.iterations());
+        (solved.iterations(), solved.into_field())
+    };
+    let (taken, one) = solve(&mut LuSolver::default());
+    let (also, other) = solve(&mut CondensedSolver::default());
+    let pairs = one.values().iter().zip(other.values());
+    let difference = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(difference < 1e-12 && taken == also && taken <= 6, "{difference:e} {taken} {also}");
+}

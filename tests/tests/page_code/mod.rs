@@ -16,7 +16,7 @@ mod rubber;
 mod tresca;
 
 /// The pages with blocks in Rust, and what compiles them elsewhere.
-const PAGES: [(&str, Option<&str>); 14] = [
+const PAGES: [(&str, Option<&str>); 15] = [
     ("adaptivity", None),
     ("bounds", None),
     ("coming_from", Some("the documentation tests of this crate")),
@@ -29,6 +29,7 @@ const PAGES: [(&str, Option<&str>); 14] = [
     ("language", None),
     ("nearly_incompressible", None),
     ("new_contact_law", None),
+    ("points_segments_means", None),
     ("python", Some("the example of the bindings")),
     ("time", None),
 ];

@@ -28,7 +28,6 @@ use crate::space::Space;
 type Rate<const D: usize> = (u32, [f64; D]);
 
 /// Whether a form has integrals over moving segments.
-#[inline(never)]
 pub(super) fn has_segments<const D: usize>(form: &Function<D>) -> bool {
     D == 2 && form.residual().iter().any(|term| is_on_segments(form, term).is_some())
 }
@@ -114,7 +113,6 @@ struct Motion<'a, const D: usize> {
 }
 
 impl<const D: usize> Motion<'_, D> {
-    #[inline(never)]
     fn add(
         &self,
         (trials, tests): (&Arc<Space<D>>, &[&Arc<Space<D>>]),

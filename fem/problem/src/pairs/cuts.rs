@@ -3,11 +3,39 @@
 //! With the own curve x(s) and a node y the cut is the zero of (y − x(s))·x′(s), linear where the facet is straight and a cubic
 //! where it is a parabola.
 
+use super::PairError;
 use super::parabola::Parabola;
-use super::surface::{dot, minus};
+use super::surface::{SurfaceFacet, dot, minus};
 
 /// Steps for a root, at most: bisection alone would end within them.
 const STEPS: usize = 100;
+
+/// The rule where all facets are straight: two points. Products of linear functions on both sides are exact.
+const DEGREE_OF_STRAIGHT: usize = 3;
+
+/// The rule on parabolas: three points. With two the tangent jumps where segments appear.
+const DEGREE_OF_CURVED: usize = 5;
+
+/// Whether an own surface can be cut.
+///
+/// # Errors
+/// [`PairError::SegmentsInSpace`], [`PairError::SegmentsOfDegree`].
+pub(super) fn check<const D: usize>(surface: &str, own: &[SurfaceFacet<D>]) -> Result<(), PairError> {
+    if D != 2 {
+        return Err(PairError::SegmentsInSpace);
+    }
+    match own.iter().all(|facet| facet.parabola().is_some()) {
+        true => Ok(()),
+        false => Err(PairError::SegmentsOfDegree { surface: surface.to_owned() }),
+    }
+}
+
+/// The degree of the rule on segments where the user leaves it to an estimate. That of the integrand's fields would count kinks that
+/// segments do not have.
+pub(super) fn degree_of<const D: usize>(own: &[SurfaceFacet<D>], opposite: &[SurfaceFacet<D>]) -> usize {
+    let straight = own.iter().chain(opposite).all(|facet| facet.affine);
+    if straight { DEGREE_OF_STRAIGHT } else { DEGREE_OF_CURVED }
+}
 
 /// The coordinates inside (0, 1) at which the normal of a curve in the plane runs through a point, ascending; of three the first ones of
 /// the list count.

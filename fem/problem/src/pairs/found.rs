@@ -1,8 +1,9 @@
 //! Results of a search: points with their opposite points, facet by facet, and their numbers.
 
+use super::PairGroup;
 use super::candidates::KeptList;
+use super::segment_motion::MovingEnd;
 use super::surface::SurfaceFacet;
-use super::{MovingEnd, PairGroup};
 use crate::mesh::{Facet, Mesh};
 
 /// A quadrature point with its opposite point.

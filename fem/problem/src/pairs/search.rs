@@ -8,9 +8,9 @@ use forms_core::contract::{Facing, PairQuadrature, Pairing, Projection};
 use super::PairError;
 use super::boundary_edges::BoundaryEdges;
 use super::candidates::{Candidates, KeptCandidates, RayBundle};
+use super::cuts;
 use super::opposite::{ClosestPoint, hit, nearest};
 use super::rays::{Rays, along_ray};
-use super::segments;
 use super::surface::{SurfaceFacet, SurfacePoint, dot, minus, unit};
 use super::surfaces::Surfaces;
 use crate::element::CellShape;
@@ -132,7 +132,7 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
             (Some(PairQuadrature::Pieces), true) => PlacesOfPoints::Segments,
         };
         if places == PlacesOfPoints::Segments {
-            segments::check(&facing.own, own)?;
+            cuts::check(&facing.own, own)?;
         }
         let mut corner_normals: HashMap<u32, [f64; D]> = HashMap::new();
         let mut rim = BoundaryEdges::default();
@@ -148,7 +148,7 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
         }
         let mut rules = Vec::new();
         let estimated = match places {
-            PlacesOfPoints::Segments => segments::degree_of(own, opposite),
+            PlacesOfPoints::Segments => cuts::degree_of(own, opposite),
             _ => degree,
         };
         for shape in mesh.shapes().into_iter().filter(|_| places != PlacesOfPoints::Pieces) {

@@ -6,52 +6,18 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
 #![allow(clippy::needless_range_loop)]
 
+use super::PairGroup;
 use super::candidates::RayBundle;
 use super::cuts::normals_through;
 use super::found::{Found, PairPoint, Unit};
 use super::rays::Rays;
 use super::search::Search;
+use super::segment_motion::{SegmentEnd, moving_end, slopes_of_point};
 use super::surface::SurfaceFacet;
-use super::{PairError, PairGroup};
 use crate::lanes::{SimdLane, WIDEST};
 
 /// Parts shorter than this part of their facet hold nothing.
 const SHORTEST: f64 = 1e-14;
-
-/// The rule where all facets are straight: two points. Products of linear functions on both sides are exact.
-const DEGREE_OF_STRAIGHT: usize = 3;
-
-/// The rule on parabolas: three points. With two the tangent jumps where segments appear.
-const DEGREE_OF_CURVED: usize = 5;
-
-/// Whether an own surface can be cut.
-///
-/// # Errors
-/// [`PairError::SegmentsInSpace`], [`PairError::SegmentsOfDegree`].
-pub(super) fn check<const D: usize>(surface: &str, own: &[SurfaceFacet<D>]) -> Result<(), PairError> {
-    if D != 2 {
-        return Err(PairError::SegmentsInSpace);
-    }
-    match own.iter().all(|facet| facet.parabola().is_some()) {
-        true => Ok(()),
-        false => Err(PairError::SegmentsOfDegree { surface: surface.to_owned() }),
-    }
-}
-
-/// The degree of the rule on segments where the user leaves it to an estimate. That of the integrand's fields would count kinks that
-/// segments do not have.
-pub(super) fn degree_of<const D: usize>(own: &[SurfaceFacet<D>], opposite: &[SurfaceFacet<D>]) -> usize {
-    let straight = own.iter().chain(opposite).all(|facet| facet.affine);
-    if straight { DEGREE_OF_STRAIGHT } else { DEGREE_OF_CURVED }
-}
-
-/// An end of a segment.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SegmentEnd {
-    pub s: f64,
-    /// The node on whose account it is there, as a corner of an opposite facet; none at an end of the own facet.
-    pub node: Option<[u32; 2]>,
-}
 
 /// A part of an own facet and the index of the opposite facet that it sees.
 #[derive(Clone, Copy, Debug)]
@@ -140,7 +106,7 @@ impl<const D: usize> Search<'_, '_, D> {
                         rigid_normal: opposite.rigid_normal,
                     });
                     found.slopes.extend_from_slice(
-                        &self.slopes_of_point(own, places[lane], opposite, met[lane], gap)
+                        &slopes_of_point(own, places[lane], opposite, met[lane], gap)
                             [..PairGroup::<D>::STRIDE],
                     );
                     found.fractions.push(rule.points[batch + lane][0]);
@@ -150,7 +116,7 @@ impl<const D: usize> Search<'_, '_, D> {
             if count > 0 {
                 let facets = [own.facet, opposite.facet];
                 let number = Some(found.ends.len());
-                found.ends.push(segment.ends.map(|end| self.moving_end(own, &end, segment.facet)));
+                found.ends.push(segment.ends.map(|end| moving_end(own, &end, self.opposite, segment.facet)));
                 found.units.push(Unit { place, facets, count, start, segment: number });
             }
         }
