@@ -3,7 +3,7 @@
 
 use crate::degree::Degree;
 use crate::kernel::Side;
-use crate::pairing::Pairing;
+use crate::pairing::{PairQuadrature, Pairing};
 use crate::source::{FieldValue, Source};
 use crate::table::Table;
 
@@ -42,6 +42,12 @@ impl Region {
     /// Contact pairs.
     pub fn of_pairs(symbol: &'static str, pairing: Pairing) -> Self {
         Region { entity: Entity::Pairs, symbol, name: pairing.to_string(), pairing: Some(pairing) }
+    }
+
+    /// Whether an integral over this region with a displacement of its surfaces has moving segments.
+    pub fn is_on_moving_segments(&self, displacement: Option<&[usize]>) -> bool {
+        let pieces = |pairing: &Pairing| pairing.quadrature == Some(PairQuadrature::Pieces);
+        self.entity == Entity::Pairs && displacement.is_some() && self.pairing.as_ref().is_some_and(pieces)
     }
 }
 

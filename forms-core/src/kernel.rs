@@ -225,6 +225,9 @@ pub struct Requirements {
     pub test_mean: bool,
     /// `trial` reads [`Further::mean`].
     pub trial_mean: bool,
+    /// A derivative by the displacement of its contact pairs, at points that are held: wrong where points move with the pairs. Of residuals
+    /// of energies, and of derivatives of integrals that a state displaces.
+    pub holds_points: bool,
     /// The layout of the `fields` slice.
     pub fields: &'static [FieldSlot],
     /// Length of the `fields` slice.
@@ -254,6 +257,7 @@ impl Requirements {
         hessian: false,
         test_mean: false,
         trial_mean: false,
+        holds_points: false,
         fields: &[],
         field_length: 0,
     };
@@ -297,6 +301,9 @@ pub trait LinearKernel<const D: usize>: Clone + Send + Sync + 'static {
     const TEST_COMPONENTS: usize;
     /// Cost of its functions.
     const OPERATIONS: Operations;
+    /// It is an integral over contact pairs that an unknown displaces: backends may run it on numbers with derivatives along the motion of
+    /// its points.
+    const SLIDES: bool = false;
     /// Constants of the cell.
     type Cell<L: Lane>: Copy;
     /// Coefficients of the test function's value and gradient, weight included.

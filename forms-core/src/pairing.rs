@@ -22,13 +22,14 @@ pub enum Projection {
 }
 
 /// The quadrature points of an own facet.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PairQuadrature {
-    /// A rule on each piece of the facet that faces one opposite facet: exact where both surfaces are flat.
-    #[default]
+    /// A rule on each piece of the facet that faces one opposite facet: exact where both surfaces are flat. What pairs of fixed points
+    /// have unless a pairing says otherwise. Of displaced surfaces, in the plane, these are moving segments: they are cut again at each
+    /// iterate, at the end nodes of opposite facets.
     Pieces,
     /// The rule of the whole facet, whatever lies opposite to it. On meshes that do not match the integrand has kinks inside the facet: a
-    /// uniform pressure is not reproduced.
+    /// uniform pressure is not reproduced. What pairs of displaced surfaces have unless a pairing says otherwise.
     WholeFacets,
 }
 
@@ -36,18 +37,18 @@ pub enum PairQuadrature {
 ///
 /// A point for which none is found adds nothing to an integral over the pairs: it is free.
 ///
-/// Pairs of displaced surfaces, `integral(Touch(u), ..)`, always take rays and the rules of whole facets: `projection` and
-/// `quadrature` hold for fixed pairs. So sliding pairs violate the patch test on meshes that do not match, by an error of the pressure next to
-/// the surface that depends on the rule and on which surface is integrated over, and not on the size of the cells (docs/contact_between_bodies.md
-/// has figures).
+/// Pairs of displaced surfaces, `integral(Touch(u), ..)`, always take rays: `projection` holds for fixed pairs. They have the rules of
+/// whole facets unless `.at(PairQuadrature::Pieces)` asks for moving segments. On whole facets they violate the patch test on meshes that do
+/// not match, by an error of the pressure next to the surface that depends on the rule and on which surface is integrated over, and not on the
+/// size of the cells (docs/points_segments_means.md compares the two).
 #[derive(Clone, Debug)]
 pub struct Pairing {
     /// Pairs of a surface and the one opposite to it; their integrals add up.
     pub surfaces: Vec<Facing>,
     /// The direction of search.
     pub projection: Projection,
-    /// The quadrature points.
-    pub quadrature: PairQuadrature,
+    /// The quadrature points; `None` for pieces of fixed pairs and whole facets of sliding ones.
+    pub quadrature: Option<PairQuadrature>,
     /// The largest distance |g| at which a point counts as opposite \[length\]; `None` for two diameters of the own facet.
     pub reach: Option<f64>,
 }
@@ -69,12 +70,7 @@ impl Pairing {
     /// Pairs of one surface's points with those of another: a biased (one-pass) formulation.
     pub fn onto(own: impl Into<String>, opposite: impl Into<String>) -> Self {
         let surfaces = vec![Facing { own: own.into(), opposite: opposite.into() }];
-        Pairing {
-            surfaces,
-            projection: Projection::default(),
-            quadrature: PairQuadrature::default(),
-            reach: None,
-        }
+        Pairing { surfaces, projection: Projection::default(), quadrature: None, reach: None }
     }
 
     /// Pairs of each of two surfaces with the other: an unbiased (two-pass) formulation.
@@ -102,7 +98,7 @@ impl Pairing {
 
     /// This pairing at other quadrature points.
     pub fn at(self, quadrature: PairQuadrature) -> Self {
-        Pairing { quadrature, ..self }
+        Pairing { quadrature: Some(quadrature), ..self }
     }
 
     /// This pairing up to a distance \[length\].

@@ -20,8 +20,8 @@ pub use self::sliding_bodies::*;
 ///
 /// Facets keep their whole rule, so that a uniform pressure is not reproduced on meshes that do not match: the stress next to the
 /// surface is off by an amount that depends on the rule and on which surface is integrated over and that stays on finer meshes. It vanishes
-/// where the nodes of the two surfaces meet. docs/contact_between_bodies.md has figures; a higher rule makes it smaller, and
-/// [`two_bodies`](super::two_bodies) on pieces has none.
+/// where the nodes of the two surfaces meet. docs/contact_between_bodies.md has figures; a higher rule makes it smaller. In the plane
+/// `.at(PairQuadrature::Pieces)` has none (docs/points_segments_means.md), without `discrete_adjoint`, which holds points.
 #[forms]
 pub mod sliding_bodies {
     pub use super::super::two_bodies::{Data, GammaN, Omega, Touch, criterion, loads, slip_limit};

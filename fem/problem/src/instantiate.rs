@@ -78,6 +78,7 @@ where
             Self::rigid_body(),
             Self::rigid_loads(),
             Self::rigid_map(),
+            Self::segment_tangent(),
             Self::solved(),
             Self::space(),
             Self::sums(),
@@ -106,6 +107,7 @@ where
             Self::element_matrices::<L>(),
             Self::element_vectors::<L>(),
             Self::matrices::<L>(),
+            Self::segments::<L>(),
         ]
     }
 }

@@ -1,8 +1,9 @@
-//! `docs/contact_between_bodies.md`, `docs/friction.md` and `docs/new_contact_law.md`.
+//! `docs/contact_between_bodies.md`, `docs/points_segments_means.md`, `docs/friction.md` and `docs/new_contact_law.md`.
 
 use forms_contact::laws::sliding_bodies;
 use forms_contact::ContactProblem;
 use forms_fem::constraints::RigidMap;
+use forms_fem::contract::PairQuadrature;
 use forms_fem::mesh::RigidSurface;
 use forms_fem::pairs::Approach;
 use forms_fem::prelude::*;
@@ -21,6 +22,11 @@ pub fn materials(
     let lambda = Field::interpolate(&cells, |x| if x[2] < height { soft } else { stiff })?;
     let data = sliding_bodies::data().lambda(&lambda);
     Ok(data.mu(&mu).gamma0(&gamma0).share(1.0))
+}
+
+pub fn segments() -> Pairing {
+    let touch = Pairing::between("slab top", "block bottom").at(PairQuadrature::Pieces);
+    touch
 }
 
 pub fn first_touch(

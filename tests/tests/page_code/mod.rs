@@ -30,6 +30,7 @@ const PAGES: [(&str, Option<&str>); 15] = [
     ("language", None),
     ("nearly_incompressible", None),
     ("new_contact_law", None),
+    ("points_segments_means", None),
     ("python", Some("the example of the bindings")),
     ("smooth_formulations", None),
     ("time", None),

@@ -2,13 +2,18 @@
 
 use std::sync::Arc;
 
+use forms_core::contract::{Entity, Region};
+
 use super::binding::outline::Outline;
+use super::binding::pair_error;
 use super::residual::Added;
+use super::segment_tangent::has_segments;
 use super::{Assembler, AssemblyError, BlockPattern, Parts, ValuesBefore};
 use crate::constraints::Constraints;
 use crate::contract::Form;
 use crate::field::{Field, FieldView, views};
 use crate::linear_algebra::{BlockMatrix, LinearOperator, OperatorError};
+use crate::pairs::PairError;
 use crate::space::Space;
 
 impl<const D: usize> Assembler<D> {
@@ -41,7 +46,7 @@ impl<const D: usize> Assembler<D> {
         parts: Parts,
     ) -> Result<Vec<f64>, AssemblyError> {
         let (unknowns, directions) = (views(unknowns), views(directions));
-        if has_kernels(form) {
+        if has_kernels(form) && !has_segments(form) {
             return self.action_on(form, &unknowns, &directions, tests, parts);
         }
         self.bind(form, &unknowns)?.bind_directions(&directions, &self.mesh)?;
@@ -67,6 +72,14 @@ impl<const D: usize> Assembler<D> {
     ) -> Result<Vec<f64>, AssemblyError> {
         if !has_kernels(form) {
             return Err(AssemblyError::NoAction { form: form.name() });
+        }
+        if has_segments(form) {
+            let is_pairs = |region: &&Region| region.entity == Entity::Pairs;
+            let region = form.inputs().regions.iter().find(is_pairs);
+            let place = "a product without a matrix";
+            let refused = |region| pair_error(form.name(), region, PairError::Refused { place });
+            return region
+                .map_or(Err(AssemblyError::NoAction { form: form.name() }), |region| Err(refused(region)));
         }
         let mut binding = self.bind(form, unknowns)?;
         binding.bind_directions(directions, &self.mesh)?;

@@ -127,6 +127,22 @@ impl<const D: usize> VectorKernel<D> {
     }
 }
 
+impl<const D: usize> VectorKernel<D> {
+    /// See [`ElementVectors::compute_by_ends`].
+    pub(in crate::assemble) fn compute_by_ends(
+        &self,
+        task: &ElementVectors<D>,
+        set: InstructionSet,
+        entities: Range<usize>,
+        deliver: Deliver,
+    ) -> Result<(), AssemblyError> {
+        let compute = |deliver: Deliver| {
+            self.calls.compute_by_ends(task, &self.constants, set, entities.clone(), deliver)
+        };
+        if self.factor == 1.0 { compute(deliver) } else { scaled(self.factor, deliver, &compute) }
+    }
+}
+
 impl<const D: usize> MatrixKernel<D> {
     /// Constants of the kernel.
     pub fn constants(&self) -> BilinearConstants {
@@ -183,6 +199,15 @@ trait VectorCalls<const D: usize>: Send + Sync {
         entities: Range<usize>,
         deliver: Deliver,
     ) -> Result<(), AssemblyError>;
+
+    fn compute_by_ends(
+        &self,
+        task: &ElementVectors<D>,
+        constants: &LinearConstants,
+        set: InstructionSet,
+        entities: Range<usize>,
+        deliver: Deliver,
+    ) -> Result<(), AssemblyError>;
 }
 
 impl<K: LinearKernel<D>, const D: usize> VectorCalls<D> for K {
@@ -195,6 +220,21 @@ impl<K: LinearKernel<D>, const D: usize> VectorCalls<D> for K {
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
         task.compute((self, constants), set, entities, deliver)
+    }
+
+    fn compute_by_ends(
+        &self,
+        task: &ElementVectors<D>,
+        constants: &LinearConstants,
+        set: InstructionSet,
+        entities: Range<usize>,
+        deliver: Deliver,
+    ) -> Result<(), AssemblyError> {
+        // Other kernels are not compiled once more.
+        if const { K::SLIDES && D == 2 } {
+            return task.compute_by_ends((self, constants), set, entities, deliver);
+        }
+        Ok(())
     }
 }
 

@@ -13,6 +13,7 @@
 //! scatter   from element matrices to the global one. Inside: partition (which thread adds what, in the order of one thread),
 //!           own_rows (the rows that a thread adds to), group_nodes, block_positions (to which rows and slots)
 //! residual, tangent, functional, derived   the four loops, one per kind of kernel; action runs the residual's
+//! segment_tangent   what a tangent has of points that move with moving segments
 //! ```
 //!
 //! Cells and facets go through the same loops: an exterior facet is an entity with the cell that owns it, an interior one has
@@ -36,6 +37,7 @@ mod kernels;
 pub(crate) mod projection;
 mod residual;
 mod scatter;
+mod segment_tangent;
 mod tangent;
 
 use std::borrow::Cow;

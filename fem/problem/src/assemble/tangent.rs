@@ -119,11 +119,11 @@ impl<const D: usize> Assembler<D> {
                 zeros[pattern.sparsity().pair_rows(test, trial)].fill(true);
             }
         }
-        Ok(())
+        self.add_motion_of_segments(form, (unknowns, tests), parts, pattern, matrix)
     }
 
     /// The element matrices of a form, cell by cell (or facet by facet), integral by integral; on interior
-    /// facets one per pair of sides.
+    /// facets one per pair of sides. Those of moving segments are at fixed points.
     ///
     /// # Errors
     /// As [`Assembler::tangent`].

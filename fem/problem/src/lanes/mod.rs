@@ -10,6 +10,7 @@
 
 #[cfg(target_arch = "x86_64")]
 mod logarithm;
+mod moving;
 #[cfg(target_arch = "aarch64")]
 mod neon;
 mod ordered;
@@ -22,6 +23,7 @@ use std::sync::OnceLock;
 
 use forms_core::contract::Lane;
 
+pub(crate) use self::moving::Moving;
 #[cfg(target_arch = "aarch64")]
 pub(crate) use self::neon::Neon;
 pub(crate) use self::ordered::{Order, Ordered};
@@ -123,6 +125,34 @@ pub(crate) trait SimdLane: Lane {
             places[lane] += offset;
         }
         Self::gather(values, &places)
+    }
+
+    /// Whether values carry derivatives along a motion of points.
+    const CARRIES_SLOPES: bool = false;
+
+    /// [`SimdLane::gather`] with the derivatives of the entries, where values carry any.
+    ///
+    /// # Panics
+    /// When a place is out of range.
+    #[inline(always)]
+    fn gather_with_slopes<const COUNT: usize>(
+        values: &[f64],
+        _slopes: &[f64],
+        places: &[usize; WIDEST],
+    ) -> [Self; COUNT] {
+        Self::gather(values, places)
+    }
+
+    /// The derivative, as a value; zero where values carry none.
+    #[inline(always)]
+    fn slope(self) -> Self {
+        Self::splat(0.0)
+    }
+
+    /// The same value with another derivative, where values carry one.
+    #[inline(always)]
+    fn with_slope(self, _slope: Self) -> Self {
+        self
     }
 
     /// Asks for the cache line of an entry that will be wanted soon. Nothing happens beyond the end, or on processors without such an

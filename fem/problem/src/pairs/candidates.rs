@@ -43,6 +43,16 @@ impl<const D: usize> RayBundle<D> {
         RayBundle { centre: own.centre, radius: 0.0, direction, spread: 0.0, reach }
     }
 
+    /// The rays from all points of a facet in the plane whose position is a polynomial of degree two at most: its normal turns one way from
+    /// end to end.
+    pub fn of_segment(own: &SurfaceFacet<D>, reach: f64) -> Self {
+        let mut beam = RayBundle { radius: own.radius, ..RayBundle::along_normal_of(own, reach) };
+        for end in own.parameters().iter().map(|s| own.at(s)) {
+            beam.hold(&Rays { x: end.position, n: end.normal() }, 1);
+        }
+        beam
+    }
+
     /// Room for the first `count` of some rays.
     #[inline(always)]
     pub fn hold<L: SimdLane>(&mut self, rays: &Rays<D, L>, count: usize) {

@@ -110,6 +110,37 @@ pub enum PairError {
         "a history has values for each own and opposite facet once, and this pairing has some of them twice"
     )]
     Twice,
+    /// Moving segments in space.
+    #[error(
+        "pairs of displaced surfaces are cut into pieces in the plane only: leave out `.at(PairQuadrature::Pieces)`, so that the points \
+         of whole facets slide"
+    )]
+    SegmentsInSpace,
+    /// Moving segments of facets whose positions have too high a degree.
+    #[error(
+        "the facets of \"{surface}\" have a degree above two and cannot be cut where opposite nodes slide: take displacements and a mesh of \
+         degree one or two, or leave out `.at(PairQuadrature::Pieces)`"
+    )]
+    SegmentsOfDegree {
+        /// The surface that is integrated over.
+        surface: String,
+    },
+    /// What is read at the points of moving segments and knows no derivative.
+    #[error(
+        "the points of moving segments move with the displacement, and `{field}` has no derivative along their motion: give a function of position \
+         with its gradient or a field, or leave out `.at(PairQuadrature::Pieces)`"
+    )]
+    NoGradient {
+        /// Name of the data member.
+        field: &'static str,
+    },
+    /// A derivative by a displacement that moves points, which it holds.
+    #[error(
+        "the points of moving segments move with the surfaces, and this derivative by what displaces them holds them: it is not that of what is \
+         assembled. Take the transposed tangent of the residual (as `LoadHistory` does), write an energy as a form \
+         (`derivative(energy(u), u, v)` of the unknown u), or leave out `.at(PairQuadrature::Pieces)`"
+    )]
+    HeldPoints,
     /// A region of pairs without surfaces.
     #[error("the region says no surfaces; give a `Pairing` (`at_pairs` evaluates derived fields there)")]
     NoPairing,

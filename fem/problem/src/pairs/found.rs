@@ -2,6 +2,7 @@
 
 use super::PairGroup;
 use super::candidates::KeptList;
+use super::segment_motion::MovingEnd;
 use super::surface::SurfaceFacet;
 use crate::mesh::{Facet, Mesh};
 
@@ -28,6 +29,8 @@ pub(super) struct Unit {
     /// How many points it has, and where they begin.
     pub count: usize,
     pub start: FirstPoint,
+    /// Of a moving segment, its place among those that were found.
+    pub segment: Option<usize>,
 }
 
 /// Where a unit's points begin among numbers and normals of those that were found.
@@ -48,13 +51,28 @@ pub(super) struct Counts<const D: usize> {
     pub largest: f64,
     pub paired: f64,
     pub measure: f64,
+    /// Segments, and parts between cuts that see nothing.
+    pub segments: usize,
+    pub dropped: usize,
 }
 
 impl<const D: usize> Default for Counts<D> {
     fn default() -> Self {
         let (points, open, rejected) = (0, 0, 0);
         let (deepest, largest, paired, measure) = (0.0, 0.0, 0.0, 0.0);
-        Counts { points, open, rejected, deepest, deepest_at: None, largest, paired, measure }
+        let (segments, dropped) = (0, 0);
+        Counts {
+            points,
+            open,
+            rejected,
+            deepest,
+            deepest_at: None,
+            largest,
+            paired,
+            measure,
+            segments,
+            dropped,
+        }
     }
 }
 
@@ -69,6 +87,8 @@ impl<const D: usize> Counts<D> {
         self.largest = self.largest.max(other.largest);
         self.paired += other.paired;
         self.measure += other.measure;
+        self.segments += other.segments;
+        self.dropped += other.dropped;
     }
 
     pub fn add_point(&mut self, position: &[f64; D], gap: f64, measure: f64) {
@@ -89,6 +109,11 @@ pub(super) struct Found<const D: usize> {
     pub points: Vec<f64>,
     /// Of each point that faces a rigid surface.
     pub rigid_normals: Vec<[f64; D]>,
+    /// Of each point of a moving segment: the derivatives of its numbers along the segment, and the part of the segment before it.
+    pub slopes: Vec<f64>,
+    pub fractions: Vec<f64>,
+    /// Of each moving segment.
+    pub ends: Vec<[MovingEnd<D>; 2]>,
     /// Of each own facet.
     pub counts: Vec<Counts<D>>,
     /// Lists of candidates that were made for some own facets.
@@ -112,6 +137,9 @@ impl<const D: usize> Found<D> {
             units: Vec::with_capacity(2 * facets),
             points: Vec::with_capacity(facets * points * PairGroup::<D>::STRIDE),
             rigid_normals: vec![],
+            slopes: vec![],
+            fractions: vec![],
+            ends: vec![],
             counts: Vec::with_capacity(facets),
             remade: vec![],
         }
@@ -174,7 +202,7 @@ impl<const D: usize> Found<D> {
                 }
             }
             let facets = [own.facet, facet];
-            self.units.push(Unit { place, facets, count, start });
+            self.units.push(Unit { place, facets, count, start, segment: None });
         }
         room.pairs.clear();
     }

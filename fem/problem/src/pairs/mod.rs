@@ -15,6 +15,8 @@
 //! candidates     the facets that rays may meet, kept while motions are small
 //! search, points, ray_points, found   the opposite points of an own facet's points
 //! pieces, clip   an own facet in parts that face one opposite facet, in the plane and in space
+//! segments, cuts   the same on displaced surfaces in the plane, where cuts move with the surfaces
+//! segment_motion   derivatives of their ends and points
 //! report    the numbers of a pairing's points
 //! known, surface_values   searches that were done, and the values that identify them
 //! jumping_data   functions of position that do not know on which body they are
@@ -29,6 +31,7 @@
 mod boundary_edges;
 mod candidates;
 mod clip;
+mod cuts;
 mod displacement;
 mod error;
 mod first_touch;
@@ -49,6 +52,8 @@ mod rest;
 mod rigid;
 mod search;
 mod search_key;
+mod segment_motion;
+mod segments;
 mod surface;
 mod surface_values;
 mod surfaces;
@@ -73,6 +78,7 @@ pub use self::report::PairReport;
 use self::rest::SurfacesAtRest;
 pub(crate) use self::rigid::coupled_facets;
 use self::search::Search;
+pub(crate) use self::segment_motion::{GroupMotion, MovingEnd};
 use self::surfaces::Surfaces;
 pub use self::tunnelling::FollowedMotion;
 pub(crate) use self::tunnelling::Follower;
@@ -97,6 +103,8 @@ pub(crate) struct PairGroup<const D: usize> {
     /// Of each unit and point where the opposite surface is rigid, so that its facets are none of cells: their outward unit normal
     /// before they move. Empty elsewhere.
     pub rigid_normals: Vec<f64>,
+    /// The motion of the points of moving segments. Empty elsewhere.
+    pub motion: GroupMotion<D>,
 }
 
 impl<const D: usize> PairGroup<D> {
@@ -118,6 +126,11 @@ impl<const D: usize> PairGroup<D> {
             count: self.count,
             points: of_units(&self.points, Self::STRIDE, &kept),
             rigid_normals: of_units(&self.rigid_normals, D, &kept),
+            motion: GroupMotion {
+                slopes: of_units(&self.motion.slopes, Self::STRIDE, &kept),
+                fractions: of_units(&self.motion.fractions, 1, &kept),
+                ends: kept.iter().filter_map(|unit| self.motion.ends.get(*unit).cloned()).collect(),
+            },
         }
     }
 }
@@ -192,9 +205,16 @@ impl<const D: usize> Pairs<D> {
         Ok((Pairs { groups: grouped(mesh, &all), report: PairReport::of(&counts), unpaired }, kept))
     }
 
-    /// The own and opposite facets of all units, each pair of them once.
+    /// The own and opposite facets of all units, each pair of them once; with those whose nodes end a segment without being seen from it.
     pub fn facets(&self) -> Vec<[Facet; 2]> {
         let mut facets: Vec<_> = self.groups.iter().flat_map(|group| &group.facets).copied().collect();
+        for group in &self.groups {
+            for (sides, ends) in group.facets.iter().zip(&group.motion.ends) {
+                let nodes = ends.iter().filter_map(|end| end.node.as_ref()).map(|node| node.facet);
+                let hidden = nodes.filter(|facet| *facet != sides[1]);
+                facets.extend(hidden.flat_map(|third| sides.map(|side| [side, third])));
+            }
+        }
         facets.sort_unstable();
         facets.dedup();
         facets
@@ -251,16 +271,23 @@ fn grouped<const D: usize>(mesh: &Mesh<D>, found: &[Found<D>]) -> Vec<Arc<PairGr
         let (sides, count, rigid) = *key;
         let points = Vec::with_capacity(units * count * PairGroup::<D>::STRIDE);
         let rigid_normals = Vec::with_capacity(if rigid { units * count * D } else { 0 });
-        (*key, PairGroup { sides, facets: Vec::with_capacity(*units), count, points, rigid_normals })
+        let (facets, motion) = (Vec::with_capacity(*units), GroupMotion::default());
+        (*key, PairGroup { sides, facets, count, points, rigid_normals, motion })
     };
     let mut groups: Vec<(GroupKey, PairGroup<D>)> = kinds.iter().map(with_room).collect();
     for (number, kind) in order.into_iter().zip(kind_of_each) {
-        let (Unit { facets, count, start, .. }, part) = units[number];
+        let (Unit { facets, count, start, segment, .. }, part) = units[number];
         let ((.., rigid), group) = &mut groups[kind];
         group.facets.push(*facets);
         // Point by point: of a length that is known nothing is called.
         for point in part.points[start.numbers..].chunks_exact(PairGroup::<D>::STRIDE).take(*count) {
             group.points.extend_from_slice(point);
+        }
+        if let Some(segment) = segment {
+            let from = start.numbers;
+            group.motion.slopes.extend(&part.slopes[from..][..count * PairGroup::<D>::STRIDE]);
+            group.motion.fractions.extend(&part.fractions[from / PairGroup::<D>::STRIDE..][..*count]);
+            group.motion.ends.push(part.ends[*segment].clone());
         }
         if *rigid {
             let normals = &part.rigid_normals[start.rigid_normals..][..*count];

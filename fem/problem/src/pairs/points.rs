@@ -6,7 +6,8 @@ use forms_core::contract::Projection;
 
 use super::found::{Found, PairPoint, Room};
 use super::ray_points::RayRoom;
-use super::search::{Pair, RayOrigin, Search, SearchResult};
+use super::search::{Pair, PlacesOfPoints, RayOrigin, Search, SearchResult};
+use super::segments::SegmentRoom;
 use super::surface::SurfaceFacet;
 use super::{PairError, clip, pieces};
 use crate::lanes::{LaneWork, SimdLane};
@@ -29,7 +30,13 @@ impl<const D: usize> LaneWork for OfFacets<'_, '_, '_, D> {
         let OfFacets { search, facets } = self;
         let points = search.rules.iter().map(|(_, rule)| rule.points.len()).max().unwrap_or(0);
         let mut found = Found::with_room(facets.len(), points);
-        if search.whole && search.projection == Projection::Ray {
+        if search.places == PlacesOfPoints::Segments {
+            let mut room = SegmentRoom::default();
+            for index in facets {
+                found.begin();
+                search.add_segments_of::<L>(index, &mut found, &mut room);
+            }
+        } else if search.places == PlacesOfPoints::WholeFacets && search.projection == Projection::Ray {
             let mut rays = RayRoom::<D, L>::new(&search.rules);
             for index in facets {
                 found.begin();

@@ -150,7 +150,7 @@ impl<const D: usize> Search<'_, '_, D> {
                     rigid_normal: opposite.rigid_normal,
                 });
             }
-            found.units.push(Unit { place, facets: [own.facet, facet], count, start });
+            found.units.push(Unit { place, facets: [own.facet, facet], count, start, segment: None });
         }
     }
 }

@@ -22,6 +22,10 @@ pub struct PairReport<const D: usize> {
     pub paired_measure: f64,
     /// The measure of the surfaces that are integrated over \[length^(D−1)\]; of whole facets by the rule of their points.
     pub measure: f64,
+    /// The moving segments of facets in the plane; zero on whole facets and fixed pairs.
+    pub segments: usize,
+    /// The parts of facets between cuts that see no opposite facet, and have no points.
+    pub dropped_parts: usize,
 }
 
 impl<const D: usize> PairReport<D> {
@@ -35,6 +39,8 @@ impl<const D: usize> PairReport<D> {
             largest_gap: counts.largest,
             paired_measure: counts.paired,
             measure: counts.measure,
+            segments: counts.segments,
+            dropped_parts: counts.dropped,
         }
     }
 }

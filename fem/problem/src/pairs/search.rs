@@ -8,6 +8,7 @@ use forms_core::contract::{Facing, PairQuadrature, Pairing, Projection};
 use super::PairError;
 use super::boundary_edges::BoundaryEdges;
 use super::candidates::{Candidates, KeptCandidates, RayBundle};
+use super::cuts;
 use super::opposite::{ClosestPoint, hit, nearest};
 use super::rays::{Rays, along_ray};
 use super::surface::{SurfaceFacet, SurfacePoint, dot, minus, unit};
@@ -46,6 +47,17 @@ pub(super) struct Pair<const D: usize> {
     pub gap: f64,
 }
 
+/// Where an own facet has its quadrature points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PlacesOfPoints {
+    /// Those of one rule, whatever they face.
+    WholeFacets,
+    /// A rule on each piece that faces one opposite facet, of surfaces that are fixed.
+    Pieces,
+    /// The same on displaced surfaces in the plane.
+    Segments,
+}
+
 /// The outcome of a search.
 pub(super) enum SearchResult<const D: usize> {
     Found(Pair<D>),
@@ -77,11 +89,11 @@ pub(super) struct Search<'s, 'm, const D: usize> {
     /// Normals at corners of the opposite surface, means of those of its facets there.
     corner_normals: HashMap<u32, [f64; D]>,
     pub projection: Projection,
-    pub whole: bool,
+    pub places: PlacesOfPoints,
     reach: Option<f64>,
     pub quadrature: &'m Quadrature<D>,
     pub degree: usize,
-    /// Rules for whole facets of each shape.
+    /// Rules for whole facets, or segments, of each shape.
     pub rules: Vec<(CellShape, QuadratureRule<2>)>,
     /// A surface that faces itself.
     pub within: bool,
@@ -112,9 +124,16 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
             let position = mesh.facet_centre(first).to_vec();
             return Err(PairError::Overlap { own, opposite, count, position });
         }
-        // Displaced surfaces have rays alone, and no pieces.
+        // Displaced surfaces have only rays.
         let projection = if surfaces.displaced { Projection::Ray } else { pairing.projection };
-        let whole = pairing.quadrature == PairQuadrature::WholeFacets || surfaces.displaced;
+        let places = match (pairing.quadrature, surfaces.displaced) {
+            (Some(PairQuadrature::WholeFacets), _) | (None, true) => PlacesOfPoints::WholeFacets,
+            (_, false) => PlacesOfPoints::Pieces,
+            (Some(PairQuadrature::Pieces), true) => PlacesOfPoints::Segments,
+        };
+        if places == PlacesOfPoints::Segments {
+            cuts::check(&facing.own, own)?;
+        }
         let mut corner_normals: HashMap<u32, [f64; D]> = HashMap::new();
         let mut rim = BoundaryEdges::default();
         if projection == Projection::Nearest {
@@ -128,8 +147,12 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
             rim = BoundaryEdges::of(opposite);
         }
         let mut rules = Vec::new();
-        for shape in mesh.shapes().into_iter().filter(|_| whole) {
-            let rule = quadrature.facet_reference_rule(shape, degree);
+        let estimated = match places {
+            PlacesOfPoints::Segments => cuts::degree_of(own, opposite),
+            _ => degree,
+        };
+        for shape in mesh.shapes().into_iter().filter(|_| places != PlacesOfPoints::Pieces) {
+            let rule = quadrature.facet_reference_rule(shape, estimated);
             rules.push((shape, rule.map_err(|source| PairError::Quadrature { source })?));
         }
         Ok(Search {
@@ -140,7 +163,7 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
             grid: OnceLock::new(),
             corner_normals,
             projection,
-            whole,
+            places,
             reach: pairing.reach,
             quadrature,
             degree,

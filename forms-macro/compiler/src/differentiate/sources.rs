@@ -11,6 +11,8 @@ pub struct Source {
     pub density: Tensor,
     /// The fields by which it was differentiated, each with the field that is the direction: its space may be richer.
     pub directions: Vec<(usize, usize)>,
+    /// It was differentiated by the shape of the domain.
+    pub by_shape: bool,
 }
 
 impl Lowering<'_> {
@@ -42,13 +44,20 @@ impl Lowering<'_> {
                 {
                     inner.iter_mut().for_each(|source| source.directions.push((varied, *field)));
                 }
+                if let Variable::Shape(_) = variable {
+                    inner.iter_mut().for_each(|source| source.by_shape = true);
+                }
                 found.extend(inner);
                 true
             }
             _ => {
                 let lowered = self.lower(density);
                 let parts = self.parts(lowered);
-                found.extend(parts.into_iter().map(|density| Source { density, directions: vec![] }));
+                found.extend(parts.into_iter().map(|density| Source {
+                    density,
+                    directions: vec![],
+                    by_shape: false,
+                }));
                 false
             }
         }

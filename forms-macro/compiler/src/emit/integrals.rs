@@ -5,7 +5,7 @@ use quote::{format_ident, quote};
 
 use super::description::{Argument as Described, NO_ARGUMENT, describe};
 use super::external::ExternalNames;
-use super::kernel::KernelWriter;
+use super::kernel::{KernelWriter, Motion};
 use super::names::has_tangent;
 use crate::check::fields_of;
 use crate::optimise::degree::Degree;
@@ -33,7 +33,13 @@ pub fn emit_integrals(
         fields = std::mem::take(&mut optimised.fields);
         let mut graph = std::mem::take(&mut optimised.graph);
         let externals = ExternalNames::new(module, dimension);
-        let writer = KernelWriter { graph: &mut graph, fields: &fields, externals: &externals, dimension };
+        let writer = KernelWriter {
+            graph: &mut graph,
+            fields: &fields,
+            externals: &externals,
+            dimension,
+            holds_points: false,
+        };
         if products == Products::ByMatrices {
             optimised.action.clear();
         }
@@ -111,7 +117,13 @@ impl Lists {
         ] {
             for (index, integral) in integrals.iter().enumerate() {
                 let kernel = format_ident!("{prefix}{index}");
-                kernels.extend(writer.linear(&kernel, integral.test.field, &integral.flux));
+                let displaced = integral.description.displacement.iter().flatten();
+                let unknown = |field: &usize| matches!(writer.fields[*field].role, FieldRole::Unknown(_));
+                // Products without a matrix are derivatives already.
+                let slides = prefix != "Action" && displaced.into_iter().any(unknown);
+                let motion = if slides { Motion::Slides } else { Motion::Fixed };
+                writer.holds_points = integral.description.holds_points;
+                kernels.extend(writer.linear(&kernel, integral.test.field, &integral.flux, motion));
                 let arguments = [argument(integral.test, writer.fields), NO_ARGUMENT];
                 let description = describe(&integral.description, used, arguments, false);
                 kernels.extend(described(&kernel, description));
@@ -124,6 +136,7 @@ impl Lists {
         ] {
             for (index, integral) in integrals.iter().enumerate() {
                 let kernel = format_ident!("{prefix}{index}");
+                writer.holds_points = integral.description.holds_points;
                 kernels.extend(writer.bilinear(&kernel, integral));
                 let arguments = [integral.test, integral.trial].map(|one| argument(one, writer.fields));
                 let description = describe(&integral.description, used, arguments, integral.symmetric);
@@ -138,6 +151,7 @@ impl Lists {
             for (index, integral) in integrals.iter().enumerate() {
                 let kernel = format_ident!("{prefix}{index}");
                 let shape = if prefix == "Density" { vec![] } else { vec![integral.components.len()] };
+                writer.holds_points = integral.description.holds_points;
                 kernels.extend(writer.expression(&kernel, &integral.components, &shape));
                 let description = describe(&integral.description, used, [NO_ARGUMENT; 2], false);
                 kernels.extend(described(&kernel, description));
@@ -146,12 +160,14 @@ impl Lists {
         }
         if let Some((components, shape)) = &optimised.value {
             let kernel = format_ident!("Value");
+            writer.holds_points = false;
             kernels.extend(writer.expression(&kernel, components, shape));
             let description = Description {
                 region: 0,
                 displacement: None,
                 dependence: Dependence::Constant,
                 vanishes: false,
+                holds_points: false,
                 degree: Degree::constant(0),
             };
             let description = describe(&description, &[0], [NO_ARGUMENT; 2], false);

@@ -30,17 +30,26 @@ struct PointFunction {
     operations: usize,
 }
 
+/// Whether an unknown moves the points of an integral.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    Fixed,
+    Slides,
+}
+
 /// Writes the kernels of one function in one dimension.
 pub struct KernelWriter<'a> {
     pub graph: &'a mut Graph,
     pub fields: &'a [FieldInfo],
     pub externals: &'a ExternalNames,
     pub dimension: usize,
+    /// Of the integral that is written: `contract::Requirements::holds_points`.
+    pub holds_points: bool,
 }
 
 impl KernelWriter<'_> {
     /// Σ over slots of coefficient × weight × basis, per test component.
-    pub fn linear(&mut self, name: &Ident, test: usize, flux: &Coefficients) -> TokenStream {
+    pub fn linear(&mut self, name: &Ident, test: usize, flux: &Coefficients, motion: Motion) -> TokenStream {
         let d = self.dimension;
         let components: usize = self.fields[test].shape.iter().product();
         let weight = self.graph.intern(Node::Weight);
@@ -53,7 +62,7 @@ impl KernelWriter<'_> {
             }
             roots.push(self.graph.sum(&parts));
         }
-        let layout = Layout::new(self.graph, self.fields, self.dimension, &roots);
+        let layout = Layout::new(self.graph, self.fields, self.dimension, &roots).holding(self.holds_points);
         let mut code = Code::new(self.graph, &roots);
         let values: Vec<Value> = roots.iter().map(|root| code.lower(*root)).collect();
 
@@ -71,6 +80,7 @@ impl KernelWriter<'_> {
         let (cell_count, point_count) = (cell.values.len(), point.values.len());
         let requirements = &layout.requirements;
         let operations = operations([point_function.operations, test_body.operations, 0, 0, 0]);
+        let slides = (motion == Motion::Slides).then(|| quote! { const SLIDES: bool = true; });
 
         quote! {
             #structure
@@ -78,6 +88,7 @@ impl KernelWriter<'_> {
                 const REQUIREMENTS: contract::Requirements = #requirements;
                 const TEST_COMPONENTS: usize = #components;
                 const OPERATIONS: contract::Operations = #operations;
+                #slides
                 type Cell<L: Lane> = [L; #cell_count];
                 type Flux<L: Lane> = [L; #point_count];
                 type Block<L: Lane> = [L; #components];
@@ -106,7 +117,7 @@ impl KernelWriter<'_> {
         let cell_constant =
             !tests.iter().chain(trials).any(|factor| self.graph.depends(*factor, varies_over_cell));
         let roots: Vec<Scalar> = integral.plan.roots().copied().collect();
-        let layout = Layout::new(self.graph, self.fields, self.dimension, &roots);
+        let layout = Layout::new(self.graph, self.fields, self.dimension, &roots).holding(self.holds_points);
         let mut code = Code::new(self.graph, &roots);
         let mut lower =
             |list: &[Scalar]| -> Vec<Value> { list.iter().map(|scalar| code.lower(*scalar)).collect() };
@@ -210,7 +221,8 @@ impl KernelWriter<'_> {
     pub fn expression(&mut self, name: &Ident, components: &[Scalar], shape: &[usize]) -> TokenStream {
         let d = self.dimension;
         let count = components.len();
-        let layout = Layout::new(self.graph, self.fields, self.dimension, components);
+        let layout =
+            Layout::new(self.graph, self.fields, self.dimension, components).holding(self.holds_points);
         let mut code = Code::new(self.graph, components);
         let values: Vec<Value> = components.iter().map(|component| code.lower(*component)).collect();
         let printer = Printer { code: &code, externals: self.externals };

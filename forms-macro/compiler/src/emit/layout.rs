@@ -12,7 +12,13 @@ use crate::tensor::{FieldInfo, Geometry, Side};
 pub struct Layout {
     dimension: usize,
     offsets: SortedMap<(usize, Side, Kind), usize>,
+    /// The requirements that are not those of no kernel.
+    members: TokenStream,
     pub requirements: TokenStream,
+}
+
+fn requirements_of(members: &TokenStream) -> TokenStream {
+    quote! { contract::Requirements { #members ..contract::Requirements::NONE } }
 }
 
 impl Layout {
@@ -83,15 +89,22 @@ impl Layout {
             ("trial_mean", mean(Argument::Trial)),
         ];
         let reads = reads.iter().filter(|(_, reads)| *reads).map(|(name, _)| format_ident!("{name}"));
-        let requirements = quote! {
-            contract::Requirements {
-                #(#reads: true,)*
-                fields: &[#(#slots),*],
-                field_length: #next,
-                ..contract::Requirements::NONE
-            }
+        let members = quote! {
+            #(#reads: true,)*
+            fields: &[#(#slots),*],
+            field_length: #next,
         };
-        Layout { dimension, offsets, requirements }
+        let requirements = requirements_of(&members);
+        Layout { dimension, offsets, members, requirements }
+    }
+
+    /// The layout of a kernel that may be a derivative at held points.
+    pub fn holding(mut self, holds_points: bool) -> Self {
+        if holds_points {
+            let members = &self.members;
+            self.requirements = requirements_of(&quote! { holds_points: true, #members });
+        }
+        self
     }
 
     /// The place of a derivative of a component.

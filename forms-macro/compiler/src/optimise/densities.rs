@@ -21,21 +21,25 @@ pub(super) fn densities(
     for term in terms {
         scalariser.opposite = OppositeSide::on(entities[term.region]);
         let density = scalariser.scalar(term.density);
-        let (sum, degree) = regions.get_or_insert_with((term.region, term.displacement.clone()), || {
-            (scalariser.graph.number(0.0), Degree::constant(0))
-        });
+        let (sum, degree, holds_points) = regions
+            .get_or_insert_with((term.region, term.displacement.clone()), || {
+                (scalariser.graph.number(0.0), Degree::constant(0), false)
+            });
+        let displacement = term.displacement.as_deref();
+        *holds_points |= displacement.is_some_and(|by| degrees.is_by_displacement(term.density, by));
         *sum = scalariser.graph.add(*sum, density);
         *degree = degree.clone().largest(degrees.of_integrand(term.density));
     }
     regions
         .into_iter()
-        .filter(|(_, (density, _))| !scalariser.graph.is_zero(*density))
-        .map(|((region, displacement), (density, degree))| ExpressionIntegral {
+        .filter(|(_, (density, ..))| !scalariser.graph.is_zero(*density))
+        .map(|((region, displacement), (density, degree, holds_points))| ExpressionIntegral {
             description: Description {
                 region,
                 displacement,
                 dependence: Dependence::Nonlinear,
                 vanishes: false,
+                holds_points,
                 degree,
             },
             components: vec![density],

@@ -21,10 +21,18 @@ pub(super) struct Group {
 }
 
 impl Group {
+    /// An energy is not differentiated by the motion of its points.
+    pub fn hold_points(&mut self, fields: &[FieldInfo]) {
+        let unknown = |field: &usize| matches!(fields[*field].role, FieldRole::Unknown(_));
+        let displacement = &self.description.displacement;
+        self.description.holds_points |= displacement.as_ref().is_some_and(|by| by.iter().any(unknown));
+    }
+
     /// Takes in what is on the same region, and its dependence.
     pub fn join(&mut self, other: Group, graph: &mut Graph) {
         let degree = self.description.degree.clone().largest(other.description.degree.clone());
-        self.description = Description { degree, ..other.description };
+        let holds_points = self.description.holds_points || other.description.holds_points;
+        self.description = Description { degree, holds_points, ..other.description };
         self.parts.extend(other.parts);
         self.density = graph.add(self.density, other.density);
         for (trial, derivative) in other.tangent {
@@ -82,6 +90,9 @@ pub(super) fn group(
             false => Dependence::Linear,
         };
         let degree = degrees.of_integrand(*tensor);
+        // A residual at held points is one as well, and its tangent moves them.
+        let by_state = displacement.as_ref().filter(|_| !slides);
+        let holds_points = by_state.is_some_and(|by| degrees.is_by_displacement(*tensor, by));
         let zero = scalariser.graph.number(0.0);
         let key = (*region, displacement.clone(), dependence);
         let group = groups.get_or_insert_with(key, || Group {
@@ -90,6 +101,7 @@ pub(super) fn group(
                 displacement: displacement.clone(),
                 dependence,
                 vanishes: false,
+                holds_points: false,
                 degree: Degree::constant(0),
             },
             parts: vec![],
@@ -97,6 +109,7 @@ pub(super) fn group(
             tangent: SortedMap::new(),
         });
         group.description.degree = group.description.degree.clone().largest(degree);
+        group.description.holds_points |= holds_points;
         group.parts.push(*tensor);
         group.density = scalariser.graph.add(group.density, density);
         for (trial, derivative) in tangent {

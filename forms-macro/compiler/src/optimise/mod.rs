@@ -71,6 +71,8 @@ pub struct Description {
     pub dependence: Dependence,
     /// Each of its terms has a factor of the unknowns: of linear integrals of a residual, else false.
     pub vanishes: bool,
+    /// As `Requirements::holds_points` of the contract.
+    pub holds_points: bool,
     pub degree: Degree,
 }
 
@@ -141,7 +143,10 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
 
     let entities: Vec<Entity> = module.regions.iter().map(|region| region.entity).collect();
     let value = value.map(|value| (scalariser.components(value), arena.shape(value).to_vec()));
-    let groups = group(&residual, &fields, &entities, &mut scalariser, &mut degrees);
+    let mut groups = group(&residual, &fields, &entities, &mut scalariser, &mut degrees);
+    if from_energy {
+        groups.iter_mut().for_each(|group| group.hold_points(&fields));
+    }
     let groups = join_on_cells(groups, &fields, &entities, scalariser.graph);
     let mut planned = Optimised {
         function,

@@ -131,6 +131,19 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                     for (component, lanes) in lanes.iter().enumerate() {
                         self.buffers.fields[slot.offset + component] = L::load(lanes);
                     }
+                    // Where points move, a function moves by its gradient.
+                    if let (true, Order::Value, Some(gradient)) = (L::CARRIES_SLOPES, slot.order, gradient) {
+                        let lanes = self.function(&slot, count * D, gradient, &components)?;
+                        for component in 0..count {
+                            let mut slope = L::splat(0.0);
+                            for axis in 0..D {
+                                let along = L::load(&lanes[component * D + axis]);
+                                slope = slope + along * position[axis].slope();
+                            }
+                            let field = &mut self.buffers.fields[slot.offset + component];
+                            *field = field.with_slope(slope);
+                        }
+                    }
                 }
             }
         }

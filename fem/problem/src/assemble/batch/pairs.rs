@@ -49,26 +49,27 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         q: usize,
         pairs: &PairTables<D>,
     ) -> Result<(), AssemblyError> {
-        let (stride, points) = (PairGroup::<D>::STRIDE, &pairs.group.points);
+        let (stride, points, slopes) =
+            (PairGroup::<D>::STRIDE, &pairs.group.points, &pairs.group.motion.slopes);
         let mut places = [0; WIDEST];
         for lane in 0..L::WIDTH {
             let unit = self.start + lane.min(self.filled - 1);
             places[lane] = (unit * pairs.group.count + q) * stride;
         }
-        let own = L::gather::<D>(points, &places);
+        let own = L::gather_with_slopes::<D>(points, slopes, &places);
         let mut later = places;
         for lane in 0..L::WIDTH {
             later[lane] += D;
         }
-        let opposite = L::gather::<D>(points, &later);
+        let opposite = L::gather_with_slopes::<D>(points, slopes, &later);
         for lane in 0..L::WIDTH {
             later[lane] += D;
         }
-        let [weight, gap] = L::gather::<2>(points, &later);
+        let [weight, gap] = L::gather_with_slopes::<2>(points, slopes, &later);
         for lane in 0..L::WIDTH {
             later[lane] += 2;
         }
-        let toward = L::gather::<D>(points, &later);
+        let toward = L::gather_with_slopes::<D>(points, slopes, &later);
         let normals = &pairs.group.rigid_normals;
         let rigid = if normals.is_empty() {
             None

@@ -53,6 +53,9 @@ pub(in crate::assemble) fn pair_groups<const D: usize>(
     {
         return Err(pair_error(binding.name, &binding.regions[region], PairError::History));
     }
+    if requirements.holds_points && binding.regions[region].is_on_moving_segments(integral.displacement) {
+        return Err(pair_error(binding.name, &binding.regions[region], PairError::HeldPoints));
+    }
     binding.check_functions_on_pairs(region, quadrature, degree, requirements)?;
     let pairs = binding.pairs(region, integral.displacement, quadrature, degree)?;
     let region = &binding.regions[region];

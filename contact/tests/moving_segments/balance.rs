@@ -1,0 +1,139 @@
+//! What holds on moving segments of bent and kinked surfaces in any position: balance of forces and moments, covered lengths, the same
+//! bits on any number of threads.
+
+use forms_fem::contract::PairQuadrature;
+use forms_fem::mesh::structured;
+use forms_fem::prelude::*;
+use forms_fem::threads::Threads;
+
+#[forms(dimension = 2)]
+pub mod springs {
+    pub struct Data {
+        gamma: Param,
+        #[default(0.5)]
+        share: Param,
+    }
+    #[pairs]
+    pub struct Touch;
+
+    pub fn forces(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Touch(u), share * gamma * gap * dot(toward, jump(v)))
+    }
+    pub fn covered(u: State<Vector>) -> Functional {
+        integral(Touch(u), 1)
+    }
+    pub fn moment(u: State<Vector>) -> Functional {
+        integral(Touch(u), this(dot(x, x)))
+    }
+}
+
+/// A bent plate below another one, with these numbers of cells and a geometry of this degree.
+pub fn plates(shape: CellShape, geometry: usize, cells: [usize; 2]) -> Mesh<2> {
+    let lower = structured([cells[0], 1], shape, geometry, |[s, t]: [f64; 2]| {
+        [3.0 * s, 0.4 * t - 0.4 + 0.15 * (5.0 * s).sin()]
+    });
+    let upper = structured([cells[1], 1], shape, geometry, |[s, t]: [f64; 2]| {
+        [0.45 + 2.1 * s, 0.02 + 0.4 * t + 0.15 * (0.75 + 3.5 * s).sin()]
+    });
+    Mesh::of_bodies(&[("lower", &lower.unwrap()), ("upper", &upper.unwrap())]).unwrap()
+}
+
+pub fn bent(space: &Arc<Space<2>>, phase: f64) -> Field<2> {
+    Field::interpolate(space, |x| {
+        [0.05 * (2.0 * x[0] + phase).sin() + 0.03 * phase, 0.03 * (3.0 * x[0] + x[1] + 2.0 * phase).cos()]
+    })
+    .unwrap()
+}
+
+pub fn model(pairing: &Pairing) -> springs::Model<2> {
+    let regions = springs::Regions::default().touch(pairing.clone().at(PairQuadrature::Pieces));
+    springs::Model { data: springs::data().gamma(7.0), regions }
+}
+
+/// Forces and moments about the origin vanish to rounding, whatever the cut, on kinked and on curved surfaces.
+#[test]
+fn forces_and_moments_balance() {
+    let (lower, upper) = ("lower top", "upper bottom");
+    for (shape, geometry, degree) in [
+        (CellShape::Quadrilateral, 1, 1),
+        (CellShape::Quadrilateral, 1, 2),
+        (CellShape::Triangle, 2, 2),
+        (CellShape::Quadrilateral, 2, 2),
+    ] {
+        let mesh = plates(shape, geometry, [7, 9]);
+        let space = Space::vector(&mesh, degree).unwrap();
+        let places = Field::interpolate(&space, |x| *x).unwrap();
+        let assembler = Assembler::new(&mesh);
+        for pairing in
+            [Pairing::between(lower, upper), Pairing::onto(lower, upper), Pairing::onto(upper, lower)]
+        {
+            for phase in [0.0, 0.7, 1.9, 3.1] {
+                let u = bent(&space, phase);
+                let forces = assembler.residual(&model(&pairing).forces(), &[&u], &[&space]).unwrap();
+                let (mut sum, mut moment, mut size) = ([0.0; 2], 0.0, 0.0);
+                for (node, f) in forces.chunks_exact(2).enumerate() {
+                    let at = |k: usize| places.values()[2 * node + k] + u.values()[2 * node + k];
+                    sum = [sum[0] + f[0], sum[1] + f[1]];
+                    moment += at(0) * f[1] - at(1) * f[0];
+                    size += f[0].abs() + f[1].abs();
+                }
+                let off = [sum[0], sum[1], moment].map(|value: f64| value.abs() / size);
+                assert!(
+                    size > 0.1 && off.iter().all(|off| *off < 1e-13),
+                    "{shape:?} {pairing} {phase}: {off:?}"
+                );
+            }
+        }
+    }
+}
+
+/// The weights add up to what is covered, with ends inside of facets: of a flat layer under a block that is moved along it.
+#[test]
+fn weights_add_up_to_what_is_covered() {
+    for (shape, degree) in [(CellShape::Quadrilateral, 1), (CellShape::Triangle, 2)] {
+        let layer = rectangle([0.0, -1.0], [3.0, 0.0], [7, 1], shape, 1).unwrap();
+        let block = rectangle([0.2, 0.0], [1.5, 1.0], [3, 1], shape, 1).unwrap();
+        let mesh = Mesh::of_bodies(&[("layer", &layer), ("block", &block)]).unwrap();
+        let space = Space::vector(&mesh, degree).unwrap();
+        let block = mesh.cell_region("block").unwrap();
+        let pairing = Pairing::onto("layer top", "block bottom");
+        let law = model(&pairing);
+        let assembler = Assembler::new(&mesh);
+        for step in 0..25 {
+            let aside = 0.06 * f64::from(step);
+            let mut values = vec![0.0; space.unknowns()];
+            for node in block.iter().flat_map(|cell| space.cell_nodes(*cell as usize)) {
+                values[2 * *node as usize] = aside;
+            }
+            let u = Field::from_values(&space, values).unwrap();
+            let covered = assembler.functional(&law.covered(&u)).unwrap();
+            assert!((covered - 1.3).abs() < 4e-15, "{shape:?} {aside}: {covered}");
+            let ends = [0.2 + aside, 1.5 + aside];
+            let exact = (ends[1].powi(3) - ends[0].powi(3)) / 3.0;
+            let second = assembler.functional(&law.moment(&u)).unwrap();
+            assert!((second - exact).abs() < 2e-14, "{shape:?} {aside}: {second} is not {exact}");
+            let report = assembler.pairs_at(&pairing.clone().at(PairQuadrature::Pieces), 4, &u).unwrap();
+            assert!((report.paired_measure - 1.3).abs() < 4e-15 && (report.measure - 3.0).abs() < 1e-14);
+            assert!(report.segments >= 4 && report.dropped_parts >= 2 && report.open == 0, "{report:?}");
+        }
+    }
+}
+
+#[test]
+fn bits_do_not_depend_on_threads_or_on_what_was_found_before() {
+    let mesh = plates(CellShape::Quadrilateral, 2, [300, 371]);
+    let space = Space::vector(&mesh, 2).unwrap();
+    let law = model(&Pairing::between("lower top", "upper bottom"));
+    let kept: Vec<_> =
+        [1, 2, 5].map(|threads| Assembler::new(&mesh).with_threads(Threads::new(threads))).into();
+    for phase in [0.3, 0.31, 0.9] {
+        let u = bent(&space, phase);
+        let fresh = Assembler::new(&mesh).residual(&law.forces(), &[&u], &[&space]).unwrap();
+        for assembler in &kept {
+            assert!(assembler.residual(&law.forces(), &[&u], &[&space]).unwrap() == fresh);
+            let one = assembler.tangent(&law.forces(), &[&u], &[&space]).unwrap();
+            let other = kept[0].tangent(&law.forces(), &[&u], &[&space]).unwrap();
+            assert!(one.values() == other.values());
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! What moving segments refuse, by name: derivatives that hold their points, functions without a derivative at them, facets in space and of
+//! degree three.
+
+use forms_contact::ContactProblem;
+use forms_contact::laws::sliding_bodies as sliding;
+use forms_contact::laws::two_bodies as fixed;
+use forms_fem::contract::PairQuadrature;
+use forms_fem::prelude::*;
+
+use crate::balance::plates;
+
+#[forms(dimension = 2)]
+mod energies {
+    pub struct Data {
+        stiffness: Given<Scalar>,
+    }
+    #[pairs]
+    pub struct Touch;
+
+    pub fn energy(u: Unknown<Vector>) -> Energy {
+        integral(Touch(u), this(stiffness) / 2 * sqr(gap))
+    }
+    pub fn balance(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        derivative(energy(u), u, v)
+    }
+    /// The gradient at a state.
+    pub fn slope(u: State<Vector>, v: Test<Vector>) -> Form {
+        derivative(energy(u), u, v)
+    }
+    /// By what displaces nothing.
+    pub fn by_stiffness(u: State<Vector>, v: Test<Scalar>) -> Form {
+        derivative(energy(u), stiffness, v)
+    }
+}
+
+fn energies(stiffness: Given<f64, 2>) -> energies::Model<2> {
+    let touch = Pairing::between("lower top", "upper bottom").at(PairQuadrature::Pieces);
+    energies::Model {
+        data: energies::data().stiffness(stiffness),
+        regions: energies::Regions::default().touch(touch),
+    }
+}
+
+#[test]
+fn derivatives_that_hold_points_are_refused() {
+    let mesh = plates(CellShape::Quadrilateral, 1, [7, 9]);
+    let space = Space::vector(&mesh, 1).unwrap();
+    let u = Field::zero(&space);
+    let assembler = Assembler::new(&mesh);
+    let law = energies(Given::constant(7.0));
+    assert!(assembler.energy(&law.energy(), &[&u]).is_ok());
+    let said = "moving segments move with the surfaces, and this derivative";
+    let refused = [
+        assembler.residual(&law.energy(), &[&u], &[&space]).unwrap_err(),
+        assembler.residual(&law.slope(&u), &[], &[&space]).unwrap_err(),
+    ];
+    for error in refused {
+        assert!(error.to_string().contains(said), "{error}");
+    }
+    let scalars = Space::scalar(&mesh, 1).unwrap();
+    assert!(assembler.residual(&law.by_stiffness(&u), &[], &[&scalars]).is_ok());
+    // The residual of an unknown at held points is one like others.
+    let w = crate::tangent::wave(&space, 1.0, 0.3);
+    let off =
+        crate::tangent::off_differences(&assembler, &law.balance(), &crate::balance::bent(&space, 0.2), &w);
+    assert!(off < 1e-9, "{off:e}");
+
+    let data = fixed::data().lambda(15.0).mu(10.0).gamma0(300.0).share(0.5);
+    let pairing = Pairing::between("lower top", "upper bottom");
+    let of = |pairing: Pairing| {
+        let regions = sliding::Regions::default().touch(pairing).gamma_n("lower left");
+        let held = Constraints::new(&space);
+        let problem = ContactProblem::new(&space, sliding::Model { data: data.clone(), regions }, held);
+        let adjoint = problem.law.discrete_adjoint(&u);
+        problem.assembler.tangent(&adjoint, &[&u], &[&space]).map(|_| ())
+    };
+    assert_eq!(of(pairing.clone()), Ok(()));
+    let error = of(pairing.at(PairQuadrature::Pieces)).unwrap_err();
+    assert!(error.to_string().contains(said), "{error}");
+}
+
+#[test]
+fn functions_need_a_gradient() {
+    let mesh = plates(CellShape::Quadrilateral, 1, [7, 9]);
+    let space = Space::vector(&mesh, 1).unwrap();
+    let (u, w) = (crate::balance::bent(&space, 0.2), crate::tangent::wave(&space, 1.0, 0.3));
+    let assembler = Assembler::new(&mesh);
+    let stiffness = |x: &[f64; 2]| 2.0 + x[0].sin() * x[1];
+    let law = energies(Given::function(stiffness));
+    assert!(assembler.residual(&law.balance(), &[&u], &[&space]).is_ok());
+    let error = assembler.tangent(&law.balance(), &[&u], &[&space]).unwrap_err();
+    assert!(error.to_string().contains("`stiffness` has no derivative along their motion"), "{error}");
+    let slope = |x: &[f64; 2]| [x[0].cos() * x[1], x[0].sin()];
+    let law = energies(Given::function_with_gradient(stiffness, slope));
+    let off = crate::tangent::off_differences(&assembler, &law.balance(), &u, &w);
+    assert!(off < 1e-9, "{off:e}");
+}
+
+#[test]
+fn space_and_high_degrees_are_refused() {
+    let mesh = plates(CellShape::Quadrilateral, 1, [7, 9]);
+    let pairing = Pairing::between("lower top", "upper bottom").at(PairQuadrature::Pieces);
+    let cubic = Field::zero(&Space::vector(&mesh, 3).unwrap());
+    let error = Assembler::new(&mesh).pairs_at(&pairing, 4, &cubic).unwrap_err();
+    assert!(error.to_string().starts_with("the facets of \"lower top\" have a degree above two"), "{error}");
+    let low = cuboid([0.0; 3], [1.0, 1.0, 0.5], [2, 2, 1], CellShape::Hexahedron, 1).unwrap();
+    let high = cuboid([0.0, 0.0, 0.5], [1.0; 3], [3, 3, 1], CellShape::Hexahedron, 1).unwrap();
+    let mesh = Mesh::of_bodies(&[("lower", &low), ("upper", &high)]).unwrap();
+    let pairing = Pairing::between("lower top", "upper bottom").at(PairQuadrature::Pieces);
+    let still = Field::zero(&Space::vector(&mesh, 1).unwrap());
+    let error = Assembler::new(&mesh).pairs_at(&pairing, 4, &still).unwrap_err();
+    assert!(error.to_string().starts_with("pairs of displaced surfaces are cut"), "{error}");
+    assert!(Assembler::new(&mesh).pairs(&pairing, 4).is_ok());
+}

@@ -1,0 +1,9 @@
+//! Sliding pairs on moving segments: patch tests while bodies slide, balance, covered lengths, the same bits on any number of threads.
+
+mod balance;
+mod errors;
+mod histories;
+mod patch;
+mod rings;
+mod tangent;
+mod wobble;

@@ -1,0 +1,221 @@
+//! The patch test while bodies slide: a block on a longer layer, which is loaded by the same pressure where the block does not cover it,
+//! has one pressure everywhere, wherever the block is.
+
+use forms_fem::contract::PairQuadrature;
+use forms_fem::prelude::*;
+
+const LAMBDA: f64 = 200.0 * 0.3 / (1.3 * 0.4);
+const MU: f64 = 200.0 / 2.6;
+/// γ.
+const GAMMA: f64 = 4000.0;
+/// The shortening of block and layer, which are ½ high.
+const DOWN: f64 = 0.01;
+
+#[forms(dimension = 2)]
+pub mod layers {
+    pub struct Data {
+        lambda: Param,
+        mu: Param,
+        gamma: Param,
+        theta: Param,
+        /// 1 over one surface, 1/2 over both.
+        share: Param,
+        pressure: Param,
+    }
+    #[cells]
+    pub struct Omega;
+    /// The layer's whole surface.
+    #[facets]
+    pub struct Surface;
+    #[pairs]
+    pub struct Touch;
+    /// What the block covers of it.
+    #[pairs]
+    pub struct Cover;
+
+    pub fn stress(u: Vector) -> Tensor {
+        lambda * div(u) * I + 2 * mu * eps(u)
+    }
+    fn bodies(u: Vector, v: Vector) -> Form {
+        integral(Omega, inner(stress(u), eps(v))) + integral(Surface, pressure * dot(n, v))
+            - integral(Cover(u), pressure * dot(toward, this(v)))
+    }
+    fn own(u: Vector) -> Vector {
+        this(stress(u) * n)
+    }
+    pub fn nitsche(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        let T = -neg_part(dot(own(u), toward) + gamma * gap) * toward;
+        let variant = theta / gamma * dot(T - own(u), own(v));
+        bodies(u, v) + integral(Touch(u), share * (variant - dot(T, jump(v))))
+    }
+    pub fn penalty(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        bodies(u, v) + integral(Touch(u), share * neg_part(gamma * gap) * dot(toward, jump(v)))
+    }
+    pub fn multiplier(u: Unknown<Vector>, m: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
+        bodies(u, v)
+            - integral(Touch(u), this(m) * dot(toward, jump(v)))
+            - integral(Touch(u), (this(m) + neg_part(this(m) + gamma * gap)) * this(q) / gamma)
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    Nitsche(f64),
+    Penalty,
+    Multiplier,
+}
+
+/// A layer of length 3 and a block of length 2 on it.
+pub fn bodies(shape: CellShape, cells: [usize; 2]) -> Mesh<2> {
+    let layer = rectangle([0.0, -0.5], [3.0, 0.0], [cells[0], 2], shape, 1).unwrap();
+    let block = rectangle([0.0, 0.0], [2.0, 0.5], [cells[1], 2], shape, 1).unwrap();
+    Mesh::of_bodies(&[("layer", &layer), ("block", &block)]).unwrap()
+}
+
+fn pressure_of(method: Method) -> f64 {
+    let soft = if method == Method::Penalty { 1.0 / GAMMA } else { 0.0 };
+    DOWN / (1.0 / (LAMBDA + 2.0 * MU) + soft)
+}
+
+/// The forms of a method, and a displacement with the block moved by (`aside`, `up`). The nodes of the interface belong to two bodies: the
+/// block's are moved by its cells.
+pub fn layers_of(
+    mesh: &Mesh<2>,
+    method: Method,
+    pairing: &Pairing,
+    (u, aside, up): (&Field<2>, f64, f64),
+) -> (layers::Model<2>, Field<2>) {
+    let theta = if let Method::Nitsche(theta) = method { theta } else { 0.0 };
+    let share = if pairing.surfaces.len() == 2 { 0.5 } else { 1.0 };
+    let data = layers::data()
+        .lambda(LAMBDA)
+        .mu(MU)
+        .gamma(GAMMA)
+        .theta(theta)
+        .share(share)
+        .pressure(pressure_of(method));
+    let regions = layers::Regions::default()
+        .surface("layer top")
+        .touch(pairing.clone().at(PairQuadrature::Pieces))
+        .cover(Pairing::onto("layer top", "block bottom").at(PairQuadrature::Pieces));
+    let space = u.space();
+    let mut moved = vec![false; space.unknowns()];
+    let mut values = u.values().to_vec();
+    for cell in mesh.cell_region("block").unwrap() {
+        for node in space.cell_nodes(*cell as usize) {
+            let first = 2 * *node as usize;
+            if !std::mem::replace(&mut moved[first], true) {
+                values[first] += aside;
+                values[first + 1] += up;
+            }
+        }
+    }
+    (layers::Model { data, regions }, Field::from_values(space, values).unwrap())
+}
+
+/// The largest error of the stress in the cells, the sideways force on the layer, both as parts of the pressure, and Newton's steps.
+fn errors(
+    mesh: &Mesh<2>,
+    degree: usize,
+    method: Method,
+    pairing: &Pairing,
+    offset: f64,
+) -> (f64, f64, usize) {
+    let space = Space::vector(mesh, degree).unwrap();
+    let mut held = Constraints::new(&space);
+    held.fix("layer bottom", |_| [0.0; 2]).unwrap();
+    held.fix("block top", |_| [offset, -DOWN]).unwrap();
+    for side in ["left", "right"] {
+        held.fix_component(&format!("layer {side}"), 0, |_| 0.0).unwrap();
+        held.fix_component(&format!("block {side}"), 0, |_| offset).unwrap();
+    }
+    let (model, start) = layers_of(mesh, method, pairing, (&Field::zero(&space), offset, -1e-3));
+    let pressure = pressure_of(method);
+    let options = NewtonOptions { relative_tolerance: 1e-13, ..NewtonOptions::default() };
+    let (u, steps) = match method {
+        Method::Nitsche(_) | Method::Penalty => {
+            let form = if method == Method::Penalty { model.penalty() } else { model.nitsche() };
+            let mut problem = Problem::new(&form, &space).constrained(&held).options(options).start(&start);
+            let solved = problem.solve().unwrap_or_else(|error| panic!("{method:?} {offset}: {error}"));
+            (solved.field().clone(), solved.iterations())
+        }
+        Method::Multiplier => {
+            let traces = Space::on_facets(mesh, "block bottom", degree).unwrap();
+            let none = Field::interpolate(&traces, |_| -0.1).unwrap();
+            let problem = Problem::new(&model.multiplier(), [&space, &traces]);
+            let mut problem = problem.constrained(&held).options(options).start([&start, &none]);
+            let solved = problem.solve().unwrap_or_else(|error| panic!("{method:?} {offset}: {error}"));
+            (solved.fields[0].clone(), solved.iterations())
+        }
+    };
+    let assembler = Assembler::new(mesh);
+    let stress = assembler.at_quadrature_points(&model.stress(&u), Entity::Cells, "all", 2).unwrap();
+    let off = |value: &Vec<f64>| (value[3] + pressure).abs().max(value[1].abs()) / pressure;
+    let worst = stress.values.iter().map(off).fold(0.0, f64::max);
+    let largest = |values: &[Vec<f64>]| values.iter().map(|value| value[1].abs()).fold(0.0, f64::max);
+    (worst, largest(&stress.values) / pressure, steps)
+}
+
+const OFFSETS: [f64; 7] = [0.0, 0.137, 0.25, 0.401, 0.5, 0.77, 0.93];
+
+pub fn pairings() -> [Pairing; 3] {
+    let (layer, block) = ("layer top", "block bottom");
+    [Pairing::between(layer, block), Pairing::onto(layer, block), Pairing::onto(block, layer)]
+}
+
+/// All laws, degrees and cells: rounding on segments, per cent on whole facets.
+#[test]
+fn pressure_is_constant_while_bodies_slide() {
+    println!("| cells | degree | law | surfaces | largest error | shear | steps |");
+    for (shape, degree, cells) in [
+        (CellShape::Quadrilateral, 1, [9, 8]),
+        (CellShape::Quadrilateral, 2, [6, 5]),
+        (CellShape::Triangle, 1, [6, 10]),
+        (CellShape::Triangle, 2, [9, 4]),
+    ] {
+        let mesh = bodies(shape, cells);
+        let nitsche = [-1.0, 0.0, 1.0].map(Method::Nitsche);
+        for method in nitsche.into_iter().chain([Method::Penalty, Method::Multiplier]) {
+            for pairing in pairings() {
+                // Multipliers of what is not covered would be free.
+                if method == Method::Multiplier && pairing.surfaces[0].own != "block bottom" {
+                    continue;
+                }
+                let all = OFFSETS.map(|offset| errors(&mesh, degree, method, &pairing, offset));
+                let most = |of: fn(&(f64, f64, usize)) -> f64| all.iter().map(of).fold(0.0, f64::max);
+                let [stress, shear, steps] = [most(|e| e.0), most(|e| e.1), most(|e| e.2 as f64)];
+                println!(
+                    "| {shape:?} | {degree} | {method:?} | {pairing} | {stress:.1e} | {shear:.1e} | {steps} |"
+                );
+                let tolerance = if degree == 1 { 1e-12 } else { 1e-11 };
+                assert!(stress < tolerance, "{shape:?} {degree} {method:?} {pairing}: {stress:e}");
+            }
+        }
+    }
+}
+
+/// Systems condensed to what contact touches have the solutions of whole tangents.
+#[test]
+fn condensed_systems_have_the_same_solutions() {
+    let mesh = bodies(CellShape::Quadrilateral, [9, 8]);
+    let space = Space::vector(&mesh, 2).unwrap();
+    let pairing = &pairings()[0];
+    let start = Field::interpolate(&space, |x| [0.0, 1e-3 * (3.0 * x[0]).sin()]).unwrap();
+    let (model, start) = layers_of(&mesh, Method::Nitsche(0.0), pairing, (&start, 0.31, -0.01));
+    let mut held = Constraints::new(&space);
+    held.fix("layer bottom", |_| [0.0; 2]).unwrap();
+    held.fix("block top", |x| [0.31, -DOWN - 2e-3 * x[0]]).unwrap();
+    let form = model.nitsche();
+    let solve = |solver: &mut dyn LinearSolver| {
+        let options = NewtonOptions { relative_tolerance: 1e-12, ..NewtonOptions::default() };
+        let problem = Problem::new(&form, &space).constrained(&held).start(&start).solver(solver);
+        let solved = problem.options(options).solve().unwrap();
+        println!("{} steps", solved.iterations());
+        (solved.iterations(), solved.into_field())
+    };
+    let (taken, one) = solve(&mut LuSolver::default());
+    let (also, other) = solve(&mut CondensedSolver::default());
+    let pairs = one.values().iter().zip(other.values());
+    let difference = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(difference < 1e-12 && taken == also && taken <= 6, "{difference:e} {taken} {also}");
+}

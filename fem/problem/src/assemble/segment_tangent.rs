@@ -1,0 +1,207 @@
+//! The part of a tangent that moves the points of moving segments: Σ over their ends e of ∂R/∂s_e ⊗ ∂s_e/∂u.
+//!
+//! `element_loops/segments.rs` has the first factor and `pairs/segment_motion.rs` the second one, which has entries for the nodes of the own facet
+//! and those of the facet whose node the end follows.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use forms_core::contract::{FieldSlot, Role, Term};
+
+use super::batch::Cells;
+use super::binding::{Binding, Values, pair_error};
+use super::element_loops::vectors::ElementVectors;
+use super::groups::{Group, groups};
+use super::kernels::VectorKernel;
+use super::scatter::group_nodes::{Reading, seen_places};
+use super::{Assembler, AssemblyError, BlockPattern, Parts};
+use crate::contract::Function;
+use crate::element::lagrange::MAXIMUM_NODES;
+use crate::field::FieldView;
+use crate::instantiate::instantiate;
+use crate::linear_algebra::BlockMatrix;
+use crate::mesh::Facet;
+use crate::pairs::{MovingEnd, PairError};
+use crate::space::Space;
+
+/// The derivative of an end of a segment by the displacement of a node.
+type Rate<const D: usize> = (u32, [f64; D]);
+
+/// Whether a form has integrals over moving segments.
+pub(super) fn has_segments<const D: usize>(form: &Function<D>) -> bool {
+    D == 2 && form.residual().iter().any(|term| is_on_segments(form, term).is_some())
+}
+
+/// The unknowns that displace the moving segments of a term, if it is an integral over such.
+fn is_on_segments<const D: usize>(
+    form: &Function<D>,
+    term: &Term<VectorKernel<D>>,
+) -> Option<&'static [usize]> {
+    let region = &form.inputs().regions[term.integral.region];
+    term.integral.displacement.filter(|by| region.is_on_moving_segments(Some(by)))
+}
+
+/// The derivatives of an end by the coefficients of a space; none of an end of the own facet.
+fn rates<const D: usize>(end: &MovingEnd<D>, own: Facet, space: &Space<D>) -> Vec<Rate<D>> {
+    let Some(node) = &end.node else { return vec![] };
+    let mut rates: Vec<Rate<D>> = Vec::new();
+    let mut add = |facet: Facet, reference: &[f64; D], of_node: &dyn Fn(f64, &[f64; D]) -> [f64; D]| {
+        let (mut value, mut gradient) = ([0.0; MAXIMUM_NODES], [[0.0; D]; MAXIMUM_NODES]);
+        let element = space.traces_of(space.mesh.cell_shape(facet.cell as usize));
+        element.evaluate(reference, &mut value, &mut gradient);
+        let nodes = space.nodes_at(facet.cell, Some(facet.local));
+        let places: Vec<usize> = match space.mesh.carries(facet.cell) {
+            true => (0..nodes.len()).collect(),
+            false => element.facet_nodes(usize::from(facet.local)),
+        };
+        for place in places {
+            let rate = of_node(value[place], &gradient[place]);
+            match rates.iter_mut().find(|(known, _)| *known == nodes[place]) {
+                Some((_, known)) => (0..D).for_each(|k| known[k] += rate[k]),
+                None => rates.push((nodes[place], rate)),
+            }
+        }
+    };
+    add(node.facet, &node.reference, &|value, _| node.apart.map(|component| value * component));
+    add(own, &end.reference, &|value, gradient| {
+        let slope: f64 = (0..D).map(|k| gradient[k] * end.along[k]).sum();
+        std::array::from_fn(|k| slope * node.turned[k] - value * node.apart[k])
+    });
+    rates
+}
+
+impl<const D: usize> Assembler<D> {
+    /// What the motion of points adds to the tangent of some of the integrals.
+    ///
+    /// # Errors
+    /// As [`Assembler::tangent`]; [`PairError::NoGradient`] where something is read at the points that knows no derivative.
+    #[inline(never)]
+    pub(super) fn add_motion_of_segments(
+        &self,
+        form: &Function<D>,
+        (unknowns, tests): (&[FieldView<D>], &[&Arc<Space<D>>]),
+        parts: Parts,
+        pattern: &BlockPattern<D>,
+        matrix: &mut BlockMatrix,
+    ) -> Result<(), AssemblyError> {
+        if D != 2 {
+            return Ok(());
+        }
+        for term in form.residual().iter().filter(|term| parts.contain(term.integral.dependence)) {
+            let Some(displacing) = is_on_segments(form, term) else { continue };
+            let mut binding = self.bind(form, unknowns)?;
+            let element = binding.element(tests[term.integral.test]);
+            for field in displacing {
+                if let Role::Unknown(trial) = binding.fields[*field].role {
+                    let motion = Motion { assembler: self, binding: &binding, term, element, trial };
+                    motion.add((unknowns[trial].space, tests), pattern, matrix)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// One term's segments and an unknown that moves them.
+struct Motion<'a, const D: usize> {
+    assembler: &'a Assembler<D>,
+    binding: &'a Binding<'a, D>,
+    term: &'a Term<VectorKernel<D>>,
+    /// That of the test function.
+    element: usize,
+    trial: usize,
+}
+
+impl<const D: usize> Motion<'_, D> {
+    fn add(
+        &self,
+        (trials, tests): (&Arc<Space<D>>, &[&Arc<Space<D>>]),
+        pattern: &BlockPattern<D>,
+        matrix: &mut BlockMatrix,
+    ) -> Result<(), AssemblyError> {
+        let Motion { assembler, binding, term, element, trial } = *self;
+        let (integral, constants) = (term.integral, term.kernel.constants());
+        let (test, form) = (tests[integral.test], binding.name);
+        let names = [integral.test, trial];
+        let names = [binding.name_of(Role::Test(names[0])), binding.name_of(Role::Unknown(names[1]))];
+        let degrees = binding.degrees(tests);
+        let arguments = [(Role::Test(integral.test), &**test)];
+        let quadrature = &assembler.quadrature;
+        let blocks = pattern.sparsity().pair(integral.test, trial).clone();
+        let rows = pattern.sparsity().pair_rows(integral.test, trial);
+        let [height, width] = [constants.components, D];
+        for group in groups(binding, integral, quadrature, &degrees, constants.requirements, &arguments)? {
+            let side = group.side(form, integral.test_side)?;
+            let Some(pairs) = &group.pairs else { continue };
+            let vectors = self.vectors_by_ends(&group, side, element)?;
+            let [reading, _] = Reading::of_arguments(constants.requirements);
+            let nodes = group.sides[side].elements[element].nodes;
+            let seen = seen_places(&group, side, test, reading).unwrap_or_else(|| (0..nodes).collect());
+            let local = group.sides[side].facet.map(|(local, _)| local);
+            let (values, zeros) = matrix.values_and_zero_rows();
+            let (values, zeros) = (&mut values[blocks.values()], &mut zeros[rows.clone()]);
+            let size = nodes * height;
+            for (unit, facets) in pairs.group.facets.iter().enumerate() {
+                let at = test.nodes_at(group.sides[side].cells[unit], local);
+                for (number, end) in pairs.group.motion.ends[unit].iter().enumerate() {
+                    let by_end = &vectors[(2 * unit + number) * size..][..size];
+                    for (column, rate) in rates(end, facets[0], trials) {
+                        for place in &seen {
+                            let row = at[*place] as usize;
+                            let missing = || AssemblyError::Pattern { form, test: names[0], trial: names[1] };
+                            let found = blocks.row(row).binary_search(&column).map_err(|_| missing())?;
+                            let first = (blocks.range(row).start + found) * height * width;
+                            zeros[row] = false;
+                            for i in 0..height {
+                                for j in 0..width {
+                                    values[first + i * width + j] += by_end[place * height + i] * rate[j];
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The derivatives of the element vectors of a group by the ends of their segments, unit after unit.
+    fn vectors_by_ends(
+        &self,
+        group: &Group<D>,
+        side: usize,
+        element: usize,
+    ) -> Result<Vec<f64>, AssemblyError> {
+        let Motion { assembler, binding, term, .. } = *self;
+        let cells = Cells::Mesh(binding.mesh);
+        let task = ElementVectors { binding, group, cells, side, element };
+        let count = group.entities();
+        let threads = assembler.threads.count().min(count.div_ceil(64)).max(1);
+        let parts = (0..threads).map(|part| part * count / threads..(part + 1) * count / threads).collect();
+        let found = assembler.threads.run(parts, |units: Range<usize>| {
+            let mut vectors: Vec<f64> = Vec::new();
+            term.kernel.compute_by_ends(&task, assembler.instructions, units, &mut |_, some| {
+                vectors.extend_from_slice(some);
+                Ok(())
+            })?;
+            Ok(vectors)
+        });
+        let parts: Vec<Vec<f64>> = found.into_iter().collect::<Result<_, AssemblyError>>()?;
+        let vectors = parts.concat();
+        match vectors.iter().all(|value| value.is_finite()) {
+            true => Ok(vectors),
+            false => Err(self.no_gradient()),
+        }
+    }
+
+    #[cold]
+    fn no_gradient(&self) -> AssemblyError {
+        let Motion { binding, term, .. } = *self;
+        let without = |slot: &&FieldSlot| matches!(binding.values[slot.field], Values::Function { .. });
+        let slots = term.kernel.constants().requirements.fields;
+        let field = slots.iter().find(without).map_or("external function", |s| binding.fields[s.field].name);
+        pair_error(binding.name, &binding.regions[term.integral.region], PairError::NoGradient { field })
+    }
+}
+
+instantiate!(segment_tangent: has_segments::<D>, Assembler::<D>::add_motion_of_segments);

@@ -1,0 +1,307 @@
+//! Lanes that carry a derivative: a kernel that is run on them gives its values together with their derivatives along a motion of its points.
+//!
+//! What goes through memory by [`Lane::store`] and [`Lane::load`] loses its derivative, which is no number then: functions of a user that know
+//! no derivative do not pass for constants. Data that do not move are gathered.
+
+// Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
+#![allow(clippy::needless_range_loop)]
+
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+use forms_core::contract::Lane;
+
+use super::{SharedWork, SimdLane, WIDEST};
+
+/// Values with their derivatives.
+#[derive(Clone, Copy)]
+pub(crate) struct Moving<L> {
+    pub value: L,
+    pub slope: L,
+}
+
+impl<L: Lane> Moving<L> {
+    /// f(self) from f and f′; what does not move has no derivative, whatever f′ is.
+    #[inline(always)]
+    fn chain(self, value: L, slope: L) -> Self {
+        let zero = L::splat(0.0);
+        Moving { value, slope: L::select(self.slope.equal(zero), zero, slope * self.slope) }
+    }
+}
+
+impl<L: Lane> Add for Moving<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Moving { value: self.value + other.value, slope: self.slope + other.slope }
+    }
+}
+
+impl<L: Lane> Sub for Moving<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Moving { value: self.value - other.value, slope: self.slope - other.slope }
+    }
+}
+
+impl<L: Lane> Mul for Moving<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        let slope = self.slope.multiply_add(other.value, self.value * other.slope);
+        Moving { value: self.value * other.value, slope }
+    }
+}
+
+impl<L: Lane> Div for Moving<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        let value = self.value / other.value;
+        Moving { value, slope: (self.slope - value * other.slope) / other.value }
+    }
+}
+
+impl<L: Lane> Neg for Moving<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Moving { value: -self.value, slope: -self.slope }
+    }
+}
+
+impl<L: Lane> AddAssign for Moving<L> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+/// Functions of one number by their derivatives.
+macro_rules! functions {
+    ($($name:ident: |$x:ident, $value:ident| $slope:expr),+ $(,)?) => {
+        $(#[inline]
+        fn $name(self) -> Self {
+            let ($x, $value) = (self.value, self.value.$name());
+            let _ = ($x, $value);
+            self.chain($value, $slope)
+        })+
+    };
+}
+
+impl<L: Lane> Lane for Moving<L> {
+    const WIDTH: usize = L::WIDTH;
+    type Mask = L::Mask;
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Moving { value: L::splat(value), slope: L::splat(0.0) }
+    }
+    #[inline(always)]
+    fn load(values: &[f64]) -> Self {
+        Moving { value: L::load(values), slope: L::splat(f64::NAN) }
+    }
+    #[inline(always)]
+    fn store(self, values: &mut [f64]) {
+        self.value.store(values);
+    }
+    #[inline(always)]
+    fn multiply_add(self, factor: Self, addend: Self) -> Self {
+        let slope = self.value.multiply_add(factor.slope, addend.slope);
+        let slope = self.slope.multiply_add(factor.value, slope);
+        Moving { value: self.value.multiply_add(factor.value, addend.value), slope }
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let value = self.value.sqrt();
+        self.chain(value, L::splat(0.5) / value)
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        let negative = self.value.less(L::splat(0.0));
+        Moving { value: self.value.abs(), slope: L::select(negative, -self.slope, self.slope) }
+    }
+    #[inline(always)]
+    fn powi(self, exponent: i32) -> Self {
+        let slope = L::splat(f64::from(exponent)) * self.value.powi(exponent - 1);
+        self.chain(self.value.powi(exponent), slope)
+    }
+    #[inline(always)]
+    fn minimum(self, other: Self) -> Self {
+        Self::select(other.value.less(self.value), other, self)
+    }
+    #[inline(always)]
+    fn maximum(self, other: Self) -> Self {
+        Self::select(self.value.less(other.value), other, self)
+    }
+    #[inline]
+    fn powf(self, exponent: Self) -> Self {
+        let value = self.value.powf(exponent.value);
+        let one = L::splat(1.0);
+        let along_base = self.chain(value, exponent.value * self.value.powf(exponent.value - one));
+        let along_exponent = exponent.chain(value, value * self.value.ln());
+        Moving { value, slope: along_base.slope + along_exponent.slope }
+    }
+    #[inline]
+    fn atan2(self, x: Self) -> Self {
+        let square = self.value * self.value + x.value * x.value;
+        let slope = (self.slope * x.value - self.value * x.slope) / square;
+        Moving { value: self.value.atan2(x.value), slope }
+    }
+    functions! {
+        exp: |x, value| value,
+        ln: |x, value| L::splat(1.0) / x,
+        sin: |x, value| x.cos(),
+        cos: |x, value| -x.sin(),
+        tan: |x, value| L::splat(1.0) + value * value,
+        tanh: |x, value| L::splat(1.0) - value * value,
+        asin: |x, value| L::splat(1.0) / (L::splat(1.0) - x * x).sqrt(),
+        acos: |x, value| L::splat(-1.0) / (L::splat(1.0) - x * x).sqrt(),
+        atan: |x, value| L::splat(1.0) / (L::splat(1.0) + x * x),
+        sinh: |x, value| x.cosh(),
+        cosh: |x, value| x.sinh(),
+        asinh: |x, value| L::splat(1.0) / (L::splat(1.0) + x * x).sqrt(),
+        acosh: |x, value| L::splat(1.0) / (x * x - L::splat(1.0)).sqrt(),
+        atanh: |x, value| L::splat(1.0) / (L::splat(1.0) - x * x),
+        log10: |x, value| L::splat(std::f64::consts::LOG10_E) / x,
+        erf: |x, value| L::splat(std::f64::consts::FRAC_2_SQRT_PI) * (-(x * x)).exp(),
+        erfc: |x, value| L::splat(-std::f64::consts::FRAC_2_SQRT_PI) * (-(x * x)).exp(),
+    }
+    #[inline(always)]
+    fn less(self, other: Self) -> L::Mask {
+        self.value.less(other.value)
+    }
+    #[inline(always)]
+    fn less_equal(self, other: Self) -> L::Mask {
+        self.value.less_equal(other.value)
+    }
+    #[inline(always)]
+    fn equal(self, other: Self) -> L::Mask {
+        self.value.equal(other.value)
+    }
+    #[inline(always)]
+    fn and(first: L::Mask, second: L::Mask) -> L::Mask {
+        L::and(first, second)
+    }
+    #[inline(always)]
+    fn or(first: L::Mask, second: L::Mask) -> L::Mask {
+        L::or(first, second)
+    }
+    #[inline(always)]
+    fn not(mask: L::Mask) -> L::Mask {
+        L::not(mask)
+    }
+    #[inline(always)]
+    fn select(mask: L::Mask, taken: Self, otherwise: Self) -> Self {
+        Moving {
+            value: L::select(mask, taken.value, otherwise.value),
+            slope: L::select(mask, taken.slope, otherwise.slope),
+        }
+    }
+}
+
+/// Work in these lanes as work in those of their values, for whose instructions it is compiled.
+struct InValues<W>(W);
+
+impl<L: SimdLane, W: SharedWork<Moving<L>>> SharedWork<L> for InValues<W> {
+    type Output = W::Output;
+
+    #[inline(always)]
+    fn run(self) -> W::Output {
+        self.0.run()
+    }
+}
+
+impl<L: SimdLane> SimdLane for Moving<L> {
+    const REGISTERS: usize = L::REGISTERS / 2;
+    const CARRIES_SLOPES: bool = true;
+
+    #[inline(always)]
+    fn call<W: SharedWork<Self>>(work: W) -> W::Output {
+        L::call(InValues(work))
+    }
+
+    #[inline(always)]
+    fn gather<const COUNT: usize>(values: &[f64], places: &[usize; WIDEST]) -> [Self; COUNT] {
+        let (entries, zero) = (L::gather::<COUNT>(values, places), L::splat(0.0));
+        let mut moving = [Moving { value: zero, slope: zero }; COUNT];
+        for k in 0..COUNT {
+            moving[k].value = entries[k];
+        }
+        moving
+    }
+
+    #[inline(always)]
+    fn gather_with_slopes<const COUNT: usize>(
+        values: &[f64],
+        slopes: &[f64],
+        places: &[usize; WIDEST],
+    ) -> [Self; COUNT] {
+        let (entries, slopes) = (L::gather::<COUNT>(values, places), L::gather::<COUNT>(slopes, places));
+        let mut moving = [Self::splat(0.0); COUNT];
+        for k in 0..COUNT {
+            moving[k] = Moving { value: entries[k], slope: slopes[k] };
+        }
+        moving
+    }
+
+    #[inline(always)]
+    fn slope(self) -> Self {
+        Moving { value: self.slope, slope: L::splat(0.0) }
+    }
+
+    #[inline(always)]
+    fn with_slope(self, slope: Self) -> Self {
+        Moving { value: self.value, slope: slope.value }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Derivatives of all functions are those of differences; comparisons and choices are those of values.
+    #[test]
+    fn slopes_are_derivatives() {
+        type M = Moving<f64>;
+        let all: [(&str, fn(M) -> M); 26] = [
+            ("product", |x| x * x * M::splat(3.0) + x),
+            ("quotient", |x| (x + M::splat(1.0)) / (x * x)),
+            ("multiply_add", |x| x.multiply_add(x, -x)),
+            ("sqrt", M::sqrt),
+            ("abs", |x| (x - M::splat(2.0)).abs()),
+            ("powi", |x| x.powi(3) + x.powi(-2)),
+            ("minimum", |x| x.minimum(x * x)),
+            ("maximum", |x| x.maximum(x * x)),
+            ("powf", |x| x.powf(M::splat(1.7)) + M::splat(1.7).powf(x) + x.powf(x)),
+            ("atan2", |x| x.atan2(M::splat(2.0)) + M::splat(0.4).atan2(x)),
+            ("exp", M::exp),
+            ("ln", M::ln),
+            ("sin", M::sin),
+            ("cos", M::cos),
+            ("tan", M::tan),
+            ("tanh", M::tanh),
+            ("asin", M::asin),
+            ("acos", M::acos),
+            ("atan", M::atan),
+            ("sinh", M::sinh),
+            ("cosh", M::cosh),
+            ("asinh", M::asinh),
+            ("acosh", |x| (x + M::splat(1.0)).acosh()),
+            ("atanh", M::atanh),
+            ("log10", M::log10),
+            ("erf", |x| x.erf() + M::splat(2.0) * x.erfc()),
+        ];
+        for (name, function) in all {
+            let at = |x: f64| function(Moving { value: x, slope: 1.0 });
+            let (x, h) = (0.37, 1e-3);
+            let central = |h: f64| (at(x + h).value - at(x - h).value) / (2.0 * h);
+            let difference = (4.0 * central(h) - central(2.0 * h)) / 3.0;
+            let found = at(x).slope;
+            assert!((found - difference).abs() < 1e-9 * (1.0 + found.abs()), "{name}: {found} {difference}");
+            assert!(function(M::splat(x)).slope == 0.0, "{name}");
+        }
+        assert!(M::splat(0.0).sqrt().slope == 0.0);
+        assert!(M::splat(0.3).each(f64::cbrt).slope.is_nan());
+    }
+}
