@@ -112,7 +112,7 @@ pub(in crate::assemble) fn groups_of<const D: usize>(
             group.sides.map(|(shape, _)| LaneElement::new(&Element::Lagrange(mesh.element_of(shape)), None));
         let weights = vec![0.0; group.count];
         let tables = PairTables { group, geometry, elements };
-        groups.push(Group { place: place.to_owned(), sides, weights, pairs: Some(tables) });
+        groups.push(Group { place: place.to_owned(), sides, weights, pairs: Some(tables), means: None });
     }
     Ok(groups)
 }
