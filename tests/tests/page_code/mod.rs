@@ -10,13 +10,14 @@ mod contact;
 mod dynamics;
 mod histories;
 mod language;
+mod mean_gaps;
 mod rubber;
 // The law of `docs/new_contact_law.md` is a crate of its own.
 #[path = "../../contact_law/src/tresca.rs"]
 mod tresca;
 
 /// The pages with blocks in Rust, and what compiles them elsewhere.
-const PAGES: [(&str, Option<&str>); 14] = [
+const PAGES: [(&str, Option<&str>); 15] = [
     ("adaptivity", None),
     ("bounds", None),
     ("coming_from", Some("the documentation tests of this crate")),
@@ -27,6 +28,7 @@ const PAGES: [(&str, Option<&str>); 14] = [
     ("friction", None),
     ("inverse_problems", None),
     ("language", None),
+    ("mean_gaps", None),
     ("nearly_incompressible", None),
     ("new_contact_law", None),
     ("python", Some("the example of the bindings")),
@@ -56,6 +58,7 @@ fn every_block_of_a_page_is_compiled() {
         include_str!("dynamics.rs"),
         include_str!("histories.rs"),
         include_str!("language.rs"),
+        include_str!("mean_gaps.rs"),
         include_str!("rubber.rs"),
         include_str!("../../contact_law/src/tresca.rs"),
     ];

@@ -74,7 +74,7 @@ impl<'a, const D: usize> Binding<'a, D> {
         Some(Arc::clone(&known.means))
     }
 
-    /// Keeps means for other integrals.
+    /// Means for other integrals.
     pub fn keep_means(&self, number: usize, degree: usize, means: &Arc<FacetMeans>) {
         let mut found = self.found_means.lock().unwrap_or_else(PoisonError::into_inner);
         found.push(FoundMeans { number, degree, means: Arc::clone(means) });
