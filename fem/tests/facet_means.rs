@@ -383,6 +383,25 @@ fn the_same_on_any_number_of_threads() {
     assert!(one == of(2) && one == of(5));
 }
 
+/// Means couple cells: products of the tangent are made of the matrix, and there are no element matrices.
+#[test]
+fn products_and_element_matrices() {
+    let mesh = plane(CellShape::Quadrilateral, 1);
+    let space = Space::vector(&mesh, 1).unwrap();
+    let (u, w) = (bent(&space), direction(&space));
+    let assembler = Assembler::new(&mesh);
+    // The tangent of the springs has products of means only.
+    let springs = fixed::springs(&fixed::Touch::on(pairing()));
+    for form in [springs.clone(), 2.0 * &springs] {
+        let action = assembler.action(&form, &[&u], &[&w], &[&space]).unwrap();
+        let tangent = assembler.tangent(&form, &[&u], &[&space]).unwrap();
+        assert!(largest(&action) > 0.1);
+        assert!(apart(&action, &tangent.multiply(w.values()).unwrap()) < 1e-14 * largest(&action));
+        let matrices = assembler.element_matrices(&form, &[&u], &[&space]);
+        assert!(matches!(matrices, Err(AssemblyError::Means { .. })), "{matrices:?}");
+    }
+}
+
 #[test]
 fn forces_and_moments_balance() {
     let mesh = plane(CellShape::Quadrilateral, 1);

@@ -198,7 +198,8 @@ impl<const D: usize, B: CombiningBackend<D>> Combination<D, B> {
         }));
         own.means_by_unknowns.extend(addend.means_by_unknowns.iter().map(|term| bilinear(term, unscaled)));
         own.switches.extend(addend.switches.iter().map(|term| expression(term, unscaled)));
-        self.has_action &= addend.tangent.is_empty() || !addend.action.is_empty();
+        let has_tangent = !addend.tangent.is_empty() || !addend.residual_by_means.is_empty();
+        self.has_action &= !has_tangent || !addend.action.is_empty();
 
         let (inputs, added) = (&mut own.inputs, &addend.inputs);
         inputs.regions.extend(added.regions.iter().cloned());

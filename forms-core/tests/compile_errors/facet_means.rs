@@ -1,4 +1,4 @@
-use forms_core::contract::Given;
+use forms_core::contract::{Given, History};
 use forms_core::forms;
 
 /// Means over own facets where there are none, of what has none, and densities that are not one number per facet.
@@ -7,6 +7,7 @@ pub mod averaged {
     pub struct Data {
         gamma: Param,
         load: Given<Scalar>,
+        past: History<Scalar>,
     }
     #[cells]
     pub struct Omega;
@@ -38,6 +39,9 @@ pub mod averaged {
     pub fn opposite_size(u: Unknown<Vector>) -> Energy {
         means(Touch(u), 0, sqr(mean(gap)) / other(h))
     }
+    pub fn of_a_history(u: Unknown<Vector>) -> Energy {
+        means(Touch, 0, sqr(mean(this(past) + jump(u[0]))))
+    }
     pub fn of_cells(u: Unknown<Vector>) -> Energy {
         means(Omega, 0, sqr(mean(u[0])))
     }
@@ -67,8 +71,8 @@ pub mod products {
 }
 
 /// A use of the modules: it gives no further errors.
-pub fn form(load: Given<f64, 2>) -> forms_core::contract::Form<2> {
-    averaged::right(&averaged::Data::<2> { gamma: 1.0, load }, &averaged::Touch::on("touch"))
+pub fn form(load: Given<f64, 2>, past: History<f64, 2>) -> forms_core::contract::Form<2> {
+    averaged::right(&averaged::Data::<2> { gamma: 1.0, load, past }, &averaged::Touch::on("touch"))
 }
 
 fn main() {}

@@ -206,7 +206,11 @@ impl Lowering<'_> {
                 continue;
             }
             let what = match &self.arena.node(tensor).operator {
-                Operator::FacetMean(_) | Operator::Geometry(Geometry::FacetArea) => continue,
+                Operator::FacetMean(operand) => {
+                    self.check_histories(fields, *operand);
+                    continue;
+                }
+                Operator::Geometry(Geometry::FacetArea) => continue,
                 Operator::Restrict(Side::This, a) if self.is_of_own_cell(*a) => continue,
                 Operator::Field { field, .. } => match fields[*field].role {
                     FieldRole::Test(_) => {
@@ -244,6 +248,19 @@ impl Lowering<'_> {
                 format!("{what} varies along the own facet, and outside of `mean` the density of `means` is one number per facet"),
                 "write it inside of `mean(..)`; numbers, parameters, `this(h)`, `this(cell_volume)` and `facet_area` may be outside",
             );
+        }
+    }
+
+    /// Reports histories in a mean: they have a rule of their own, and means have that of all that reads them.
+    fn check_histories(&mut self, fields: &[FieldInfo], operand: Tensor) {
+        for node in self.arena.reachable(&[operand]) {
+            let Operator::Field { field, .. } = self.arena.node(node).operator else { continue };
+            if fields[field].role == FieldRole::History {
+                let message =
+                    format!("`{}` is a history, which has no mean over an own facet", fields[field].name);
+                let help = "integrate what reads it by `integral(Touch, density)`, or pass a `Given` field";
+                self.diagnostics.error_with_help(self.arena.span(node), message, help);
+            }
         }
     }
 
