@@ -193,7 +193,7 @@ fn an_energy_and_its_form_are_one() {
     assert!(largest(&r) > 0.01 && apart(&r, &s) < 1e-15);
     let [k, l] = [&one, &other].map(|form| assembler.tangent(form, &[&u], &[&space]).unwrap());
     let [k, l] = [k, l].map(|matrix| matrix.multiply(w.values()).unwrap());
-    assert!(largest(&k) > 0.1 && apart(&k, &l) < 1e-14 * largest(&k), "{} of {}", apart(&k, &l), largest(&k));
+    assert!(largest(&k) > 0.05 && apart(&k, &l) < 1e-14 * largest(&k), "{} of {}", apart(&k, &l), largest(&k));
     // Linear: K u is the residual, and twice the energy is u·K u.
     let product = assembler.tangent(&one, &[&u], &[&space]).unwrap().multiply(u.values()).unwrap();
     assert!(apart(&product, &r) < 1e-15);
@@ -395,7 +395,7 @@ fn products_and_element_matrices() {
     for form in [springs.clone(), 2.0 * &springs] {
         let action = assembler.action(&form, &[&u], &[&w], &[&space]).unwrap();
         let tangent = assembler.tangent(&form, &[&u], &[&space]).unwrap();
-        assert!(largest(&action) > 0.1);
+        assert!(largest(&action) > 0.05);
         assert!(apart(&action, &tangent.multiply(w.values()).unwrap()) < 1e-14 * largest(&action));
         let matrices = assembler.element_matrices(&form, &[&u], &[&space]);
         assert!(matches!(matrices, Err(AssemblyError::Means { .. })), "{matrices:?}");

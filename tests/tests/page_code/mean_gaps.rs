@@ -5,7 +5,7 @@ use forms_contact::laws::mean_sliding_bodies as law;
 use forms_fem::prelude::*;
 
 pub fn solve(
-    space: &Arc<Space<2>>,
+    space: Arc<Space<2>>,
     data: law::Data<2>,
     held: Constraints<2>,
 ) -> Result<Field<2>, Failure> {
@@ -19,7 +19,7 @@ pub fn solve(
 
 #[forms]
 pub mod frictionless {
-    use forms_contact::operators::neo_hookean::{first_piola};
+    use forms_contact::operators::neo_hookean::first_piola;
 
     pub struct Data {
         lambda: Param,
