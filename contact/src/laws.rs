@@ -15,6 +15,8 @@
 //! | [`third_medium`] | bodies in a soft medium that is crushed between them | finite, neo-Hooke |
 //! | [`two_bodies`] | Nitsche's method, every θ, between two bodies, at pairs of fixed points | small |
 //! | [`sliding_bodies`] | Nitsche's method, θ = 0, between bodies or of one with itself, at points that slide | finite, neo-Hooke |
+//! | [`mean_two_bodies`] | the same with one traction per own facet | small |
+//! | [`mean_sliding_bodies`], [`mean_penalty_bodies`] | Nitsche's method, θ = 0, and penalty, at points that slide, with one traction per own facet or per vertex of it | finite, neo-Hooke |
 //! | [`capsule`] | Nitsche's method, θ = 0, with a round obstacle that moves and turns | finite, neo-Hooke |
 //! | [`analytic_obstacle`] | Nitsche's method, every θ, or penalty, with an obstacle given by its signed distance, that moves and turns | small |
 //! | [`cohesive`] | two bodies that are glued together and separate, at pairs of fixed points | small |
@@ -35,6 +37,9 @@ pub mod cohesive;
 pub mod contact_heat;
 pub mod finite_nitsche;
 pub mod frictional_penalty;
+pub mod mean_penalty_bodies;
+pub mod mean_sliding_bodies;
+pub mod mean_two_bodies;
 pub mod mixed_bodies;
 pub mod mixed_nitsche;
 pub mod moving_obstacle;

@@ -8,6 +8,7 @@ mod cell_means;
 mod cell_values;
 mod diameter_kinks;
 mod eigenproblems;
+mod facet_means;
 mod field_files;
 mod fixed_sizes;
 mod floating_bodies;

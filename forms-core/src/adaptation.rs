@@ -7,7 +7,7 @@ mod kept;
 
 pub(crate) use self::kept::text;
 use crate::degree::{Degree, DegreeSum};
-use crate::form::Integral;
+use crate::form::{Integral, Means};
 use crate::kernel::{FieldSlot, Requirements};
 
 /// A factor of kernels, and new numbers of fields and regions.
@@ -18,12 +18,14 @@ pub struct Adaptation<'a> {
     fields: &'a [usize],
     /// The number of regions before those of the function.
     regions: usize,
+    /// The number of lists of means before those of the function.
+    means: usize,
 }
 
 impl<'a> Adaptation<'a> {
-    /// The factor, the new number of each field, and the number of regions before those of the function.
-    pub(crate) fn new(factor: f64, fields: &'a [usize], regions: usize) -> Self {
-        Adaptation { factor, fields, regions }
+    /// The factor, the new number of each field, and the numbers of regions and of lists of means before those of the function.
+    pub(crate) fn new(factor: f64, fields: &'a [usize], regions: usize, means: usize) -> Self {
+        Adaptation { factor, fields, regions, means }
     }
 
     /// The same without the factor.
@@ -51,7 +53,12 @@ impl<'a> Adaptation<'a> {
         let degree_is_kept =
             |sum: &DegreeSum| sum.fields.iter().all(|[field, ..]| self.fields[*field] == *field);
         let is_displaced = integral.displacement.is_some();
-        if self.regions == 0 && !is_displaced && integral.degree.0.iter().all(degree_is_kept) {
+        let means_are_kept = self.means == 0 || integral.means.is_none();
+        if self.regions == 0
+            && !is_displaced
+            && means_are_kept
+            && integral.degree.0.iter().all(degree_is_kept)
+        {
             return integral;
         }
         let numbers =
@@ -64,6 +71,7 @@ impl<'a> Adaptation<'a> {
         kept::integral(Integral {
             region: self.regions + integral.region,
             displacement: integral.displacement.map(numbers),
+            means: integral.means.map(|means| Means { number: self.means + means.number, ..means }),
             degree: Degree(kept::degree_sums(integral.degree.0.iter().map(degree_sum).collect())),
             ..*integral
         })

@@ -64,6 +64,10 @@ pub enum Role {
     Given,
     /// The direction for the k-th unknown: only the action of a tangent reads it. It has no source among the inputs.
     Direction(usize),
+    /// Numbers per own facet of contact pairs: the k-th list of means ([`Means`]). The backend makes them; they have no source.
+    Mean(usize),
+    /// The function with which the k-th list of means is integrated, and the volume of its weight as the last component.
+    MeanTest(usize),
 }
 
 /// One field of a form, by index.
@@ -120,9 +124,25 @@ pub struct Integral {
     pub vanishes: bool,
     /// The tangent's blocks are proved symmetric (tangents only, else false).
     pub symmetric: bool,
+    /// Of `means(..)`: the integral has one term per own facet and weight.
+    pub means: Option<Means>,
     /// Degree of the integrand as a polynomial of the place, from which follows that of a quadrature rule, with the measure's
     /// where that varies ([`Degree::over`]).
     pub degree: Degree,
+}
+
+/// Means over the own facets of contact pairs, `means(Touch(u), degree, e)`.
+///
+/// On each own facet there are weights ψ_i, functions of a degree whose sum is 1, and D_i = ∫ ψ_i over its points with an opposite
+/// one. `mean(a)` in e is ∫ ψ_i a / D_i, and the integral is Σ D_i e_i over all facets and weights. Here it is written as Σ ∫ ψ_i e_i: in
+/// the i-th term the weights of the quadrature points are multiplied by ψ_i, and the fields with [`Role::Mean`] have the values of
+/// the i-th means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Means {
+    /// The list of means that the integral makes, or by which it differentiates. No meaning in other integrals.
+    pub number: usize,
+    /// Degree of the weights: 0, one per facet; 1, one per vertex of the facet.
+    pub degree: usize,
 }
 
 /// The data that a form was built with.

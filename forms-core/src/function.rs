@@ -35,6 +35,9 @@ pub struct Function<const D: usize, B: Backend<D>> {
     switches: Vec<Term<B::Expression>>,
     density: Vec<Term<B::Expression>>,
     action: Vec<Term<B::Linear>>,
+    means: Vec<Term<B::Linear>>,
+    means_by_unknowns: Vec<Term<B::Bilinear>>,
+    residual_by_means: Vec<Term<B::Bilinear>>,
     /// The type that has the integrals.
     integrals: TypeId,
 }
@@ -54,6 +57,9 @@ impl<const D: usize, B: Backend<D>> Function<D, B> {
             switches: I::switches::<B>(constants),
             density: I::density::<B>(constants),
             action: I::action::<B>(constants),
+            means: I::means::<B>(constants),
+            means_by_unknowns: I::means_by_unknowns::<B>(constants),
+            residual_by_means: I::residual_by_means::<B>(constants),
             integrals: TypeId::of::<I>(),
             inputs,
         }
@@ -141,6 +147,22 @@ impl<const D: usize, B: Backend<D>> Function<D, B> {
         &self.action
     }
 
+    /// The means over own facets that the integrals read, by [`Means::number`](crate::form::Means::number): terms that are linear in the
+    /// functions with [`Role::MeanTest`]. The last component of each is ∫ ψ.
+    pub fn means(&self) -> &[Term<B::Linear>] {
+        &self.means
+    }
+
+    /// The derivatives of [`Function::means`] by the unknowns.
+    pub fn means_by_unknowns(&self) -> &[Term<B::Bilinear>] {
+        &self.means_by_unknowns
+    }
+
+    /// The derivatives of the residual by the means that it reads; what is in [`Function::tangent`] holds these fixed.
+    pub fn residual_by_means(&self) -> &[Term<B::Bilinear>] {
+        &self.residual_by_means
+    }
+
     /// Whether no integral is nonlinear in the unknowns.
     pub fn is_affine(&self) -> bool {
         self.residual.iter().all(|term| term.integral.dependence != Dependence::Nonlinear)
@@ -169,10 +191,10 @@ impl<const D: usize, B: Backend<D>> Function<D, B> {
     }
 }
 
-/// Whether two integrals are over the same points.
+/// Whether two integrals are over the same points, with the same weights.
 #[must_use]
 pub fn is_on_same_points(one: &Integral, other: &Integral) -> bool {
-    (one.region, one.displacement) == (other.region, other.displacement)
+    (one.region, one.displacement, one.means) == (other.region, other.displacement, other.means)
 }
 
 impl<const D: usize, B: Backend<D>> fmt::Debug for Function<D, B> {

@@ -69,6 +69,18 @@ pub trait Integrals<const D: usize>: 'static {
     fn action<B: Backend<D>>(_: Constants<'_>) -> Vec<Term<B::Linear>> {
         vec![]
     }
+    /// The means over own facets that other integrals read, times the functions with [`Role::MeanTest`](crate::form::Role::MeanTest).
+    fn means<B: Backend<D>>(_: Constants<'_>) -> Vec<Term<B::Linear>> {
+        vec![]
+    }
+    /// The derivatives of the means by the unknowns.
+    fn means_by_unknowns<B: Backend<D>>(_: Constants<'_>) -> Vec<Term<B::Bilinear>> {
+        vec![]
+    }
+    /// The derivatives of the residual by the means that it reads: their trial function is 1.
+    fn residual_by_means<B: Backend<D>>(_: Constants<'_>) -> Vec<Term<B::Bilinear>> {
+        vec![]
+    }
     /// The switches of integrals that have kinks.
     fn switches<B: Backend<D>>(_: Constants<'_>) -> Vec<Term<B::Expression>> {
         vec![]

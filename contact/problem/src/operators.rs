@@ -27,6 +27,7 @@
 mod cavities;
 mod interfaces;
 mod materials;
+mod mean_gaps;
 mod nearly_incompressible;
 mod parameters;
 mod secants;
@@ -36,6 +37,7 @@ mod work;
 pub use cavities::cavity;
 pub use interfaces::{cohesion, friction, obstacle, rigid_flat, signed_distance};
 pub use materials::{linear_elastic, neo_hookean, st_venant_kirchhoff, strains};
+pub use mean_gaps::mean_sliding;
 pub use nearly_incompressible::rubber;
 pub use parameters::{penalty, variant};
 pub use secants::neo_hookean_secant;

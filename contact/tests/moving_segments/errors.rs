@@ -112,3 +112,34 @@ fn space_and_high_degrees_are_refused() {
     assert!(error.to_string().starts_with("pairs of displaced surfaces are cut"), "{error}");
     assert!(Assembler::new(&mesh).pairs(&pairing, 4).is_ok());
 }
+
+#[forms(dimension = 2)]
+mod means_on_facets {
+    #[pairs]
+    pub struct Touch;
+
+    pub fn energy(u: Unknown<Vector>) -> Energy {
+        means(Touch(u), 0, sqr(neg_part(mean(gap))))
+    }
+    pub fn balance(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        derivative(energy(u), u, v)
+    }
+}
+
+#[test]
+fn means_over_own_facets_are_refused() {
+    let mesh = plates(CellShape::Quadrilateral, 1, [7, 9]);
+    let space = Space::vector(&mesh, 1).unwrap();
+    let u = Field::zero(&space);
+    let assembler = Assembler::new(&mesh);
+    let on = |touch: Pairing| means_on_facets::Model {
+        data: means_on_facets::data(),
+        regions: means_on_facets::Regions::default().touch(touch),
+    };
+    let whole = on(Pairing::between("lower top", "upper bottom"));
+    assert!(assembler.residual(&whole.balance(), &[&u], &[&space]).is_ok());
+    let pieces = on(Pairing::between("lower top", "upper bottom").at(PairQuadrature::Pieces));
+    let error = assembler.residual(&pieces.balance(), &[&u], &[&space]).unwrap_err();
+    assert!(error.to_string().contains("means over own facets have no derivative by the motion"), "{error}");
+    assert!(assembler.tangent(&pieces.balance(), &[&u], &[&space]).is_err());
+}

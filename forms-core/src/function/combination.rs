@@ -139,6 +139,9 @@ impl<const D: usize, B: CombiningBackend<D>> Combination<D, B> {
             switches: vec![],
             density: vec![],
             action: vec![],
+            means: vec![],
+            means_by_unknowns: vec![],
+            residual_by_means: vec![],
             integrals: TypeId::of::<Combined>(),
         };
         Combination { function, fields: vec![], has_action: true }
@@ -153,19 +156,20 @@ impl<const D: usize, B: CombiningBackend<D>> Combination<D, B> {
         let known = self.function.fault.take().or_else(|| addend.fault.clone());
         self.function.fault = known.or_else(refused).or_else(|| self.mismatch(addend));
 
+        let means = self.fields.iter().filter(|field| matches!(field.role, Role::Mean(_))).count();
         let mut numbers = Vec::with_capacity(addend.fields.len());
         for (field, source) in addend.fields.iter().zip(&addend.inputs.sources) {
             let known =
                 self.fields.iter().position(|known| is_shared(field.role) && known.role == field.role);
             numbers.push(known.unwrap_or(self.fields.len()));
             if known.is_none() {
-                self.fields.push(*field);
+                self.fields.push(FieldDescription { role: renumbered(field.role, means), ..*field });
                 self.function.inputs.sources.push(source.clone());
             }
         }
 
         let own = &mut self.function;
-        let adaptation = Adaptation::new(factor, &numbers, own.inputs.regions.len());
+        let adaptation = Adaptation::new(factor, &numbers, own.inputs.regions.len(), means);
         let linear = |term: &Term<B::Linear>| Term {
             integral: adaptation.integral(term.integral),
             kernel: B::adapt_linear(&term.kernel, adaptation),
@@ -173,10 +177,13 @@ impl<const D: usize, B: CombiningBackend<D>> Combination<D, B> {
         own.residual.extend(addend.residual.iter().map(linear));
         own.joined_residual.extend(addend.joined_residual.iter().map(linear));
         own.action.extend(addend.action.iter().map(linear));
-        own.tangent.extend(addend.tangent.iter().map(|term| Term {
+        let bilinear = |term: &Term<B::Bilinear>, adaptation: Adaptation| Term {
             integral: adaptation.integral(term.integral),
             kernel: B::adapt_bilinear(&term.kernel, adaptation),
-        }));
+        };
+        own.tangent.extend(addend.tangent.iter().map(|term| bilinear(term, adaptation)));
+        let by_means = addend.residual_by_means.iter();
+        own.residual_by_means.extend(by_means.map(|term| bilinear(term, adaptation)));
         let expression = |term: &Term<B::Expression>, adaptation: Adaptation| Term {
             integral: adaptation.integral(term.integral),
             kernel: B::adapt_expression(&term.kernel, adaptation),
@@ -184,8 +191,15 @@ impl<const D: usize, B: CombiningBackend<D>> Combination<D, B> {
         own.density.extend(addend.density.iter().map(|term| expression(term, adaptation)));
         // A factor does not change where a kink is on.
         let unscaled = adaptation.without_factor();
+        // Nor does it change the means.
+        own.means.extend(addend.means.iter().map(|term| Term {
+            integral: unscaled.integral(term.integral),
+            kernel: B::adapt_linear(&term.kernel, unscaled),
+        }));
+        own.means_by_unknowns.extend(addend.means_by_unknowns.iter().map(|term| bilinear(term, unscaled)));
         own.switches.extend(addend.switches.iter().map(|term| expression(term, unscaled)));
-        self.has_action &= addend.tangent.is_empty() || !addend.action.is_empty();
+        let has_tangent = !addend.tangent.is_empty() || !addend.residual_by_means.is_empty();
+        self.has_action &= !has_tangent || !addend.action.is_empty();
 
         let (inputs, added) = (&mut own.inputs, &addend.inputs);
         inputs.regions.extend(added.regions.iter().cloned());
@@ -227,6 +241,15 @@ impl<const D: usize, B: CombiningBackend<D>> Combination<D, B> {
             }
         }
         None
+    }
+}
+
+/// The role of a field that is not shared, after some lists of means.
+fn renumbered(role: Role, means: usize) -> Role {
+    match role {
+        Role::Mean(number) => Role::Mean(means + number),
+        Role::MeanTest(number) => Role::MeanTest(means + number),
+        other => other,
     }
 }
 

@@ -18,7 +18,7 @@ use crate::dump::{self, Dump};
 use crate::emit::named_regions::regions_named;
 use crate::emit::{editor, emit};
 use crate::optimise::{Failure, optimise};
-use crate::options::Options;
+use crate::options::{Options, Products};
 use crate::parse::parse;
 use crate::reuse::import::Arrived;
 use crate::reuse::names::Import;
@@ -65,6 +65,14 @@ impl Unit<'_> {
                 let before = diagnostics.reports();
                 let derived = differentiate(checked, &module.regions, &mut diagnostics);
                 if diagnostics.reports() > before {
+                    continue;
+                }
+                if options.products != Products::ByMatrices && derived.has_facet_means() {
+                    diagnostics.error_with_help(
+                        SourceSpan::of(name),
+                        format!("`{name}` has `means`, and their tangent has no products without a matrix"),
+                        "leave `matrix_free` out of this module's `#[forms(..)]`, or put the form into another one",
+                    );
                     continue;
                 }
                 dump.differentiated(&module, &derived);

@@ -180,7 +180,7 @@ fn name_regions(tokens: TokenStream, regions: &mut Vec<RegionEntry>) -> TokenStr
             continue;
         };
         let mut content: Vec<TokenTree> = group.stream().into_iter().collect();
-        let of_integral = matches!(out.last(), Some(TokenTree::Ident(name)) if name == "integral")
+        let of_integral = matches!(out.last(), Some(TokenTree::Ident(name)) if name == "integral" || name == "means")
             && group.delimiter() == Delimiter::Parenthesis;
         if of_integral
             && let [TokenTree::Ident(kind), TokenTree::Group(argument), ..] = &content[..]

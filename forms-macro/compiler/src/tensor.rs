@@ -190,6 +190,9 @@ pub enum Operator {
     },
     /// The mean over the cell. After differentiation only of a field or its gradient.
     CellMean(Tensor),
+    /// The mean over the covered part of a pair's own facet, inside of `means`. Kernels do not hold it: `differentiate` puts fields in its
+    /// place.
+    FacetMean(Tensor),
     /// The limit of an expression at an interior facet, from one of its two cells; on a pair, its value at X or at Y.
     Restrict(Side, Tensor),
     /// The value of the first at the opposite point Y of a sliding pair, whose surfaces are displaced by the second.
@@ -265,6 +268,7 @@ impl Operator {
             | Norm(a)
             | Apply(_, a)
             | CellMean(a)
+            | FacetMean(a)
             | Restrict(_, a)
             | Sliding(_, a)
             | Gradient(a)
@@ -310,6 +314,12 @@ pub enum FieldRole {
     History,
     /// The direction in which the tangent differentiates the k-th unknown.
     Trial(usize),
+    /// Means over own facets, the k-th list: numbers where they are read.
+    Mean(usize),
+    /// The function with which they are integrated.
+    MeanTest(usize),
+    /// The direction in which a residual is differentiated by them.
+    MeanTrial(usize),
 }
 
 impl FieldRole {

@@ -10,6 +10,7 @@ mod contact;
 mod dynamics;
 mod histories;
 mod language;
+mod mean_gaps;
 mod rubber;
 mod smooth;
 // The law of `docs/new_contact_law.md` is a crate of its own.
@@ -28,6 +29,7 @@ const PAGES: [(&str, Option<&str>); 15] = [
     ("friction", None),
     ("inverse_problems", None),
     ("language", None),
+    ("mean_gaps", None),
     ("nearly_incompressible", None),
     ("new_contact_law", None),
     ("points_segments_means", None),
@@ -59,6 +61,7 @@ fn every_block_of_a_page_is_compiled() {
         include_str!("dynamics.rs"),
         include_str!("histories.rs"),
         include_str!("language.rs"),
+        include_str!("mean_gaps.rs"),
         include_str!("rubber.rs"),
         include_str!("smooth.rs"),
         include_str!("../../contact_law/src/tresca.rs"),

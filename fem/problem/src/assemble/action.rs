@@ -91,7 +91,8 @@ impl<const D: usize> Assembler<D> {
 
 /// Whether a form has kernels for products without a matrix.
 fn has_kernels<const D: usize>(form: &Form<D>) -> bool {
-    form.tangent().is_empty() || !form.action().is_empty()
+    let has_tangent = !form.tangent().is_empty() || !form.residual_by_means().is_empty();
+    !has_tangent || !form.action().is_empty()
 }
 
 /// The tangent of a form at given unknowns as a linear operator without a matrix, for Krylov methods. Test spaces are

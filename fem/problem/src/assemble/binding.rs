@@ -2,6 +2,7 @@
 
 pub(super) mod entities;
 mod functions_on_pairs;
+pub(super) mod means;
 pub(super) mod notices;
 pub(super) mod outline;
 pub(super) mod owned_cells;
@@ -10,11 +11,13 @@ pub(super) mod pair_histories;
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use forms_core::contract::{FieldDescription, Region, Requirements, Role, Source};
+use forms_core::contract::{FieldDescription, Region, Requirements, Role, Source, Term};
 use forms_core::source::PositionFunction;
 
 use self::entities::Entities;
+use self::means::FoundMeans;
 use self::owned_cells::OwnedCells;
+use super::kernels::VectorKernel;
 use super::{Assembler, AssemblyError};
 use crate::contract::Function;
 use crate::element::{Element, Elements, Lagrange, PerShape};
@@ -33,6 +36,8 @@ use crate::threads::Threads;
 pub(super) enum Values<'a, const D: usize> {
     /// A test function: it has no values.
     Absent,
+    /// Means over own facets, which a group has.
+    Means,
     Constant(&'a [f64]),
     Function {
         function: &'a PositionFunction<D>,
@@ -85,6 +90,12 @@ pub(super) struct Binding<'a, const D: usize> {
     pub searches: Option<(&'a KnownPairs<D>, Threads)>,
     /// Pairs that one of the form's integrals asked for: others have the same.
     found: Mutex<Vec<Found<D>>>,
+    /// The integrals that make means over own facets, the element with which they are integrated, and those that were made.
+    means: &'a [Term<VectorKernel<D>>],
+    constant: Option<usize>,
+    found_means: Mutex<Vec<FoundMeans>>,
+    /// Instructions with which means are made.
+    pub instructions: InstructionSet,
 }
 
 /// The pairs of a region, displaced by some fields, with a rule of some degree.
@@ -139,12 +150,14 @@ impl<'a, const D: usize> Binding<'a, D> {
         for (index, field) in fields.iter().enumerate() {
             let value = match (field.role, &inputs.sources[index]) {
                 (Role::Unknown(number), _) => binding.discrete(field, unknowns[number], mesh)?,
+                (Role::Mean(_), _) => Values::Means,
                 (Role::Test(_), _) | (_, None) => Values::Absent,
                 (_, Some(source)) => binding.resolve(field, source, mesh)?,
             };
             values.push(value);
         }
         binding.values = List::Own(values);
+        binding.bind_means(form);
         Ok(binding)
     }
 
@@ -153,6 +166,7 @@ impl<'a, const D: usize> Binding<'a, D> {
     pub fn assembled_by(mut self, assembler: &'a Assembler<D>) -> Self {
         self.owned = assembler.owned.as_deref();
         self.searches = Some((&assembler.known_pairs, assembler.threads));
+        self.instructions = assembler.instructions;
         self
     }
 
@@ -206,6 +220,10 @@ impl<'a, const D: usize> Binding<'a, D> {
             owned: None,
             searches: None,
             found: Mutex::default(),
+            means: &[],
+            constant: None,
+            found_means: Mutex::default(),
+            instructions: InstructionSet::best(),
         }
     }
 

@@ -193,13 +193,20 @@ impl<const D: usize> BlockPattern<D> {
             let entities = search.entities(form, tests, trials, &coupling)?;
             let entities = OwnedCells::among(owned.map(|owned| &**owned), entities);
             let seen = coupling.seen_on_pairs(form, tests, trials, &entities);
-            found.push((coupling, entities, seen));
+            let spaces = [&**tests[coupling.test], &**trials[coupling.trial]];
+            let across = coupling.across_opposite_facets(spaces, &entities, seen.as_ref());
+            found.push((coupling, entities, seen, across));
         }
         let mut coupled: Vec<Vec<Coupled>> = vec![vec![Coupled::default(); trials.len()]; tests.len()];
-        for (coupling, entities, seen) in &found {
+        for (coupling, entities, seen, across) in &found {
             let Coupling { test, trial, sides: [test_side, trial_side], .. } = *coupling;
             let (rows, columns) = (tests[test], trials[trial]);
             let target = &mut coupled[test][trial];
+            for [rows, columns] in across {
+                target.others.push((rows, columns));
+                // As of pairs, the pattern is symmetric.
+                target.others.extend(seen.is_some().then_some((&columns[..], &rows[..])));
+            }
             let cells = rows.mesh.cell_count();
             let on_cells = rows.facet_region().is_none() && columns.facet_region().is_none();
             if let Entities::Cells(region) = entities {

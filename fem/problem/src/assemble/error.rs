@@ -104,6 +104,14 @@ pub enum AssemblyError {
         /// The place of integration or evaluation.
         place: String,
     },
+    /// Means over own facets where there are none.
+    #[error(
+        "`{form}` has means over the own facets of contact pairs, which couple the cells of all facets opposite to one: they have no element matrices"
+    )]
+    Means {
+        /// The form.
+        form: &'static str,
+    },
     /// Facets whose sides do not fit each other.
     #[error("form `{form}`, {place}: {source}")]
     Facets {

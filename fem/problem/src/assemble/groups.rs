@@ -5,6 +5,7 @@
 pub(super) mod degrees;
 pub(super) mod facet_groups;
 pub(super) mod means;
+pub(super) mod own_facets;
 pub(super) mod pair_groups;
 pub(super) mod pair_reports;
 pub(super) mod pair_search;
@@ -16,6 +17,7 @@ use forms_core::contract::{Entity, FieldSlot, Integral, Order, Requirements, Rol
 use self::degrees::{Estimate, cells_by_degree, facets_by_degree};
 use self::facet_groups::facet_groups;
 use self::means::{FurtherTables, MeanTables};
+use self::own_facets::{UnitMeans, groups_with_means};
 use self::pair_groups::{PairTables, pair_groups};
 use super::AssemblyError;
 use super::binding::{Binding, Tabulated, notices};
@@ -37,6 +39,8 @@ pub(super) struct Group<const D: usize> {
     /// Points of contact pairs, which differ from entity to entity; the sides' tables are at one point then, and the
     /// weights count points alone.
     pub pairs: Option<PairTables<D>>,
+    /// Means over own facets, of integrals of `means(..)`.
+    pub means: Option<UnitMeans>,
 }
 
 /// The cells on one side of a group's facets, or a group's cells, with their tables.
@@ -105,7 +109,7 @@ impl<const D: usize> Group<D> {
         further: FurtherTables,
     ) -> Result<Self, QuadratureError> {
         let side = GroupSide::new(binding.mesh, &binding.elements, (shape, cells), places, further)?;
-        Ok(Group { place, sides: vec![side], weights, pairs: None })
+        Ok(Group { place, sides: vec![side], weights, pairs: None, means: None })
     }
 
     pub fn points(&self) -> usize {
@@ -315,7 +319,10 @@ pub(super) fn groups<const D: usize>(
     let failed = |source| AssemblyError::Quadrature { form, source };
     if region.entity == Entity::Pairs {
         let degree = estimate.on_pairs(mesh, region.pairing.as_ref());
-        return pair_groups(binding, integral, quadrature, degree, requirements);
+        return match integral.means {
+            Some(means) => groups_with_means(binding, (integral, means), (quadrature, degree), requirements),
+            None => pair_groups(binding, integral, quadrature, degree, requirements),
+        };
     }
     match binding.entities(integral.region)? {
         Entities::Cells(cells) => {

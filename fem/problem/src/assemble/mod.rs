@@ -2,9 +2,9 @@
 //!
 //! ```text
 //! binding   a form's data against a mesh: regions, fields, parameters checked. Inside: entities (a region's cells or
-//!           facets), owned_cells (an assembler of some of the cells), outline (a form without its type), pair_histories
+//!           facets), owned_cells (an assembler of some of the cells), outline (a form without its type), pair_histories, means
 //! groups    a region as groups of entities with common tables. Inside: facets, contact pairs (whose points differ from
-//!           entity to entity), facets that are split at zeros, means, degrees of rules
+//!           entity to entity), facets that are split at zeros, means over cells and over own facets, degrees of rules
 //! batch     geometry, basis functions and fields at the points of some cells, one per lane
 //! element_loops   what a kernel gives for each entity of a range, as matrices and vectors; its node_pairs, reference_tensor and
 //!           sum_factorisation: three ways
@@ -12,6 +12,7 @@
 //! block_pattern   the positions of a matrix. Inside: sparsity, block_index (the slots of element matrices), touched entries
 //! scatter   from element matrices to the global one. Inside: partition (which thread adds what, in the order of one thread),
 //!           own_rows (the rows that a thread adds to), group_nodes, block_positions (to which rows and slots)
+//! means_tangent   products of the derivatives of means over own facets
 //! residual, tangent, functional, derived   the four loops, one per kind of kernel; action runs the residual's
 //! segment_tangent   what a tangent has of points that move with moving segments
 //! ```
@@ -34,6 +35,7 @@ mod error;
 mod functional;
 mod groups;
 mod kernels;
+mod means_tangent;
 pub(crate) mod projection;
 mod residual;
 mod scatter;

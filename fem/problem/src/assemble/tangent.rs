@@ -167,7 +167,8 @@ impl<const D: usize> Assembler<D> {
             set: self.instructions,
         };
         let mut asked = form.tangent().iter().filter(|term| parts.contain(term.integral.dependence));
-        asked.try_for_each(|term| tangent.integrate(term))
+        asked.try_for_each(|term| tangent.integrate(term))?;
+        tangent.add_products_of_means(form, parts)
     }
 }
 
@@ -201,7 +202,7 @@ pub struct ElementMatrix {
 }
 
 /// Targets of element matrices.
-enum Target<'a, const D: usize> {
+pub(super) enum Target<'a, const D: usize> {
     Matrix {
         pattern: &'a BlockPattern<D>,
         values: &'a mut [f64],
@@ -214,17 +215,17 @@ enum Target<'a, const D: usize> {
 }
 
 /// The integrals of a tangent on their way to a target.
-struct TangentIntegrals<'a, const D: usize> {
-    binding: &'a Binding<'a, D>,
-    quadrature: &'a Quadrature<D>,
+pub(super) struct TangentIntegrals<'a, const D: usize> {
+    pub binding: &'a Binding<'a, D>,
+    pub quadrature: &'a Quadrature<D>,
     threads: Threads,
-    degrees: Vec<usize>,
-    tests: &'a [&'a Arc<Space<D>>],
-    trials: Vec<&'a Arc<Space<D>>>,
-    test_elements: Vec<usize>,
-    trial_elements: Vec<usize>,
-    target: Target<'a, D>,
-    set: InstructionSet,
+    pub degrees: Vec<usize>,
+    pub tests: &'a [&'a Arc<Space<D>>],
+    pub trials: Vec<&'a Arc<Space<D>>>,
+    pub test_elements: Vec<usize>,
+    pub trial_elements: Vec<usize>,
+    pub target: Target<'a, D>,
+    pub set: InstructionSet,
 }
 
 impl<const D: usize> TangentIntegrals<'_, D> {

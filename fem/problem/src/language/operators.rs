@@ -262,6 +262,8 @@ names! {
         functions {
             /// Integral of a density over a region.
             fn integral(region: Region, density: Scalar) -> Form;
+            /// Sum Σ D e over own facets of contact pairs, where `mean(a)` is the mean over the facet; degree 0, or 1 for a mean per vertex.
+            fn means(region: Region, degree: Scalar, density: Scalar) -> Form;
             /// Gateaux derivative of a form, functional or expression by a field, a parameter or the `shape` of the domain.
             fn derivative<A: Value>(form: Form, field: A, direction: A) -> Form;
             /// Partial derivative of an expression by a name.

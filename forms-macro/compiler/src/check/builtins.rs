@@ -36,6 +36,7 @@ pub enum Builtin {
     Average,
     CellMean,
     Integral,
+    Means,
     Derivative,
     Partial,
     /// A function of a square tensor.
@@ -120,6 +121,7 @@ pub const BUILTINS: &[(&str, Builtin, usize, &str)] = &[
     ("avg", Builtin::Average, 1, "avg(e)"),
     ("mean", Builtin::CellMean, 1, "mean(e)"),
     ("integral", Builtin::Integral, 2, "integral(Region, density)"),
+    ("means", Builtin::Means, 3, "means(Region(u), degree, density)"),
     ("derivative", Builtin::Derivative, 3, "derivative(form, field, direction)"),
     ("diff", Builtin::Partial, 2, "diff(expression, name)"),
 ];

@@ -53,7 +53,8 @@ impl Evaluator<'_> {
             return None;
         }
         match builtin {
-            Builtin::Integral => return self.integral(&arguments[0], &arguments[1], scope),
+            Builtin::Integral => return self.integral(&arguments[0], &arguments[1], None, scope),
+            Builtin::Means => return self.means(arguments, scope),
             Builtin::Derivative => return self.derivative(arguments, span, scope),
             Builtin::Partial => return self.partial(arguments, span, scope).map(Value::Tensor),
             Builtin::Identity => return self.identity_of_size(&arguments[0], span).map(Value::Tensor),
@@ -113,7 +114,11 @@ impl Evaluator<'_> {
                 };
                 self.arena.push(operator, vec![], span)
             }
-            Builtin::Integral | Builtin::Derivative | Builtin::Partial | Builtin::Identity => return None,
+            Builtin::Integral
+            | Builtin::Means
+            | Builtin::Derivative
+            | Builtin::Partial
+            | Builtin::Identity => return None,
         };
         Some(Value::Tensor(tensor))
     }

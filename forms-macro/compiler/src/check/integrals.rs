@@ -1,10 +1,12 @@
 //! Integrals and their arithmetic, and the derivatives that are asked for by name.
 
-use super::Term;
+use std::fmt::Display;
+
 use super::builtins::{self, Constant};
 use super::evaluate::{Evaluator, Scope, Value};
 use super::regions::check_existence;
 use super::sliding::displaced;
+use super::{Means, Term};
 use crate::diagnostics::SourceSpan;
 use crate::parse::syntax::*;
 use crate::tensor::{Geometry, Operator, Tensor, Variable};
@@ -14,8 +16,15 @@ impl Evaluator<'_> {
         &mut self,
         region: &Expression,
         density: &Expression,
+        means: Option<Means>,
         scope: &Scope,
     ) -> Option<Value> {
+        let written = if means.is_some() { "means" } else { "integral" };
+        let user = &format!("`{written}`");
+        let example = |region: &dyn Display| match means {
+            Some(_) => format!("means({region}(u), 0, density)"),
+            None => format!("integral({region}, density)"),
+        };
         let regions = &self.module.regions;
         let (name, displacement) = displaced(region);
         let found = name.and_then(|name| regions.iter().position(|region| region.name == *name));
@@ -24,9 +33,10 @@ impl Evaluator<'_> {
             _ => None,
         };
         if let (None, Some(swapped)) = (found, swapped) {
-            let help = format!("write `integral({}, density)`", swapped.name);
-            self.diagnostics.error_with_help(density.span, "the region comes first in `integral`", help);
-            self.tensor(region, scope, "`integral`");
+            let help = format!("write `{}`", example(&swapped.name));
+            let message = format!("the region comes first in {user}");
+            self.diagnostics.error_with_help(density.span, message, help);
+            self.tensor(region, scope, user);
             return None;
         }
         let Some(index) = found else {
@@ -42,18 +52,22 @@ impl Evaluator<'_> {
             };
             self.diagnostics.error_with_help(
                 region.span,
-                "the first argument of `integral` is not a declared region",
+                format!("the first argument of {user} is not a declared region"),
                 help,
             );
-            self.tensor(density, scope, "`integral`");
+            self.tensor(density, scope, user);
             return None;
         };
         let displacement =
             displacement.map(|one| self.displacement(one, &regions[index], region.span, scope));
-        let density = self.tensor(density, scope, "`integral`")?;
-        let mut density = self.expect_scalar(density, "integral")?;
+        let density = self.tensor(density, scope, user)?;
+        let mut density = self.expect_scalar(density, written)?;
         if self.module.is_mistaken(&regions[index].name) {
             return None;
+        }
+        if means.is_some() {
+            self.check_pairs(&regions[index], region.span)?;
+            density = self.with_facet_means(density)?;
         }
         let mut fields = None;
         if let Some(displacement) = displacement {
@@ -62,7 +76,7 @@ impl Evaluator<'_> {
             fields = Some(list);
         }
         check_existence(&self.arena, density, &regions[index], self.diagnostics);
-        Some(Value::Form(vec![Term { region: index, displacement: fields, density }]))
+        Some(Value::Form(vec![Term { region: index, displacement: fields, means, density }]))
     }
 
     pub(super) fn derivative(

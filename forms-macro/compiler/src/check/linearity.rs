@@ -114,6 +114,7 @@ impl Algebra<'_> {
             | Component(a, _)
             | Slice(a, _)
             | CellMean(a)
+            | FacetMean(a)
             | Restrict(_, a)
             | Opposite(a, _)
             | Gradient(a)

@@ -9,6 +9,7 @@ mod externals;
 mod indices;
 mod integrals;
 mod linearity;
+mod means;
 mod names;
 mod operators;
 mod outline;
@@ -57,7 +58,18 @@ pub struct Term {
     pub region: usize,
     /// The fields whose sum displaces the surfaces of sliding pairs; `None` for other regions and for pairs of fixed points.
     pub displacement: Option<Vec<usize>>,
+    /// Of `means(..)`.
+    pub means: Option<Means>,
     pub density: Tensor,
+}
+
+/// Means over own facets: `forms_core::contract::Means`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Means {
+    /// The list of means that an integral makes; 0 in others.
+    pub number: usize,
+    /// Degree of the weights.
+    pub degree: usize,
 }
 
 impl Term {

@@ -125,6 +125,18 @@ impl<'a> CellMeans<'a> {
 
     fn not_affine<T>(&mut self, tensor: Tensor, what: &str) -> Option<T> {
         let message = format!("the mean over a cell is of what is affine in fields, and {what}");
+        let of_pairs =
+            self.arena.reachable(&[tensor]).into_iter().any(|node| match &self.arena.node(node).operator {
+                Operator::Geometry(geometry) | Operator::Sliding(geometry, _) => geometry.is_of_pairs(),
+                operator => matches!(operator, Operator::Opposite(..)),
+            });
+        if of_pairs {
+            return self.refuse(
+                tensor,
+                &message,
+                "the mean over the own facet of a contact pair is written in `means(Touch(u), 0, density)`; a function with it that others call is private, or gives a `Form` or `Functional`",
+            );
+        }
         self.refuse(
             tensor,
             &message,
@@ -148,6 +160,13 @@ impl<'a> CellMeans<'a> {
             _ => "`toward`",
         };
         let message = format!("the mean over a cell is of fields, and {what} is none");
+        if geometry.is_of_pairs() {
+            return self.refuse(
+                tensor,
+                &message,
+                "the mean over the own facet of a contact pair is written in `means(Touch(u), 0, density)`, where `mean` is of what belongs to pairs",
+            );
+        }
         self.refuse(
             tensor,
             &message,

@@ -42,6 +42,9 @@ impl Lowering<'_> {
                 self.diagnostics.error_with_help(self.arena.span(term.density), message, help);
             }
             check_existence(&self.arena, density, region, self.diagnostics);
+            if term.means.is_some() {
+                self.check_facet_means(fields, density);
+            }
             if region.entity.is_two_sided() {
                 check_sides(&self.arena, fields, density, Some(region), self.diagnostics);
             }
@@ -246,7 +249,7 @@ impl Lowering<'_> {
     }
 
     /// Row-major scalars as nested stacks.
-    fn nest(&mut self, entries: Vec<Tensor>, shape: &[usize], origin: Tensor) -> Tensor {
+    pub(super) fn nest(&mut self, entries: Vec<Tensor>, shape: &[usize], origin: Tensor) -> Tensor {
         let Some((first, rest)) = shape.split_first() else { return entries[0] };
         let stride = entries.len() / first;
         let rows = entries.chunks(stride).map(|row| self.nest(row.to_vec(), rest, origin)).collect();

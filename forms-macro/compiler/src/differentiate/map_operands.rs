@@ -13,6 +13,7 @@ pub fn map_operands(operator: &Operator, change: &mut impl FnMut(Tensor) -> Tens
         Opposite(a, displacement) => Opposite(change(*a), change(*displacement)),
         Sliding(geometry, displacement) => Sliding(*geometry, change(*displacement)),
         CellMean(a) => CellMean(change(*a)),
+        FacetMean(a) => FacetMean(change(*a)),
         Negate(a) => Negate(change(*a)),
         Map(map, a) => Map(*map, change(*a)),
         Determinant(a) => Determinant(change(*a)),

@@ -2,6 +2,7 @@
 //! residuals and tangents are derived. Nothing of a [`Derived`] holds `Gradient`, `Partial` or `Gateaux`.
 
 mod cell_mean;
+mod facet_means;
 mod lowering;
 mod map_operands;
 pub mod rules;
@@ -15,6 +16,7 @@ use crate::check::{CheckedFunction, Content, Term};
 use crate::diagnostics::Diagnostics;
 use crate::parse::syntax::Region;
 use crate::tensor::{Arena, FieldInfo, FieldRole, Tensor};
+use facet_means::FacetMeans;
 use lowering::Lowering;
 pub use lowering::multi_indices;
 pub use map_operands::map_operands;
@@ -25,7 +27,8 @@ pub struct Derived {
     pub function: usize,
     pub dimension: usize,
     pub arena: Arena,
-    /// As checked, then (energies) a test function per unknown, then a trial function per unknown.
+    /// As checked, then (energies) a test function per unknown, the means over own facets and their test functions, then a trial function
+    /// per unknown and the directions of the means.
     pub fields: Vec<FieldInfo>,
     /// Additive parts of the residual, with their tangents. Empty for functionals and values.
     pub residual: Vec<ResidualPart>,
@@ -37,6 +40,13 @@ pub struct Derived {
     pub value: Option<Tensor>,
     /// The residual is the first variation of an energy: its tangent is symmetric (Schwarz).
     pub from_energy: bool,
+}
+
+impl Derived {
+    /// Whether some integrals read means over own facets.
+    pub fn has_facet_means(&self) -> bool {
+        self.fields.iter().any(|field| matches!(field.role, FieldRole::Mean(_)))
+    }
 }
 
 /// One additive part of a residual's density on a region.
@@ -97,6 +107,12 @@ pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: 
             density = energy;
         }
     }
+    let mut means = FacetMeans::default();
+    for term in terms.iter().chain(&density).filter(|term| term.means.is_some()) {
+        let lowered = lowering.lower(term.density);
+        means.collect(&lowering, &fields, term, lowered);
+    }
+    means.add_fields(&mut fields);
     let mut trials = Vec::new();
     for (index, number) in unknowns {
         let name = format!("d{}", fields[index].name);
@@ -104,19 +120,17 @@ pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: 
         fields.push(FieldInfo { name, role: FieldRole::Trial(number), shape });
         trials.push((index, fields.len() - 1));
     }
-    let (mut residual, mut sources) = (Vec::new(), HashMap::<Tensor, Vec<Source>>::new());
+    means.add_directions(&mut fields);
+    // The integrals of means first: what reads them depends on the unknowns as they do.
+    let mut residual = means.integrals(&mut lowering, &fields, &trials);
+    trials.extend(means.varying());
+    let mut sources = HashMap::<Tensor, Vec<Source>>::new();
     for term in terms {
         let found = if from_energy { vec![] } else { lowering.sources(term.density) };
         let lowered = lowering.lower(term.density);
+        let lowered = means.replace(&mut lowering, &term, lowered);
         for part in lowering.parts(lowered) {
-            let mut tangent = Vec::new();
-            for &(unknown, trial) in &trials {
-                let gateaux = lowering.gateaux(part, unknown, trial, &fields);
-                let derivative = lowering.lower(gateaux);
-                if !lowering.arena.is_zero(derivative) {
-                    tangent.push((trial, derivative));
-                }
-            }
+            let tangent = lowering.tangent(part, &trials, &fields);
             if !found.is_empty() {
                 sources.entry(part).or_default().extend(found.iter().cloned());
             }
@@ -128,6 +142,7 @@ pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: 
         .map(|term| {
             let found = lowering.sources(term.density);
             let density = lowering.lower(term.density);
+            let density = means.replace(&mut lowering, &term, density);
             if !found.is_empty() {
                 sources.entry(density).or_default().extend(found);
             }

@@ -191,6 +191,7 @@ impl<'a> Differentiation<'a> {
                 Some(self.push(Restrict(side, da), shape, tensor))
             }
             CellMean(a) => self.cell_mean(tensor, a),
+            FacetMean(a) => self.facet_mean(tensor, a),
             Opposite(a, displacement) => self.at_opposite_point(tensor, a, displacement),
             Sliding(geometry, displacement) => self.sliding(tensor, geometry, displacement),
             // Below: only in formulas. For kernels they are removed before a derivative is taken of what holds them.
@@ -230,6 +231,22 @@ impl<'a> Differentiation<'a> {
                 None
             }
         }
+    }
+
+    /// d mean(e) = mean(de) at fixed points; by the shape also mean(e ϑ) − mean(e) mean(ϑ), with the rate ϑ of the facet's measure.
+    fn facet_mean(&mut self, tensor: Tensor, a: Tensor) -> Option<Tensor> {
+        let shape = self.arena.shape(tensor).to_vec();
+        let change = match self.seed {
+            Seed::Along(_) => return None,
+            Seed::Toward { variable: Variable::Shape(Some(_)), .. } => self.derive_with_measure(a),
+            Seed::Toward { .. } => self.derive(a),
+        };
+        let change = change.map(|change| self.push(Operator::FacetMean(change), shape.clone(), tensor));
+        let Seed::Toward { variable: Variable::Shape(Some(entity)), .. } = self.seed else { return change };
+        let rate = self.mean_rate_of_measure(entity, tensor);
+        let less = self.push(Operator::Scale(rate, tensor), shape.clone(), tensor);
+        let less = self.push(Operator::Negate(less), shape, tensor);
+        self.sum(change, Some(less))
     }
 
     /// d mean(e) = mean(de): a constant in space.

@@ -31,6 +31,7 @@ pub fn describe(
     used: &[usize],
     [test, trial]: [Argument; 2],
     symmetric: bool,
+    list_of_means: usize,
 ) -> TokenStream {
     let region = used.iter().position(|region| *region == description.region).unwrap_or_default();
     let dependence = match description.dependence {
@@ -39,11 +40,17 @@ pub fn describe(
         Dependence::Nonlinear => quote! { Nonlinear },
     };
     let vanishes = description.vanishes;
-    let degree = degree(&description.degree);
+    let degree_of_rule = degree(&description.degree);
     let [test_side, trial_side] = [test.side, trial.side].map(name_of_side);
     let [test, trial] = [test.number, trial.number];
     let displacement = match &description.displacement {
         Some(fields) => quote! { ::core::option::Option::Some(&[#(#fields),*]) },
+        None => quote! { ::core::option::Option::None },
+    };
+    let means = match description.means {
+        Some(degree) => quote! {
+            ::core::option::Option::Some(contract::Means { number: #list_of_means, degree: #degree })
+        },
         None => quote! { ::core::option::Option::None },
     };
     quote! {
@@ -57,7 +64,8 @@ pub fn describe(
             dependence: contract::Dependence::#dependence,
             vanishes: #vanishes,
             symmetric: #symmetric,
-            degree: #degree,
+            means: #means,
+            degree: #degree_of_rule,
         }
     }
 }

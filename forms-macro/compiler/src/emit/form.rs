@@ -14,6 +14,7 @@ use crate::options::Products;
 use crate::parse::syntax::*;
 use crate::rustc_arguments;
 use crate::show::Shown;
+use crate::tensor::{FieldInfo, FieldRole};
 
 /// Constructor and module of a function.
 pub fn emit_function(
@@ -28,7 +29,9 @@ pub fn emit_function(
     let complete = optimised.len() == dimensions.len();
     let used = regions_named(module, function);
     let constructor_arguments = constructor_arguments(module, function, &used);
-    let inputs = inputs(module, function, &used);
+    let of_means = |field: &&FieldInfo| matches!(field.role, FieldRole::Mean(_) | FieldRole::MeanTest(_));
+    let means = optimised.first().map_or(0, |one| one.fields.iter().filter(of_means).count());
+    let inputs = inputs(module, function, &used, means);
     let mut integrals = TokenStream::new();
     let mut optimised: Vec<Option<Optimised>> = optimised.into_iter().map(Some).collect();
     for dimension in dimensions {
@@ -138,7 +141,8 @@ fn region_arguments(module: &Module, used: &[usize]) -> Vec<Ident> {
     taken.iter().map(|name| own(name)).collect()
 }
 
-fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
+/// `means` is the number of fields of means over own facets.
+fn inputs(module: &Module, function: &Function, used: &[usize], means: usize) -> TokenStream {
     let (own_data, own_inputs) = (own("data"), own("inputs"));
     let parameters = module.members().filter(|member| member.kind == MemberKind::Param).map(|member| {
         let (name, text) = (&member.name, member.name.to_string());
@@ -157,12 +161,13 @@ fn inputs(module: &Module, function: &Function, used: &[usize]) -> TokenStream {
     });
     let tables = module.members().filter(|member| member.kind == MemberKind::Table);
     let tables = tables.map(|member| &member.name);
-    // No argument names an energy's test function per unknown, nor a tangent's direction per unknown.
+    // No argument names an energy's test function per unknown, means, nor a tangent's direction per unknown.
     let unknowns =
         function.arguments.iter().filter(|argument| argument.role == ArgumentRole::Unknown).count();
     let variations = if function.output == Output::Energy { unknowns } else { 0 };
     let directions = if has_tangent(function) { unknowns } else { 0 };
-    let unnamed = std::iter::repeat_n(quote! { ::core::option::Option::None }, variations + directions);
+    let unnamed =
+        std::iter::repeat_n(quote! { ::core::option::Option::None }, variations + means + directions);
     let regions = region_arguments(module, used).into_iter();
     let regions = regions.map(|name| quote! { ::core::clone::Clone::clone(&#name.0) });
     let unoptimised = (!rustc_arguments::optimised()).then(|| quote! { #own_inputs.optimised = false; });

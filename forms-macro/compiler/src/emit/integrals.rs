@@ -79,6 +79,9 @@ struct Lists {
     tangent: Vec<TokenStream>,
     joined_tangent: Vec<TokenStream>,
     action: Vec<TokenStream>,
+    means: Vec<TokenStream>,
+    means_by_unknowns: Vec<TokenStream>,
+    residual_by_means: Vec<TokenStream>,
     switches: Vec<TokenStream>,
     density: Vec<TokenStream>,
 }
@@ -101,6 +104,7 @@ impl Lists {
         kernels: &mut TokenStream,
     ) -> Self {
         let mut lists = Lists::default();
+        let (mut means, mut means_by_unknowns, mut residual_by_means) = (vec![], vec![], vec![]);
         let term = |kernel: &Ident, kind: &str| {
             let (kernel, kind) = (quote! { #kernels_name::#kernel }, format_ident!("{kind}"));
             quote! {
@@ -125,9 +129,14 @@ impl Lists {
                 writer.holds_points = integral.description.holds_points;
                 kernels.extend(writer.linear(&kernel, integral.test.field, &integral.flux, motion));
                 let arguments = [argument(integral.test, writer.fields), NO_ARGUMENT];
-                let description = describe(&integral.description, used, arguments, false);
+                let of_means = list_of_means(integral.test, writer.fields);
+                let number = of_means.unwrap_or_default();
+                let description = describe(&integral.description, used, arguments, false, number);
                 kernels.extend(described(&kernel, description));
-                list.push(term(&kernel, "linear"));
+                match of_means {
+                    Some(_) => means.push(term(&kernel, "linear")),
+                    None => list.push(term(&kernel, "linear")),
+                }
             }
         }
         for (list, integrals, prefix) in [
@@ -139,9 +148,17 @@ impl Lists {
                 writer.holds_points = integral.description.holds_points;
                 kernels.extend(writer.bilinear(&kernel, integral));
                 let arguments = [integral.test, integral.trial].map(|one| argument(one, writer.fields));
-                let description = describe(&integral.description, used, arguments, integral.symmetric);
+                let [made, by] = [integral.test, integral.trial].map(|one| list_of_means(one, writer.fields));
+                // A product of two derivatives of an energy's means is symmetric.
+                let symmetric = integral.symmetric || (by.is_some() && optimised.from_energy);
+                let number = made.or(by).unwrap_or_default();
+                let description = describe(&integral.description, used, arguments, symmetric, number);
                 kernels.extend(described(&kernel, description));
-                list.push(term(&kernel, "bilinear"));
+                match (made, by) {
+                    (Some(_), _) => means_by_unknowns.push(term(&kernel, "bilinear")),
+                    (None, Some(_)) => residual_by_means.push(term(&kernel, "bilinear")),
+                    (None, None) => list.push(term(&kernel, "bilinear")),
+                }
             }
         }
         for (list, integrals, prefix) in [
@@ -153,7 +170,7 @@ impl Lists {
                 let shape = if prefix == "Density" { vec![] } else { vec![integral.components.len()] };
                 writer.holds_points = integral.description.holds_points;
                 kernels.extend(writer.expression(&kernel, &integral.components, &shape));
-                let description = describe(&integral.description, used, [NO_ARGUMENT; 2], false);
+                let description = describe(&integral.description, used, [NO_ARGUMENT; 2], false, 0);
                 kernels.extend(described(&kernel, description));
                 list.push(term(&kernel, "expression"));
             }
@@ -165,16 +182,17 @@ impl Lists {
             let description = Description {
                 region: 0,
                 displacement: None,
+                means: None,
                 dependence: Dependence::Constant,
                 vanishes: false,
                 holds_points: false,
                 degree: Degree::constant(0),
             };
-            let description = describe(&description, &[0], [NO_ARGUMENT; 2], false);
+            let description = describe(&description, &[0], [NO_ARGUMENT; 2], false, 0);
             kernels.extend(described(&kernel, description));
             lists.density.push(term(&kernel, "expression"));
         }
-        lists
+        Lists { means, means_by_unknowns, residual_by_means, ..lists }
     }
 
     /// The lists that have terms; the others are the trait's own.
@@ -185,6 +203,9 @@ impl Lists {
             ("tangent", "Bilinear", self.tangent),
             ("joined_tangent", "Bilinear", self.joined_tangent),
             ("action", "Linear", self.action),
+            ("means", "Linear", self.means),
+            ("means_by_unknowns", "Bilinear", self.means_by_unknowns),
+            ("residual_by_means", "Bilinear", self.residual_by_means),
             ("switches", "Expression", self.switches),
             ("density", "Expression", self.density),
         ];
@@ -212,9 +233,19 @@ fn described(kernel: &Ident, description: TokenStream) -> TokenStream {
 fn argument(function: SidedField, fields: &[FieldInfo]) -> Described {
     let number = match fields[function.field].role {
         FieldRole::Unknown(number) | FieldRole::Test(number) | FieldRole::Trial(number) => number,
+        // Of means the description has the number of the list.
+        FieldRole::Mean(_) | FieldRole::MeanTest(_) | FieldRole::MeanTrial(_) => 0,
         FieldRole::State | FieldRole::Given | FieldRole::Carried | FieldRole::History => 0,
     };
     Described { number, side: function.side }
+}
+
+/// The list of means that a test function makes, or by which a trial function differentiates.
+fn list_of_means(function: SidedField, fields: &[FieldInfo]) -> Option<usize> {
+    match fields[function.field].role {
+        FieldRole::MeanTest(number) | FieldRole::MeanTrial(number) => Some(number),
+        _ => None,
+    }
 }
 
 /// A `contract::FieldDescription` per field.
@@ -226,7 +257,9 @@ fn describe_fields(function: &Function, fields: &[FieldInfo]) -> Vec<TokenStream
             FieldRole::State => quote! { State },
             FieldRole::Given | FieldRole::Carried | FieldRole::History => quote! { Given },
             FieldRole::Trial(number) if has_tangent(function) => quote! { Direction(#number) },
-            FieldRole::Trial(_) => return None,
+            FieldRole::Mean(number) => quote! { Mean(#number) },
+            FieldRole::MeanTest(number) => quote! { MeanTest(#number) },
+            FieldRole::Trial(_) | FieldRole::MeanTrial(_) => return None,
         };
         let (name, shape) = (&field.name, &field.shape);
         Some(quote! {

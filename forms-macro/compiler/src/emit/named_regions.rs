@@ -51,7 +51,7 @@ fn regions_of(
 ) {
     let declared = || module.regions.iter().map(|region| region.name.to_string());
     match &expression.kind {
-        ExpressionKind::Call(name, arguments) if name == "integral" => {
+        ExpressionKind::Call(name, arguments) if name == "integral" || name == "means" => {
             let names: Vec<String> = declared().collect();
             let region = arguments.iter().find_map(|argument| match &argument.kind {
                 ExpressionKind::Name(name) | ExpressionKind::Call(name, _)

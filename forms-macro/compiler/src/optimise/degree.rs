@@ -56,6 +56,11 @@ impl Degree {
         self
     }
 
+    /// With a factor of some degree.
+    pub fn raised(self, by: usize) -> Self {
+        self.plus(Degree::constant(by))
+    }
+
     fn plus(self, other: Self) -> Self {
         let mut result = Degree(vec![]);
         for a in &self.0 {
@@ -168,6 +173,8 @@ impl<'a> Degrees<'a> {
             }
             // The same number at all points.
             CellMean(_) => zero,
+            // What is integrated is the operand.
+            FacetMean(a) => self.of(*a),
             // As |a| is where a is one number.
             Norm(a) => self.of(*a),
             Add(a, b) | Minimum(a, b) | Maximum(a, b) | Select(_, a, b) => self.of(*a).largest(self.of(*b)),

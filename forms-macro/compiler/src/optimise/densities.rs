@@ -1,14 +1,14 @@
 //! Functions of position on a region: the densities of functionals, and the switches of nonlinear integrals.
 
 use super::degree::{Degree, Degrees};
-use super::groups::Group;
+use super::groups::{Group, varies_with_unknowns};
 use super::scalar::Node;
 use super::scalarise::{OppositeSide, Scalariser};
 use super::{Dependence, Description, ExpressionIntegral};
 use crate::check::Term;
 use crate::parse::syntax::Entity;
 use crate::sorted::SortedMap;
-use crate::tensor::{Arena, FieldInfo, FieldRole, Function, Operator, Side, Tensor};
+use crate::tensor::{Arena, FieldInfo, Function, Operator, Side, Tensor};
 
 /// One integral per region on which something is left, as with forms.
 pub(super) fn densities(
@@ -21,8 +21,9 @@ pub(super) fn densities(
     for term in terms {
         scalariser.opposite = OppositeSide::on(entities[term.region]);
         let density = scalariser.scalar(term.density);
+        let means = term.means.map(|means| means.degree);
         let (sum, degree, holds_points) = regions
-            .get_or_insert_with((term.region, term.displacement.clone()), || {
+            .get_or_insert_with((term.region, term.displacement.clone(), means), || {
                 (scalariser.graph.number(0.0), Degree::constant(0), false)
             });
         let displacement = term.displacement.as_deref();
@@ -33,10 +34,11 @@ pub(super) fn densities(
     regions
         .into_iter()
         .filter(|(_, (density, ..))| !scalariser.graph.is_zero(*density))
-        .map(|((region, displacement), (density, degree, holds_points))| ExpressionIntegral {
+        .map(|((region, displacement, means), (density, degree, holds_points))| ExpressionIntegral {
             description: Description {
                 region,
                 displacement,
+                means,
                 dependence: Dependence::Nonlinear,
                 vanishes: false,
                 holds_points,
@@ -90,7 +92,7 @@ pub(super) fn switches(
     found.sort_unstable();
     found.dedup();
     let varies = |node: &Node| match node {
-        Node::Field { field, .. } => matches!(fields[*field].role, FieldRole::Unknown(_)),
+        Node::Field { field, .. } => varies_with_unknowns(fields, *field),
         _ => false,
     };
     found.retain(|switch| scalariser.graph.depends(*switch, varies));

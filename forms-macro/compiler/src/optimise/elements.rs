@@ -47,6 +47,7 @@ impl StandardElement {
     pub fn points(&self, degree: &Degree, fields: &[FieldInfo], entity: Entity) -> usize {
         let of_field = |field: usize| match fields[field].role {
             FieldRole::Given | FieldRole::Carried | FieldRole::History => 1,
+            FieldRole::Mean(_) | FieldRole::MeanTest(_) | FieldRole::MeanTrial(_) => 0,
             _ => self.degree,
         };
         let sums = degree.0.iter().map(|sum| {

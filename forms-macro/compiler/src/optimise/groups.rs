@@ -3,7 +3,7 @@
 use super::degree::{Degree, Degrees};
 use super::scalar::{Graph, Node, Scalar};
 use super::scalarise::{OppositeSide, Scalariser};
-use super::{Dependence, Description};
+use super::{Dependence, Description, ExpressionIntegral};
 use crate::check::Term;
 use crate::differentiate::ResidualPart;
 use crate::parse::syntax::Entity;
@@ -53,9 +53,11 @@ pub(super) fn group(
     scalariser: &mut Scalariser,
     degrees: &mut Degrees,
 ) -> Vec<Group> {
-    let mut groups: SortedMap<(usize, Option<Vec<usize>>, Dependence), Group> = SortedMap::new();
+    let mut groups: SortedMap<(usize, Option<Vec<usize>>, Option<usize>, Dependence), Group> =
+        SortedMap::new();
+    let mut nonlinear_means: Vec<usize> = vec![];
     for part in residual {
-        let Term { region, displacement, density: tensor } = &part.term;
+        let Term { region, displacement, means, density: tensor } = &part.term;
         scalariser.opposite = OppositeSide::on(entities[*region]);
         let density = scalariser.scalar(*tensor);
         let mut tangent = Vec::new();
@@ -66,7 +68,7 @@ pub(super) fn group(
             }
         }
         let varies = |node: &Node| match node {
-            Node::Field { field, .. } => matches!(fields[*field].role, FieldRole::Unknown(_)),
+            Node::Field { field, .. } => varies_with_unknowns(fields, *field),
             _ => false,
         };
         // What jumps with the unknown is no load, though its derivative is zero almost everywhere.
@@ -81,24 +83,36 @@ pub(super) fn group(
         });
         let unknown = |field: &usize| matches!(fields[*field].role, FieldRole::Unknown(_));
         let slides = displacement.as_ref().is_some_and(|fields| fields.iter().any(unknown));
+        let of_nonlinear_means = scalariser.graph.depends(density, |node| match node {
+            Node::Field { field, .. } => match fields[*field].role {
+                FieldRole::Mean(number) => nonlinear_means.contains(&number),
+                _ => false,
+            },
+            _ => false,
+        });
         let dependence = match tangent.is_empty() {
-            _ if jumps || slides => Dependence::Nonlinear,
+            _ if jumps || slides || of_nonlinear_means => Dependence::Nonlinear,
             true => Dependence::Constant,
             false if tangent.iter().any(|(_, derivative)| scalariser.graph.depends(*derivative, varies)) => {
                 Dependence::Nonlinear
             }
             false => Dependence::Linear,
         };
+        if let Some(means) = means.filter(|_| dependence == Dependence::Nonlinear) {
+            nonlinear_means.extend(list_of_means(fields, scalariser.graph, density).then_some(means.number));
+        }
         let degree = degrees.of_integrand(*tensor);
         // A residual at held points is one as well, and its tangent moves them.
         let by_state = displacement.as_ref().filter(|_| !slides);
         let holds_points = by_state.is_some_and(|by| degrees.is_by_displacement(*tensor, by));
         let zero = scalariser.graph.number(0.0);
-        let key = (*region, displacement.clone(), dependence);
+        let means = means.map(|means| means.degree);
+        let key = (*region, displacement.clone(), means, dependence);
         let group = groups.get_or_insert_with(key, || Group {
             description: Description {
                 region: *region,
                 displacement: displacement.clone(),
+                means,
                 dependence,
                 vanishes: false,
                 holds_points: false,
@@ -118,6 +132,44 @@ pub(super) fn group(
         }
     }
     groups.into_values().collect()
+}
+
+/// Whether a field depends on the unknowns: means do that have a direction.
+pub(super) fn varies_with_unknowns(fields: &[FieldInfo], field: usize) -> bool {
+    match fields[field].role {
+        FieldRole::Unknown(_) => true,
+        FieldRole::Mean(number) => fields.iter().any(|field| field.role == FieldRole::MeanTrial(number)),
+        _ => false,
+    }
+}
+
+/// Whether a density makes a list of means.
+fn list_of_means(fields: &[FieldInfo], graph: &Graph, density: Scalar) -> bool {
+    graph.depends(density, |node| match node {
+        Node::Field { field, .. } => matches!(fields[*field].role, FieldRole::MeanTest(_)),
+        _ => false,
+    })
+}
+
+/// Means and what reads them have the same points: the degree of the highest, and that of the weights.
+pub(super) fn share_degrees_of_means(groups: &mut [Group], densities: &mut [ExpressionIntegral]) {
+    let all = || groups.iter().map(|group| &group.description);
+    let all = all().chain(densities.iter().map(|density| &density.description));
+    let mut highest: SortedMap<(usize, Option<Vec<usize>>, usize), Degree> = SortedMap::new();
+    for Description { region, displacement, means, degree, .. } in all {
+        let Some(means) = means else { continue };
+        let key = (*region, displacement.clone(), *means);
+        let known = highest.get(&key).cloned().unwrap_or_else(|| Degree::constant(0));
+        highest.insert(key, known.largest(degree.clone()));
+    }
+    let descriptions = groups.iter_mut().map(|group| &mut group.description);
+    for description in descriptions.chain(densities.iter_mut().map(|density| &mut density.description)) {
+        let Some(means) = description.means else { continue };
+        let key = (description.region, description.displacement.clone(), means);
+        if let Some(degree) = highest.get(&key) {
+            description.degree = degree.clone().raised(means);
+        }
+    }
 }
 
 /// Integrals over the same cells that are linear and not: with one unknown, each iteration visits all of these

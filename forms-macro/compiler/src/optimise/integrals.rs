@@ -87,7 +87,7 @@ fn bilinear_integrals(
 /// functions is a sum, and each takes its own share.
 fn tests(fields: &[FieldInfo], density: Scalar, graph: &Graph) -> Vec<(SidedField, Vec<SidedField>)> {
     let tests: Vec<SidedField> = (0..fields.len())
-        .filter(|field| matches!(fields[*field].role, FieldRole::Test(_)))
+        .filter(|field| matches!(fields[*field].role, FieldRole::Test(_) | FieldRole::MeanTest(_)))
         .flat_map(SidedField::on_sides)
         .filter(|test| graph.depends(density, |node| test.owns(node)))
         .collect();

@@ -28,7 +28,7 @@ use crate::tensor::{FieldInfo, FieldRole, Side};
 use degree::{Degree, Degrees};
 use densities::{densities, switches};
 pub use factor::{Candidate, varies_over_cell};
-use groups::{group, join_on_cells};
+use groups::{group, join_on_cells, share_degrees_of_means};
 use integrals::{action, split};
 use linear::{Coefficients, SidedField};
 use plan::BilinearPlan;
@@ -52,6 +52,8 @@ pub struct Optimised {
     pub switches: Vec<ExpressionIntegral>,
     pub density: Vec<ExpressionIntegral>,
     pub value: Option<(Vec<Scalar>, Vec<usize>)>,
+    /// As of [`Derived`].
+    pub from_energy: bool,
 }
 
 /// The dependence of an integral on the unknowns: `forms_core::contract::Dependence`.
@@ -68,6 +70,8 @@ pub struct Description {
     pub region: usize,
     /// As of [`crate::check::Term`].
     pub displacement: Option<Vec<usize>>,
+    /// Degree of the weights of `means(..)`.
+    pub means: Option<usize>,
     pub dependence: Dependence,
     /// Each of its terms has a factor of the unknowns: of linear integrals of a residual, else false.
     pub vanishes: bool,
@@ -147,7 +151,7 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
     if from_energy {
         groups.iter_mut().for_each(|group| group.hold_points(&fields));
     }
-    let groups = join_on_cells(groups, &fields, &entities, scalariser.graph);
+    let mut groups = join_on_cells(groups, &fields, &entities, scalariser.graph);
     let mut planned = Optimised {
         function,
         dimension,
@@ -161,7 +165,9 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
         switches: vec![],
         density: densities(&density, &entities, &mut scalariser, &mut degrees),
         fields,
+        from_energy,
     };
+    share_degrees_of_means(&mut groups, &mut planned.density);
     let wholes = whole::groups(&groups, &planned.fields, scalariser.graph);
     let setting = Setting { dimension, fields: &planned.fields, entities: &entities };
     for group in &groups {

@@ -116,6 +116,8 @@ impl Scalariser<'_> {
                 // What is no mean of a field has been reported.
                 _ => self.components(*a),
             },
+            // Fields are in its place wherever there is a kernel.
+            FacetMean(a) => self.components(*a),
             Geometry(geometry) => (0..count).map(|component| self.geometry(*geometry, component)).collect(),
             Restrict(side, a) => self.components_on(*side, *a),
             Opposite(a, _) => self.components_on(Side::Other, *a),

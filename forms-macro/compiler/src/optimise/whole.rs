@@ -14,7 +14,8 @@ pub(super) fn groups(groups: &[Group], fields: &[FieldInfo], graph: &mut Graph) 
         return vec![];
     }
     let mut regions: SortedMap<_, Vec<&Group>> = SortedMap::new();
-    for group in groups {
+    // Means are made for one integral after the other.
+    for group in groups.iter().filter(|group| group.description.means.is_none()) {
         let super::Description { region, displacement, .. } = &group.description;
         regions.get_or_default((*region, displacement)).push(group);
     }

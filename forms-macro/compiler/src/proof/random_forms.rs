@@ -75,6 +75,7 @@ const TESTED_ELSEWHERE: &[(&str, &str)] = &[
     ("tensor_exp", "forms-core/tests/externals/spectral.rs: outside the compiled code, with no dual numbers"),
     ("tensor_ln", "forms-core/tests/externals/spectral.rs"),
     ("tensor_sqrt", "forms-core/tests/externals/spectral.rs"),
+    ("means", "fem/tests/facet_means.rs: values by hand, differences; random forms have no contact pairs"),
 ];
 
 #[test]

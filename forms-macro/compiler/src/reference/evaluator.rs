@@ -180,6 +180,8 @@ impl<'a> Evaluator<'a> {
                 self.walk_known(*a, &Environment { side: *side, ..around.clone() }, known).to_vec()
             }
             CellMean(a) => self.walk(*a, &self.averaged(around)).to_vec(),
+            // On a facet with one point.
+            FacetMean(a) => walk(*a).to_vec(),
             Geometry(geometry) => self.geometry(*geometry, around),
             Add(a, b) => pairs(&walk(*a), &walk(*b), self::Number::plus),
             Negate(a) => walk(*a).iter().map(|a| a.scaled(-1.0)).collect(),

@@ -86,7 +86,7 @@ impl Reader<'_> {
                 let sign = if *side == Side::This { "+" } else { "−" };
                 self.read(*a).power(Formula::word(sign))
             }
-            CellMean(a) => Formula::Fence(Fence::Mean, Box::new(self.read(*a))),
+            CellMean(a) | FacetMean(a) => Formula::Fence(Fence::Mean, Box::new(self.read(*a))),
             Opposite(a, _) => self.read(*a).power(Formula::word("−")),
             Sliding(kind, _) => geometry(*kind),
             Gradient(a) => Formula::Prefix("∇", Box::new(self.read(*a))),

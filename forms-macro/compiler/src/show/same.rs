@@ -57,7 +57,10 @@ fn compare(arena: &Arena, a: Tensor, b: Tensor, same: &mut dyn FnMut(Tensor, Ten
         (Divide(a, b), Divide(c, d)) | (Outer(a, b), Outer(c, d)) | (Power(a, b), Power(c, d)) => {
             pair(*a, *b, *c, *d)
         }
-        (Negate(a), Negate(b)) | (Gradient(a), Gradient(b)) | (CellMean(a), CellMean(b)) => same(*a, *b),
+        (Negate(a), Negate(b))
+        | (Gradient(a), Gradient(b))
+        | (CellMean(a), CellMean(b))
+        | (FacetMean(a), FacetMean(b)) => same(*a, *b),
         (Determinant(a), Determinant(b)) | (Inverse(a), Inverse(b)) | (Cofactor(a), Cofactor(b)) => {
             same(*a, *b)
         }

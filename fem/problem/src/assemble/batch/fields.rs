@@ -93,6 +93,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
             let range = slot.offset..slot.offset + count;
             match &self.binding.values[slot.field] {
                 Values::Absent => self.buffers.fields[range].fill(L::splat(0.0)),
+                Values::Means => self.take_means(&slot),
                 Values::Constant(values) => {
                     for (component, target) in self.buffers.fields[range].iter_mut().enumerate() {
                         let value = if slot.order.axes() == 0 { values[component] } else { 0.0 };
@@ -148,6 +149,25 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
             }
         }
         Ok(())
+    }
+
+    /// Means over the own facets of the batch's units; not a number where the group has none.
+    #[inline(always)]
+    fn take_means(&mut self, slot: &FieldSlot) {
+        let target = slot.offset..slot.offset + slot.components;
+        let lists = self.group.means.as_ref().map(|means| &means.lists[..]).unwrap_or_default();
+        let Some((_, values)) = lists.iter().find(|(field, _)| *field == slot.field) else {
+            self.buffers.fields[target].fill(L::splat(f64::NAN));
+            return;
+        };
+        for component in 0..slot.components {
+            let mut places = [0; WIDEST];
+            for lane in 0..L::WIDTH {
+                let unit = self.start + lane.min(self.filled - 1);
+                places[lane] = unit * slot.components + component;
+            }
+            [self.buffers.fields[slot.offset + component]] = L::gather::<1>(values, &places);
+        }
     }
 
     /// Makes the fields at all points that sum factorisation makes.

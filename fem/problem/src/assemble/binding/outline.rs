@@ -3,7 +3,7 @@
 use std::ops::Deref;
 use std::sync::Arc;
 
-use forms_core::contract::{Degree, Entity, Integral, Requirements, Side};
+use forms_core::contract::{Degree, Entity, Integral, Means, Requirements, Side};
 
 use super::entities::Entities;
 use crate::assemble::Parts;
@@ -28,11 +28,38 @@ impl<'a, const D: usize> Outline<'a, D> {
             let Integral { test, trial, region, test_side, trial_side, degree, displacement, .. } =
                 *term.integral;
             let (sides, requirements) = ([test_side, trial_side], *term.kernel.constants().requirements);
-            let coupling = Coupling { test, trial, region, sides, degree, displacement, requirements };
+            let of_means = false;
+            let coupling =
+                Coupling { test, trial, region, sides, degree, displacement, requirements, of_means };
             let on_pairs = form.inputs().regions[region].entity == Entity::Pairs;
             is_symmetric &= term.integral.symmetric && test == trial && test_side == trial_side;
             if on_pairs || !couplings.iter().any(|known| known.is_like(&coupling)) {
                 couplings.push(coupling);
+            }
+        }
+        let by_means = form.residual_by_means().iter();
+        for by in by_means.filter(|term| parts.contain(term.integral.dependence)) {
+            let Some(Means { number, .. }) = by.integral.means else { continue };
+            for made in form.means_by_unknowns().iter().filter(|term| of_list(term.integral, number)) {
+                let (by_requirements, of_trial) =
+                    (by.kernel.constants().requirements, made.kernel.constants().requirements);
+                let (test, trial) = (by.integral.test, made.integral.trial);
+                is_symmetric &= by.integral.symmetric && test == 0 && trial == 0;
+                let Integral { region, degree, displacement, .. } = *by.integral;
+                let sides = [by.integral.test_side, made.integral.trial_side];
+                let trial_derivatives = of_trial.trial_derivatives;
+                let requirements = Requirements { trial_derivatives, ..*by_requirements };
+                let of_means = true;
+                couplings.push(Coupling {
+                    test,
+                    trial,
+                    region,
+                    sides,
+                    degree,
+                    displacement,
+                    requirements,
+                    of_means,
+                });
             }
         }
         Outline { form, couplings, is_symmetric }
@@ -57,6 +84,11 @@ impl<const D: usize> Deref for Outline<'_, D> {
     }
 }
 
+/// Whether an integral makes or varies a list of means.
+fn of_list(integral: &Integral, number: usize) -> bool {
+    integral.means.is_some_and(|means| means.number == number)
+}
+
 /// One kind of tangent integral.
 #[derive(Clone, Copy)]
 pub(crate) struct Coupling {
@@ -70,6 +102,8 @@ pub(crate) struct Coupling {
     pub displacement: Option<&'static [usize]>,
     /// Of contact pairs, among them histories with a rule of their own.
     pub requirements: Requirements,
+    /// Of means over own facets: all opposite cells of an own facet are coupled.
+    pub of_means: bool,
 }
 
 impl Coupling {
@@ -101,6 +135,48 @@ impl Coupling {
             let facets = &mut (0..entities.count()).map(|index| of_side(entities.sides(index)));
             SeenAtFacets::new(spaces[k], facets, reading[k])
         }))
+    }
+
+    /// The test and trial nodes that means couple across the opposite facets of each own facet; the facets are sorted. None for other
+    /// couplings: where one of the functions lives at the own facet, each pair of facets has all.
+    pub fn across_opposite_facets<const D: usize>(
+        &self,
+        spaces: [&Space<D>; 2],
+        entities: &Entities,
+        seen: Option<&[SeenAtFacets; 2]>,
+    ) -> Vec<[Vec<u32>; 2]> {
+        let mut all = Vec::new();
+        if !self.of_means || self.sides != [Side::Other; 2] {
+            return all;
+        }
+        let mut start = 0;
+        while start < entities.count() {
+            let own = entities.sides(start)[0];
+            let mut end = start + 1;
+            while end < entities.count() && entities.sides(end)[0] == own {
+                end += 1;
+            }
+            let nodes = |k: usize| {
+                let mut nodes: Vec<u32> = Vec::new();
+                for index in start..end {
+                    match (seen, entities.sides(index)) {
+                        (Some(seen), _) => nodes.extend(seen[k].at(index)),
+                        (None, [_, .., other] | [other]) => {
+                            nodes.extend(spaces[k].nodes_at(other.cell, Some(other.local)));
+                        }
+                        (None, []) => {}
+                    }
+                }
+                nodes.sort_unstable();
+                nodes.dedup();
+                nodes
+            };
+            if end > start + 1 {
+                all.push([nodes(0), nodes(1)]);
+            }
+            start = end;
+        }
+        all
     }
 
     /// Whether it has the pairs of another one, up to the degree of the rule.

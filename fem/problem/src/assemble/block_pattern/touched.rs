@@ -93,6 +93,20 @@ impl<const D: usize> BlockPattern<D> {
             }
             let entities = OwnedCells::among(self.owned.as_deref(), entities);
             let seen = coupling.seen_on_pairs(form, &tests, &trials, &entities);
+            let mut mark = |row_nodes: &[u32], column_nodes: &[u32]| {
+                for &row in row_nodes {
+                    for &column in column_nodes {
+                        let place = pair.row(row as usize).binary_search(&column).map_err(|_| {
+                            let name = |role| form.name_of(role);
+                            let (test, trial) = (name(Role::Test(test)), name(Role::Unknown(trial)));
+                            AssemblyError::Pattern { form: form.name(), test, trial }
+                        })?;
+                        marks[pair.range(row as usize).start + place] = true;
+                        columns[column as usize] = true;
+                    }
+                }
+                Ok(())
+            };
             for index in 0..entities.count() {
                 let at = |side: Side| match (&entities, side) {
                     (Entities::Cells(cells), _) => (cells[index], None),
@@ -106,17 +120,12 @@ impl<const D: usize> BlockPattern<D> {
                         (rows.nodes_at(row_cell, row_facet), columns_of.nodes_at(column_cell, column_facet))
                     }
                 };
-                for &row in row_nodes {
-                    for &column in column_nodes {
-                        let place = pair.row(row as usize).binary_search(&column).map_err(|_| {
-                            let name = |role| form.name_of(role);
-                            let (test, trial) = (name(Role::Test(test)), name(Role::Unknown(trial)));
-                            AssemblyError::Pattern { form: form.name(), test, trial }
-                        })?;
-                        marks[pair.range(row as usize).start + place] = true;
-                        columns[column as usize] = true;
-                    }
-                }
+                mark(row_nodes, column_nodes)?;
+            }
+            for [rows, columns] in
+                coupling.across_opposite_facets([rows, columns_of], &entities, seen.as_ref())
+            {
+                mark(&rows, &columns)?;
             }
         }
         let mut touched = TouchedEntries { places: vec![], unknowns: vec![] };

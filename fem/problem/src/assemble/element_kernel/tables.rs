@@ -30,7 +30,10 @@ impl<const D: usize> ElementTables<D> {
     pub fn listed(&self, form: &Form<D>, binding: &mut Binding<D>) -> Vec<Option<Values<'static, D>>> {
         let value = |field: &FieldDescription| {
             let listed = self.layout.fields.iter().find(|known| known.name == field.name);
-            let source = !matches!(field.role, Role::Unknown(_) | Role::Test(_) | Role::Direction(_));
+            let source = !matches!(
+                field.role,
+                Role::Unknown(_) | Role::Test(_) | Role::Direction(_) | Role::Mean(_) | Role::MeanTest(_)
+            );
             match listed {
                 Some(listed) => {
                     let element = Tabulated::lagrange(listed.element);

@@ -103,7 +103,10 @@ pub(in crate::assemble) fn facet_groups<const D: usize>(
             let cells = indices.iter().map(|facet| facets.sides(*facet)[index].cell).collect();
             sides.push(side_of_group(binding, cells, &side, rule, further)?);
         }
-        Ok((Group { place: place.to_owned(), sides, weights: rule.weights.clone(), pairs: None }, indices))
+        Ok((
+            Group { place: place.to_owned(), sides, weights: rule.weights.clone(), pairs: None, means: None },
+            indices,
+        ))
     };
     let failed = |source| AssemblyError::Quadrature { form, source };
     numberings.into_iter().map(|entry| group(entry).map_err(failed)).collect()

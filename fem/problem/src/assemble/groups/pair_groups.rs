@@ -53,6 +53,9 @@ pub(in crate::assemble) fn pair_groups<const D: usize>(
     {
         return Err(pair_error(binding.name, &binding.regions[region], PairError::History));
     }
+    if integral.means.is_some() && binding.regions[region].is_on_moving_segments(integral.displacement) {
+        return Err(pair_error(binding.name, &binding.regions[region], PairError::MeansOnSegments));
+    }
     if requirements.holds_points && binding.regions[region].is_on_moving_segments(integral.displacement) {
         return Err(pair_error(binding.name, &binding.regions[region], PairError::HeldPoints));
     }
@@ -115,7 +118,7 @@ pub(in crate::assemble) fn groups_of<const D: usize>(
             group.sides.map(|(shape, _)| LaneElement::new(&Element::Lagrange(mesh.element_of(shape)), None));
         let weights = vec![0.0; group.count];
         let tables = PairTables { group, geometry, elements };
-        groups.push(Group { place: place.to_owned(), sides, weights, pairs: Some(tables) });
+        groups.push(Group { place: place.to_owned(), sides, weights, pairs: Some(tables), means: None });
     }
     Ok(groups)
 }

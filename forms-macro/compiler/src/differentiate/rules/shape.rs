@@ -17,10 +17,25 @@ impl Differentiation<'_> {
         if self.arena.is_zero(tensor) {
             return change;
         }
-        let rate = self.rate_of_measure(entity, tensor);
+        let rate = match self.holds_facet_means(tensor) {
+            true => self.mean_rate_of_measure(entity, tensor),
+            false => self.rate_of_measure(entity, tensor),
+        };
         let shape = self.arena.shape(tensor).to_vec();
         let second = self.push(Operator::Scale(rate, tensor), shape, tensor);
         self.sum(change, Some(second))
+    }
+
+    /// Whether a density is one of `means`, with one number per own facet.
+    fn holds_facet_means(&self, tensor: Tensor) -> bool {
+        let nodes = self.arena.reachable(&[tensor]);
+        nodes.into_iter().any(|node| matches!(self.arena.node(node).operator, Operator::FacetMean(_)))
+    }
+
+    /// The mean over the own facet of the rate of its measure: the rate of D = ∫ ψ, divided by D.
+    pub(super) fn mean_rate_of_measure(&mut self, entity: Entity, origin: Tensor) -> Tensor {
+        let rate = self.rate_of_measure(entity, origin);
+        self.push(Operator::FacetMean(rate), vec![], origin)
     }
 
     /// div Θ of dx; div Θ − n·∇Θ n, the divergence along the surface, of ds.

@@ -138,6 +138,11 @@ impl<'o, 'm> Simplifier<'o, 'm> {
                 Negate(inner) => self.negated(CellMean(inner), shape, origin),
                 _ => None,
             },
+            FacetMean(a) => match self.arena.node(*a).operator {
+                _ if is_zero(self, *a) => zero(self),
+                Negate(inner) => self.negated(FacetMean(inner), shape, origin),
+                _ => None,
+            },
             Gradient(a) => match self.arena.node(*a).operator {
                 _ if is_zero(self, *a) => zero(self),
                 Field { .. } => {

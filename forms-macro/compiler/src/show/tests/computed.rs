@@ -51,7 +51,7 @@ fn proved(source: &str, dimension: usize) -> Vec<String> {
                 for term in in_region {
                     let density = outlines.inlined(&mut outlined.arena, term.density, &outlined.fields);
                     let density = density.unwrap_or_else(|| panic!("{name} cannot be expanded"));
-                    content.push(Term { region, displacement: None, density });
+                    content.push(Term { region, displacement: None, means: None, density });
                 }
                 let shown = differentiate(
                     CheckedFunction {

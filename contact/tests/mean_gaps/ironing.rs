@@ -1,0 +1,100 @@
+//! Shallow ironing, the problem of tutorial 12, by conditions at points and by means: the forces while the block moves by two cells of the
+//! foundation, and how much they oscillate.
+
+use forms_contact::ContactProblem;
+use forms_contact::law::ContactLaw;
+use forms_contact::laws::{mean_sliding_bodies as of_facets, sliding_bodies as at_points};
+use forms_fem::mesh::structured;
+use forms_fem::prelude::*;
+use forms_fem::solve::LoadSteps;
+
+const YOUNG: f64 = 689.6;
+const POISSON: f64 = 0.32;
+
+fn mesh(fineness: usize) -> Mesh<2> {
+    let cells = [30 * fineness, 15 * fineness / 2];
+    let foundation = rectangle([0.0; 2], [12.0, 4.0], cells, CellShape::Quadrilateral, 1).unwrap();
+    let block = structured([3 * fineness, 3 * fineness / 2], CellShape::Quadrilateral, 1, |[s, t]| {
+        let x = 0.2 + 1.2 * s;
+        let bottom = 4.95 - (0.75_f64.powi(2) - (x - 0.8).powi(2)).sqrt();
+        [x, bottom + t * (5.4 - bottom)]
+    })
+    .unwrap();
+    let mut mesh = Mesh::of_bodies(&[("foundation", &foundation), ("block", &block)]).unwrap();
+    mesh.name_facets("skin", "block boundary", |x| x[1] < 5.4 - 1e-9).unwrap();
+    mesh
+}
+
+fn modulus(x: &[f64; 2]) -> f64 {
+    if x[1] > 4.0 + 1e-9 { 10.0 * YOUNG } else { YOUNG }
+}
+
+/// Forces (down, along) at each step of sliding, and Newton's steps in all.
+fn forces<L: ContactLaw<2>>(
+    mesh: &Mesh<2>,
+    steps: usize,
+    law: impl Fn(at_points::Data<2>, Pairing) -> L,
+) -> (Vec<[f64; 2]>, usize) {
+    let space = Space::vector(mesh, 1).unwrap();
+    let (mut found, mut iterations) = (vec![], 0);
+    let solve = |step: &Increment<'_, Field<2>>| -> Result<Field<2>, Failure> {
+        let way = step.factor;
+        let data = at_points::data()
+            .lambda(|x: &[f64; 2]| modulus(x) * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
+            .mu(|x: &[f64; 2]| modulus(x) / (2.0 * (1.0 + POISSON)))
+            .gamma0(|x: &[f64; 2]| 10.0 * modulus(x))
+            .friction(0.3)
+            .displacement_before(step.before);
+        let touch = Pairing::between("foundation top", "skin").within_reach(0.4);
+        let mut held = Constraints::new(&space);
+        held.fix("foundation bottom", |_| [0.0, 0.0])?;
+        held.fix("block top", |_| [10.0 * (way - 1.0).max(0.0), -way.min(1.0)])?;
+        let problem = ContactProblem::new(&space, law(data, touch), held).quadrature(Quadrature::Degree(3));
+        let solved = problem.direct()?.increment(step).solve()?;
+        let force = solved.reaction("foundation bottom")?;
+        if way > 1.0 {
+            found.push([force[1], -force[0]]);
+            iterations += solved.history.len() - 1;
+        }
+        Ok(solved.into_field())
+    };
+    let pressing = (1..=8).map(|step| f64::from(step) / 8.0);
+    let sliding = (1..=steps).map(|step| 1.0 + 0.002 * step as f64);
+    LoadSteps::through(pressing.chain(sliding)).advance(Field::zero(&space), solve).unwrap();
+    (found, iterations)
+}
+
+/// The root mean square of second differences, as a part of the mean.
+fn roughness(values: &[f64]) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let squares = values.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2)).sum::<f64>();
+    (squares / (values.len() - 2) as f64).sqrt() / mean.abs()
+}
+
+/// A step is a tenth of a cell of the foundation. The first steps, in which the block goes over from stick to slip, do not count.
+#[test]
+fn ironing_at_points_and_with_means() {
+    let mesh = mesh(2);
+    let steps = 40;
+    let regions = |touch: Pairing| at_points::Regions::default().touch(touch).gamma_n("block top");
+    let points = forces(&mesh, steps, |data, touch| at_points::Model { data, regions: regions(touch) });
+    let facets = forces(&mesh, steps, |data, touch| {
+        let regions = of_facets::Regions::default().touch(touch).gamma_n("block top");
+        of_facets::Model { data, regions }
+    });
+    println!("| law | down | along | roughness down | along | Newton steps |");
+    println!("| --- | --: | --: | --: | --: | --: |");
+    let mut rough = vec![];
+    for (name, (forces, iterations)) in [("points", &points), ("facet means", &facets)] {
+        let settled = &forces[20..];
+        let [down, along] = [0, 1].map(|k| settled.iter().map(|force| force[k]).collect::<Vec<f64>>());
+        let last = forces[forces.len() - 1];
+        let [a, b] = [roughness(&down), roughness(&along)];
+        println!("| {name} | {:.1} | {:.1} | {a:.1e} | {b:.1e} | {iterations} |", last[0], last[1]);
+        rough.push([a, b]);
+    }
+    assert!(rough[1][0] < 0.3 * rough[0][0] && rough[1][1] < 0.3 * rough[0][1], "{rough:?}");
+    let last = |forces: &[[f64; 2]]| forces[forces.len() - 1];
+    let (a, b) = (last(&points.0), last(&facets.0));
+    assert!((a[0] / b[0] - 1.0).abs() < 0.05, "{a:?} {b:?}");
+}

@@ -1,0 +1,9 @@
+//! Laws of contact between bodies with means over own facets: tangents, balance, patch tests, adjoints, one point per facet, and the force of a
+//! block that is drawn along a slab.
+
+mod bodies;
+mod fixed_pairs;
+mod ironing;
+mod penalty;
+mod sliding;
+mod wobble;
