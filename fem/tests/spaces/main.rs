@@ -6,6 +6,7 @@ mod dual;
 mod incomplete_cells;
 mod inf_sup;
 mod linear_in_space;
+mod local_unknowns;
 mod locking;
 mod mini;
 mod own;
