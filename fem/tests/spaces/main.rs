@@ -14,3 +14,4 @@ mod pairs;
 mod points;
 mod serendipity;
 mod shared;
+mod uniform_pressure;
