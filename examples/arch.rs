@@ -1,12 +1,13 @@
 //! A shallow arch of rubber, clamped at both ends and pressed at its crown, that snaps through onto a flat floor.
 //!
 //! ```text
-//! Π(u) = ∫ W(u) + ∫_bottom ([P]₋² − σ²) / 2γ − λ ∫_top q (−u_y),   P = σ + γ g
+//! Π(u) = ∫ W(u) + ∫_bottom ([P]₋² − σ²) / 2γ + ∫_bottom k [g]₋² / 2 − λ ∫_top q (−u_y),   P = σ + γ g
 //! ```
 //!
-//! σ is the vertical traction of the lower side, g its distance from the floor. The branch of equilibria is followed by its arc length through
-//! both limit points, with contact in between; a bifurcation on it leads to arches that lean to one side. At one load deflation finds
-//! the upright equilibria from two guesses. Work and energy are compared along the branch.
+//! σ is the vertical traction of the lower side, g its distance from a floor, which is rigid (γ) or soft (k). The branch of
+//! equilibria is followed by its arc length through both limit points. Contact with the soft floor begins between them, and both are
+//! smooth; contact with the rigid one turns the branch round. A bifurcation leads to arches that lean to one side. At one load
+//! deflation finds the upright equilibria from two guesses. Work and energy are compared along the branches.
 //!
 //! Run it with `cargo run --release --bin arch -- [CELLS ALONG THE ARCH]`.
 
@@ -30,6 +31,8 @@ const MU: f64 = 1.0;
 /// The height of the floor above the line between the supports \[mm\], and half its width.
 const FLOOR: f64 = 0.0;
 const FLAT: f64 = 0.5;
+/// The stiffness of the soft floor \[MPa/mm\].
+const BED: f64 = 0.003;
 /// Half the width of the load at the crown \[mm\].
 const WIDTH: f64 = 0.6;
 /// The deflection and the load up to which branches are followed \[mm, N/mm\].
@@ -60,6 +63,9 @@ mod arch {
         pub floor: Given<Scalar>,
         /// γ₀ [stress].
         pub gamma0: Param,
+        /// The height of the soft floor, and its stiffness.
+        pub soft_floor: Given<Scalar>,
+        pub bed: Param,
     }
     #[cells]
     pub struct Omega;
@@ -78,9 +84,12 @@ mod arch {
     fn contact(u: Vector) -> Scalar {
         (sqr(pressing(u)) - sqr(normal_stress(u))) * h / (2 * gamma0)
     }
+    fn sinking(u: Vector) -> Scalar {
+        neg_part(x[1] + u[1] - soft_floor)
+    }
     pub fn potential(u: Unknown<Vector>) -> Energy {
         integral(Omega, energy_density(u))
-            + integral(Bottom, contact(u))
+            + integral(Bottom, contact(u) + bed * sqr(sinking(u)) / 2)
             + integral(Top, load * distribution * u[1])
     }
     pub fn balance(u: Unknown<Vector>, v: Test<Vector>) -> Form {
@@ -89,17 +98,25 @@ mod arch {
     pub fn by_load(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         derivative(balance(u, v), load, 1)
     }
-    /// The stored energy of the rubber, with the terms of contact, which vanish with the mesh size.
+    /// The stored energy of the rubber and the soft floor, with the terms of rigid contact, which vanish with the mesh size.
     pub fn stored(u: State<Vector>) -> Functional {
-        integral(Omega, energy_density(u)) + integral(Bottom, contact(u))
+        integral(Omega, energy_density(u)) + integral(Bottom, contact(u) + bed * sqr(sinking(u)) / 2)
     }
     pub fn floor_force(u: State<Vector>) -> Functional {
-        integral(Bottom, pressing(u))
+        integral(Bottom, pressing(u) + bed * sinking(u))
     }
     /// The mean deflection under the load.
     pub fn deflection(u: State<Vector>) -> Functional {
         integral(Top, -distribution * u[1])
     }
+}
+
+/// What is below the arch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Ground {
+    Nothing,
+    Soft,
+    Rigid,
 }
 
 /// An equilibrium, with the number of negative eigenvalues of its tangent where it is known.
@@ -137,26 +154,29 @@ impl Setting {
         Ok(Setting { space, clamps, assembler })
     }
 
-    fn model(load: f64, floor: f64) -> arch::Model<2> {
+    fn model(load: f64, ground: Ground) -> arch::Model<2> {
         let distribution = |x: &[f64; 2]| match x[0].abs() < WIDTH {
             true => (1.0 + (PI * x[0] / WIDTH).cos()) / (2.0 * WIDTH),
             false => 0.0,
         };
         let data = arch::data().lambda(LAMBDA).mu(MU).load(load).distribution(distribution);
-        let flat = move |x: &[f64; 2]| if x[0].abs() < FLAT { floor } else { NOWHERE };
-        arch::Model::new(data.floor(flat).gamma0(400.0 * MU))
+        let flat = move |kind: Ground| {
+            move |x: &[f64; 2]| if ground == kind && x[0].abs() < FLAT { FLOOR } else { NOWHERE }
+        };
+        let data = data.floor(flat(Ground::Rigid)).gamma0(400.0 * MU);
+        arch::Model::new(data.soft_floor(flat(Ground::Soft)).bed(BED))
     }
 
-    fn continuation(&self, floor: f64) -> Continuation<'_, 2> {
+    fn continuation(&self, ground: Ground) -> Continuation<'_, 2> {
         let forms = move |load: f64| {
-            let model = Self::model(load, floor);
+            let model = Self::model(load, ground);
             [model.balance(), model.by_load()]
         };
         Continuation::new(&self.space, forms).constrained(&self.clamps).assembler(&self.assembler)
     }
 
-    fn measure(floor: f64, solved: &Solved<2>) -> Result<Measured, Box<dyn Error + Send + Sync>> {
-        let (model, u) = (Self::model(0.0, floor), solved.field());
+    fn measure(ground: Ground, solved: &Solved<2>) -> Result<Measured, Box<dyn Error + Send + Sync>> {
+        let (model, u) = (Self::model(0.0, ground), solved.field());
         Ok(Measured {
             deflection: solved.functional(&model.deflection(u))?,
             floor: solved.functional(&model.floor_force(u))?,
@@ -170,7 +190,7 @@ impl Setting {
     fn leaning(&self, fork: &BranchEvent<2>) -> Result<Branch<Measured, 2>, Box<dyn Error>> {
         let mut leant = false;
         let found = self
-            .continuation(FLOOR)
+            .continuation(Ground::Rigid)
             .switched(fork, 0, LEAN)
             .step(2e-5)
             .between_steps(1.0 / 1024.0, 1.0)
@@ -180,7 +200,7 @@ impl Setting {
                 leant |= lean > 4e-3;
                 leant && lean < 1e-3
             })
-            .run(|_, solved| Self::measure(FLOOR, solved))?;
+            .run(|_, solved| Self::measure(Ground::Rigid, solved))?;
         Ok(found)
     }
 
@@ -190,7 +210,7 @@ impl Setting {
         guess: &Field<2>,
         known: &mut Deflation<2>,
     ) -> Result<Vec<Equilibrium>, Box<dyn Error>> {
-        let form = Self::model(LOAD, FLOOR).balance();
+        let form = Self::model(LOAD, Ground::Rigid).balance();
         let mut found = vec![];
         while found.len() < MOST {
             let mut solver = TangentSolver::default();
@@ -200,7 +220,7 @@ impl Setting {
             let solved = problem.start(guess).deflated(known).solver(&mut solver).options(options).solve();
             let Ok(solved) = solved else { break };
             found.push((
-                Self::measure(FLOOR, &solved).map_err(|e| e.to_string())?,
+                Self::measure(Ground::Rigid, &solved).map_err(|e| e.to_string())?,
                 solver.negative_eigenvalues(),
             ));
             known.add(solved.field());
@@ -209,18 +229,18 @@ impl Setting {
     }
 
     /// The branch from the arch at rest.
-    fn primary(&self, floor: f64) -> Result<Branch<Measured, 2>, Box<dyn Error>> {
+    fn primary(&self, ground: Ground) -> Result<Branch<Measured, 2>, Box<dyn Error>> {
         let found = self
-            .continuation(floor)
+            .continuation(ground)
             .step(1e-4)
             .between_steps(1.0 / 1024.0, 2.0)
             .points(250)
             .within(0.0..=LARGEST_LOAD)
             .until(|load, solved| {
-                let model = Self::model(load, floor);
+                let model = Self::model(load, ground);
                 solved.functional(&model.deflection(solved.field())).is_ok_and(|w| w > DEFLECTION)
             })
-            .run(|_, solved| Self::measure(floor, solved))?;
+            .run(|_, solved| Self::measure(ground, solved))?;
         Ok(found)
     }
 }
@@ -233,6 +253,17 @@ fn work(branch: &Branch<Measured, 2>) -> f64 {
             0.5 * (p[0].parameter + p[1].parameter) * (p[1].measured.deflection - p[0].measured.deflection)
         })
         .sum()
+}
+
+/// Contact is to begin between two limit points, both of them smooth.
+fn check_contact(branch: &Branch<Measured, 2>) -> Result<(), Box<dyn Error>> {
+    let limits = branch.events.iter().filter(|event| matches!(event.kind, EventKind::LimitPoint));
+    let places: Vec<usize> = limits.map(|event| event.after).collect();
+    let touches = |point: usize| branch.points[point].measured.floor > 0.0;
+    match places[..] {
+        [first, second] if !touches(first + 1) && touches(second) => Ok(()),
+        _ => Err(format!("contact does not begin between two limit points: {places:?}").into()),
+    }
 }
 
 fn table(out: &mut StandardOutput, branch: &Branch<Measured, 2>) {
@@ -274,12 +305,16 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     out.line(format!("{} unknowns", setting.space.unknowns()));
 
     out.line("without a floor:");
-    let free = setting.primary(NOWHERE)?;
+    let free = setting.primary(Ground::Nothing)?;
     table(out, &free);
-    out.line("with a floor:");
-    let held = setting.primary(FLOOR)?;
+    out.line("onto a soft floor:");
+    let soft = setting.primary(Ground::Soft)?;
+    table(out, &soft);
+    check_contact(&soft)?;
+    out.line("onto a rigid floor:");
+    let held = setting.primary(Ground::Rigid)?;
     table(out, &held);
-    for branch in [&free, &held] {
+    for branch in [&free, &soft, &held] {
         let last = branch.points.last().ok_or("no point")?;
         let (done, stored) = (work(branch), last.measured.stored);
         out.line(format!("the load did the work {done:.6e}, the rubber stores {stored:.6e} N"));
@@ -315,7 +350,8 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     LinePlot::new()
         .x_axis("deflection [mm]", Scale::Linear)
         .y_axis("load [10⁻³ N/mm]", Scale::Linear)
-        .curve(curve("onto a floor", &held))
+        .curve(curve("onto a rigid floor", &held))
+        .curve(curve("onto a soft floor", &soft))
         .curve(curve("without a floor", &free).dashed())
         .curve(curve("leaning", &leaning))
         .curve(

@@ -241,7 +241,8 @@ fn pictures(core: usize) -> Result<(), Box<dyn Error>> {
     solved.held().iter().for_each(|one| pressure[one.unknown] = one.reaction / areas[one.unknown]);
     FieldMap::of(&Field::from_values(&membrane.space, pressure)?, Shown::Component(0), "force per area")
         .without_mesh_lines()
-        .size(360.0, 330.0)
+        .levels(20)
+        .size(300.0, 270.0)
         .title("Reaction of the obstacle")
         .write_png("out/obstacle.png")?;
     let positions: Vec<f64> = (0..=200).map(|k| f64::from(k) / 200.0 - 1e-9).map(|r| r.max(0.0)).collect();

@@ -213,6 +213,8 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
             let mean = |cell: usize, point: &[f64; 2]| p.evaluate_in(cell, point)[0];
             FieldMap::cell_by_cell(&ring.mesh, mean, "mean stress p [MPa]")
                 .length_unit("mm")
+                .levels(20)
+                .size(220.0, 220.0)
                 .deformed(&u, 1.0)
                 .undeformed_outline("undeformed")
                 .line(&tool, "tool", Colour::BLACK)

@@ -60,6 +60,8 @@ fn draw(runs: &[Run], out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         let height = last.way - OUTSIDE;
         FieldMap::of(p, Shown::Component(0), "mean stress p [MPa]")
             .length_unit("mm")
+            .without_mesh_lines()
+            .levels(20)
             .deformed(&run.displacement, 1.0)
             .undeformed_outline("undeformed")
             .line(&[[0.0, height], [OUTSIDE, height]], "flat", Colour::BLACK)

@@ -1,6 +1,7 @@
-//! Condensation: a factor K = L Lᵀ with some unknowns c last, and the Schur complement S = L_c L_cᵀ on them, dense.
+//! Condensation: a factor K = L D Lᵀ with some unknowns c last, D = 1 or a diagonal of signs, and the Schur complement
+//! S = L_c D_c L_cᵀ on them, dense.
 //!
-//! T = K + B, where B couples unknowns of c alone, is solved with the factor of K and a dense one of S + B.
+//! T = K + B, where B couples unknowns of c only, is solved with the factor of K and a dense one of S + B.
 
 mod dense;
 
@@ -26,6 +27,8 @@ pub struct Condensation {
     /// Place of each unknown among them.
     places: Vec<Option<u32>>,
     lower: Mat<f64>,
+    /// D_c.
+    signs: Vec<f64>,
     schur: Mat<f64>,
 }
 
@@ -74,8 +77,11 @@ impl Condensation {
             places[*unknown as usize] = Some(place as u32);
         }
         let lower = factor.trailing_block(count);
-        let schur = lower_times_transposed(&lower);
-        Condensation { factor, unknowns, places, lower, schur }
+        let mut signs = vec![1.0; order.len()];
+        factor.apply_signs(&mut signs);
+        let signs = signs.split_off(order.len() - count);
+        let schur = lower_times_transposed(&lower, &signs);
+        Condensation { factor, unknowns, places, lower, signs, schur }
     }
 
     /// The factor of K.
@@ -124,9 +130,21 @@ impl Condensation {
         column(&(&self.schur * as_column(x)))
     }
 
-    /// The right-hand side of the condensed system: L_c y_c of a vector y = L⁻¹ b.
+    /// D⁻¹ L⁻¹ b in elimination order: what back-substitution reads.
+    ///
+    /// # Errors
+    /// If the size is wrong.
+    pub fn forward(&self, b: &[f64]) -> Result<Vec<f64>, LinearAlgebraError> {
+        let mut y = self.factor.solve_lower(b)?;
+        self.factor.apply_signs(&mut y);
+        Ok(y)
+    }
+
+    /// The right-hand side of the condensed system: L_c D_c y_c of a vector y = D⁻¹ L⁻¹ b.
     pub fn condensed_load(&self, y: &[f64]) -> Vec<f64> {
-        column(&(&self.lower * as_column(&y[y.len() - self.unknowns.len()..])))
+        let last = y[y.len() - self.unknowns.len()..].iter().zip(&self.signs);
+        let last: Vec<f64> = last.map(|(value, sign)| value * sign).collect();
+        column(&(&self.lower * as_column(&last)))
     }
 
     /// L_cᵀ x_c, which back-substitution reads in place of y_c.
@@ -142,6 +160,9 @@ impl Condensation {
             None => {
                 let mut column = MatMut::from_column_major_slice_mut(&mut x, r.len(), 1);
                 solve_lower_triangular_in_place(self.lower.as_ref(), column.as_mut(), Par::Seq);
+                for (place, sign) in self.signs.iter().enumerate() {
+                    column[(place, 0)] *= sign;
+                }
                 solve_upper_triangular_in_place(self.lower.transpose(), column, Par::Seq);
             }
         }
@@ -158,7 +179,7 @@ impl Condensation {
         dense: Option<&DenseFactor>,
         transpose: Transpose,
     ) -> Result<Vec<f64>, LinearAlgebraError> {
-        let mut y = self.factor.solve_lower(b)?;
+        let mut y = self.forward(b)?;
         if let Some(dense) = dense {
             let mut x = self.condensed_load(&y);
             dense.solve(&mut x, transpose);

@@ -1,4 +1,4 @@
-//! Half solves with an LLᵀ factor, and its trailing block: what a Schur complement on the unknowns that
+//! Half solves with an LLᵀ or LSLᵀ factor, and its trailing block: what a Schur complement on the unknowns that
 //! are eliminated last needs.
 
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
@@ -9,7 +9,7 @@ use super::cholesky::SymmetricFactor;
 use super::error::{LinearAlgebraError, check_size};
 
 impl SymmetricFactor {
-    /// L⁻¹ P b in place of b, in elimination order, for an LLᵀ factor of P A Pᵀ.
+    /// L⁻¹ P b in place of b, in elimination order, for a factor LLᵀ or LSLᵀ of P A Pᵀ.
     ///
     /// # Errors
     /// If the size is wrong.
@@ -62,15 +62,16 @@ impl SymmetricFactor {
     }
 }
 
-/// L Lᵀ of a dense lower triangular L.
-pub(crate) fn lower_times_transposed(lower: &Mat<f64>) -> Mat<f64> {
+/// L D Lᵀ of a dense lower triangular L and a diagonal of signs.
+pub(crate) fn lower_times_transposed(lower: &Mat<f64>, signs: &[f64]) -> Mat<f64> {
     let size = lower.nrows();
+    let signed = Mat::from_fn(size, size, |i, j| lower[(i, j)] * signs[j]);
     let mut product = Mat::zeros(size, size);
     matmul(
         product.as_mut(),
         BlockStructure::Rectangular,
         Accum::Replace,
-        lower.as_ref(),
+        signed.as_ref(),
         BlockStructure::TriangularLower,
         lower.as_ref().transpose(),
         BlockStructure::TriangularUpper,

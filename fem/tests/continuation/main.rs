@@ -5,3 +5,4 @@ mod column;
 mod deflation;
 mod limit_points;
 mod refusals;
+mod soft_contact;

@@ -178,3 +178,81 @@ fn scopes_on_some_cells_have_nothing_elsewhere() -> Outcome {
     assert!(forms_fem::output::VtuFile::new(&mesh).point_data("l", &one).is_err());
     Ok(())
 }
+
+#[forms(dimension = 2)]
+mod floating {
+    pub struct Data {
+        pub load: Given<Vector>,
+    }
+    #[cells]
+    pub struct Omega;
+
+    fn stress(u: Vector) -> Tensor {
+        3 * div(u) * I + 2 * eps(u)
+    }
+    /// x × u.
+    fn moment(u: Vector) -> Scalar {
+        x[0] * u[1] - x[1] * u[0]
+    }
+    pub fn held(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, inner(stress(u), eps(v)) - dot(load, v))
+    }
+    /// ∫ u = 0 and ∫ x × u = 0 by a force and a couple of the whole body.
+    pub fn summed(
+        u: Unknown<Vector>,
+        force: Unknown<Vector>,
+        couple: Unknown<Scalar>,
+        v: Test<Vector>,
+        a: Test<Vector>,
+        b: Test<Scalar>,
+    ) -> Form {
+        held(u, v) + integral(Omega, dot(force, v) + dot(u, a) + couple * moment(v) + moment(u) * b)
+    }
+    pub fn stored(u: State<Vector>) -> Functional {
+        integral(Omega, inner(stress(u), eps(u)) / 2)
+    }
+    pub fn spin(u: State<Vector>) -> Functional {
+        integral(Omega, moment(u))
+    }
+    pub fn part(u: State<Vector>, direction: State<Vector>) -> Functional {
+        integral(Omega, dot(u, direction))
+    }
+}
+
+/// A body that nothing holds, under forces that balance and under others, with its three rigid motions taken out by sums.
+#[test]
+fn a_floating_body_is_held_by_three_sums() -> Outcome {
+    let mesh = rectangle([-1.0; 2], [1.0; 2], [10, 10], CellShape::Quadrilateral, 1)?;
+    let space = Space::vector(&mesh, 2)?;
+    let forces = Space::of(&mesh, Elements::Lagrange(0), Scope::Body, &[2])?;
+    let couples = Space::of(&mesh, Elements::Lagrange(0), Scope::Body, &[])?;
+    for offset in [0.0, 0.5] {
+        let load = move |x: &[f64; 2]| [x[0].powi(3) + offset, -x[1] + x[0] * x[0] - 1.0 / 3.0];
+        let model = floating::Model::new(floating::data().load(load));
+        let solved = Problem::new(&model.summed(), [&space, &forces, &couples]).solve()?;
+        let [u, force, couple] = &solved.fields;
+        // The multipliers are what the load lacks in balance, per area.
+        let [force, couple] = [force.values(), couple.values()];
+        assert!((force[0] - offset).abs() < 1e-12 && force[1].abs() < 1e-12, "{force:?}");
+        assert!(couple[0].abs() < 1e-12, "{couple:?}");
+        let size = u.values().iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        for axis in 0..2 {
+            let unit: [f64; 2] = std::array::from_fn(|k| f64::from(u8::from(k == axis)));
+            let direction = Field::interpolate(&space, |_| unit)?;
+            assert!(solved.functional(&model.part(u, &direction))?.abs() < 1e-12 * size);
+        }
+        assert!(solved.functional(&model.spin(u))?.abs() < 1e-12 * size);
+        if offset == 0.0 {
+            // The same strains as with three unknowns fixed.
+            let mut held = Constraints::new(&space);
+            for (x, component) in [([0.0, 0.0], 0), ([0.0, 0.0], 1), ([1.0, 0.0], 1)] {
+                held.fix_node(space.nearest_node(&x).ok_or("no node")?, component, 0.0)?;
+            }
+            let fixed = Problem::new(&model.held(), &space).constrained(&held).solve()?;
+            let [one, other] =
+                [solved.functional(&model.stored(u))?, fixed.functional(&model.stored(fixed.field()))?];
+            assert!((one / other - 1.0).abs() < 1e-12, "{one} {other}");
+        }
+    }
+    Ok(())
+}

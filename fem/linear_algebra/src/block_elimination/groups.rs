@@ -32,6 +32,18 @@ impl Groups {
         self.ends.is_empty()
     }
 
+    /// The groups all of whose unknowns meet a condition.
+    pub fn where_all(&self, holds: impl Fn(usize) -> bool) -> Groups {
+        let mut groups = Groups::default();
+        for group in 0..self.ends.len() {
+            let unknowns = self.of(group);
+            if unknowns.iter().all(|unknown| holds(*unknown as usize)) {
+                groups.add(self.ranks[group], unknowns.iter().copied());
+            }
+        }
+        groups
+    }
+
     fn of(&self, group: usize) -> &[u32] {
         let start = if group == 0 { 0 } else { self.ends[group - 1] };
         &self.unknowns[start..self.ends[group]]

@@ -147,7 +147,7 @@ impl SymmetricFactor {
     }
 
     /// Multiplies a vector in elimination order by the signs.
-    pub(super) fn apply_signs(&self, x: &mut [f64]) {
+    pub(crate) fn apply_signs(&self, x: &mut [f64]) {
         if let Kind::Signed { negative, .. } = &self.kind {
             negative.iter().for_each(|place| x[*place as usize] = -x[*place as usize]);
         }

@@ -241,7 +241,8 @@ fn a_factor_times_its_transposed_is_the_matrix() {
         let storage = vec![f64::NAN; analysis.factor_entries()];
         let factor = SymmetricFactor::cholesky(&analysis, &matrix, storage).unwrap();
         let size = matrix.rows();
-        let product = crate::partial_solves::lower_times_transposed(&factor.trailing_block(size));
+        let signs = vec![1.0; size];
+        let product = crate::partial_solves::lower_times_transposed(&factor.trailing_block(size), &signs);
         for i in 0..size {
             for j in 0..=i {
                 let (a, b) = (analysis.order[i] as usize, analysis.order[j] as usize);

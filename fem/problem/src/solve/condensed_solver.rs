@@ -1,13 +1,14 @@
 //! Exact solution with tangents T = K + B whose B lives on few unknowns, as contact terms do.
 //!
-//! K = L Lᵀ is factored once, with the touched unknowns c ordered last. With S = L_c L_cᵀ from the trailing
+//! K = L D Lᵀ is factored once, with the touched unknowns c ordered last. With S = L_c D_c L_cᵀ from the trailing
 //! block of L, T x = b is
 //!
-//! 1. y = L⁻¹ b,   2. (S + B_cc) x_c = L_c y_c by dense LU,   3. y_c ← L_cᵀ x_c, x = L⁻ᵀ y,
+//! 1. y = D⁻¹ L⁻¹ b,   2. (S + B_cc) x_c = L_c D_c y_c by dense LU,   3. y_c ← L_cᵀ x_c, x = L⁻ᵀ y,
 //!
-//! so a Newton step costs two half solves and a small dense LU; the transposed system costs the same.
-//! If c grows, K is factored again with the larger c; where that does not pay or K is not positive
-//! definite, a [`TangentSolver`] takes over.
+//! so a Newton step costs two half solves and a small dense LU; the transposed system costs the same. D = 1 where K is positive
+//! definite. D has signs where K is quasi-definite, as that of a nearly incompressible body with its pressure: both signs of
+//! unknowns are then eliminated in any order, those of one cell included. If c grows, K is factored again with the larger
+//! c; where that does not pay or K is neither of both, a [`TangentSolver`] takes over.
 
 mod condensed_system;
 mod condensing;
@@ -29,6 +30,7 @@ use crate::linear_algebra::{
     Analysis, Condensation, CsrMatrix, DenseFactor, Entry, LinearAlgebraError, Ordering, SparsityPattern,
     SymmetricFactor,
 };
+use crate::threads::Threads;
 
 /// Entries (i, j) of T − K below this part of √(K_ii K_jj) are rounding: coordinates of about 1000 cell diameters
 /// lose three digits in a cell's Jacobian. If they are not, refinement makes up for it.
@@ -128,7 +130,7 @@ impl CondensedSolver {
             analyses: own.analyses + other.analyses,
             factorisations: own.factorisations + other.factorisations,
             indefinite_factorisations: other.indefinite_factorisations,
-            signed_factorisations: other.signed_factorisations,
+            signed_factorisations: own.signed_factorisations + other.signed_factorisations,
             lu_factorisations: other.lu_factorisations,
             solves: own.solves + other.solves,
             iterations: own.iterations.iter().chain(&other.iterations).copied().collect(),
@@ -234,8 +236,7 @@ impl CondensedSolver {
             return if expected.is_empty() { Ok(false) } else { self.condense_to(touched) };
         }
         let start = Instant::now();
-        let factor =
-            SymmetricFactor::cholesky_on(self.fallback.threads(), &analysis, linear_part, Vec::new());
+        let factor = factor_of(self.fallback.threads(), &analysis, linear_part);
         self.report.factorisation_seconds += start.elapsed().as_secs_f64();
         let factor = match factor {
             // Rounding may hide a singular K; the fallback names it, or finds that changes make up for it.
@@ -254,6 +255,7 @@ impl CondensedSolver {
             Err(error) => return Err(error.into()),
         };
         self.report.factorisations += 1;
+        self.report.signed_factorisations += usize::from(factor.is_signed());
         self.report.factor_entries = analysis.factor_entries();
         self.report.condensed_unknowns = Some(count);
         drop(analysis);
@@ -267,6 +269,28 @@ impl CondensedSolver {
         self.current = Some(Current::Fallback);
         Ok(())
     }
+}
+
+/// The factor LLᵀ of a positive definite matrix, or LSLᵀ of a quasi-definite one.
+///
+/// # Errors
+/// [`LinearAlgebraError::NotPositiveDefinite`] of any other matrix.
+fn factor_of(
+    threads: Threads,
+    analysis: &Arc<Analysis>,
+    matrix: &CsrMatrix,
+) -> Result<SymmetricFactor, LinearAlgebraError> {
+    let diagonal = matrix.diagonal();
+    if diagonal.iter().all(|value| *value > 0.0) || diagonal.contains(&0.0) {
+        return SymmetricFactor::cholesky_on(threads, analysis, matrix, Vec::new());
+    }
+    let factor = SymmetricFactor::signed_on(threads, analysis, matrix, Vec::new())?;
+    // Pivots that were replaced or have another sign than the diagonal are those of a matrix that needs pivoting.
+    if factor.replaced_pivots() > 0 || factor.turned_pivots(matrix) > 0 {
+        let unknown = diagonal.iter().position(|value| *value < 0.0).unwrap_or(0);
+        return Err(LinearAlgebraError::NotPositiveDefinite { unknown });
+    }
+    Ok(factor)
 }
 
 /// Amounts that entries of T add to those of K.

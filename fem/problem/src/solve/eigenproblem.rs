@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use super::local_unknowns::{LeftPencil, groups_of};
 use super::problem::Problem;
 use super::{Elimination, NonlinearProblem, PerUnknown, SolverError};
 use crate::assemble::{Assembler, AssemblyError};
@@ -12,7 +13,7 @@ use crate::constraints::Constraints;
 use crate::contract::Form;
 use crate::field::Field;
 use crate::instantiate::instantiate;
-use crate::linear_algebra::{EigenError, LinearAlgebraError, Positive, SymmetricPencil};
+use crate::linear_algebra::{Counts, EigenError, LinearAlgebraError, Positive, SymmetricPencil};
 use crate::space::Space;
 
 /// Two forms with N unknowns, whose tangents K and M or K_G make an eigenproblem.
@@ -23,6 +24,9 @@ use crate::space::Space;
 ///
 /// The eigenvalues are those next above a shift, by shift and invert and Lanczos' method; multiple ones are returned with their multiplicity, and
 /// a count by the signs of pivots has confirmed that none is missing ([`SymmetricPencil::eigenpairs_above`]).
+///
+/// Unknowns of one cell each, as pressures, are eliminated where the second form does not touch them. So the stiffness of a nearly
+/// incompressible body with its pressure is positive definite, as buckling needs.
 ///
 /// ```
 /// # use forms_fem::prelude::*;
@@ -56,6 +60,7 @@ pub struct Eigenproblem<'a, const D: usize, const N: usize = 1> {
     other: Problem<'a, D, N>,
     positive: Positive,
     about: Option<[&'a Field<D>; N]>,
+    local_unknowns: Option<Counts>,
 }
 
 /// An eigenvalue with its mode.
@@ -133,6 +138,7 @@ impl<'a, const D: usize, const N: usize> Eigenproblem<'a, D, N> {
             other: Problem::on_spaces(other.clone(), spaces),
             positive,
             about: None,
+            local_unknowns: None,
         }
     }
 
@@ -153,6 +159,11 @@ impl<'a, const D: usize, const N: usize> Eigenproblem<'a, D, N> {
     pub fn about(mut self, state: impl PerUnknown<'a, Field<D>, N>) -> Self {
         self.about = Some(state.per_unknown());
         self
+    }
+
+    /// Numbers of unknowns of one cell each that the last solution eliminated; none if it eliminated nothing.
+    pub fn local_unknowns(&self) -> Option<Counts> {
+        self.local_unknowns
     }
 
     /// The smallest positive eigenvalues, in ascending order.
@@ -192,11 +203,22 @@ impl<'a, const D: usize, const N: usize> Eigenproblem<'a, D, N> {
         if self.positive == Positive::First {
             second.values_mut().iter_mut().for_each(|entry| *entry = -*entry);
         }
-        let pencil = SymmetricPencil::new(&first, &second, self.positive);
+        let groups = groups_of(&self.stiffness.system.spaces, &elimination);
+        let left = LeftPencil::of(&first, &second, &groups)?;
+        self.local_unknowns = left.as_ref().map(LeftPencil::counts);
+        let matrices = left.as_ref().map_or((&first, &second), |left| (&left.first, &left.second));
+        let pencil = SymmetricPencil::new(matrices.0, matrices.1, self.positive);
         let found = pencil.and_then(|pencil| pencil.eigenpairs_above(shift, count));
-        let pairs = found.map_err(|error| self.named(error, &elimination))?;
+        let pairs = found.map_err(|error| {
+            let error = left.as_ref().map_or(error.clone(), |left| left.of_all(error));
+            self.named(error, &elimination)
+        })?;
         let mode = |pair: crate::linear_algebra::Eigenpair| {
-            let fields = self.stiffness.system.fields(&elimination.extend_by_zero(&pair.vector)?);
+            let vector = match &left {
+                Some(left) => left.complete(&pair.vector)?,
+                None => pair.vector,
+            };
+            let fields = self.stiffness.system.fields(&elimination.extend_by_zero(&vector)?);
             let (value, error_bound, residual) = (pair.value, pair.error_bound, pair.residual);
             Ok(Eigenmode { value, fields, error_bound, residual })
         };

@@ -1,6 +1,7 @@
 //! Elimination of unknowns that live in one cell or facet each, around any linear solver.
 
 mod of_spaces;
+mod pencils;
 #[cfg(test)]
 mod tests;
 
@@ -8,6 +9,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 pub(in crate::solve) use of_spaces::groups_of;
+pub(in crate::solve) use pencils::LeftPencil;
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use super::{CondensedSolver, SolverReport, TangentSolver};
@@ -32,7 +34,8 @@ const REFINEMENTS: usize = 3;
 /// incompressible body is positive definite, so that the solver within takes a Cholesky factor. Spaces with discontinuous values
 /// have such unknowns. Those that an entry couples with other cells stay, and so do groups with a pivot below 1e-10 of its scale, as
 /// pressures of an incompressible body; [`SolverReport::local_unknowns`] counts them. Where what is left cannot be solved, the
-/// solver within gets the whole matrix.
+/// solver within gets the whole matrix. A [`CondensedSolver`] within gets it too: its factor of the linear part eliminates
+/// these unknowns with the others, but for those that contact changes.
 ///
 /// ```
 /// use forms_fem::prelude::*;
@@ -213,7 +216,7 @@ impl<S: LinearSolver> LinearSolver for LocalUnknowns<S> {
     }
 
     fn set_matrix(&mut self, matrix: CsrMatrix) -> Result<(), SolverError> {
-        if self.groups.is_empty() || self.is_divided {
+        if self.groups.is_empty() || self.is_divided || self.solver.as_condensed().is_some() {
             return self.set_whole(matrix);
         }
         if self.current.as_ref().is_some_and(|current| current.matrix == matrix) {
@@ -273,7 +276,6 @@ impl<S: LinearSolver> LinearSolver for LocalUnknowns<S> {
     }
 
     fn as_condensed(&mut self) -> Option<&mut CondensedSolver> {
-        // Its linear part is the whole matrix.
-        if self.groups.is_empty() { self.solver.as_condensed() } else { None }
+        self.solver.as_condensed()
     }
 }

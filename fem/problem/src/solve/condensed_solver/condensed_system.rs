@@ -1,6 +1,6 @@
-//! Condensed system: K x + N(x) = b on only the condensed unknowns c, for Newton's method. With y = L⁻¹ b,
+//! Condensed system: K x + N(x) = b on only the condensed unknowns c, for Newton's method. With y = D⁻¹ L⁻¹ b,
 //!
-//!   R_c(x) = S x_c + N_c(x) − L_c y_c,   (S + dN) δ_c = −R_c,   x = L⁻ᵀ (y_f, L_cᵀ x_c).
+//!   R_c(x) = S x_c + N_c(x) − L_c D_c y_c,   (S + dN) δ_c = −R_c,   x = L⁻ᵀ (y_f, L_cᵀ x_c).
 //!
 //! Rows outside of c hold for every x_c. One half solve begins the iteration and one ends it; between them a step
 //! costs a dense system, and a back-substitution for the unknowns that N reads.
@@ -15,7 +15,7 @@ use crate::solve::linear_solver::SolverError;
 pub(in crate::solve) struct CondensedSystem {
     condensation: Arc<Condensation>,
     y: Vec<f64>,
-    /// L_c y_c.
+    /// L_c D_c y_c.
     load: Vec<f64>,
     /// The unknowns that N reads, and how to get at them.
     watched: Vec<u32>,
@@ -28,7 +28,7 @@ impl CondensedSystem {
         b: &[f64],
         watched: &[u32],
     ) -> Result<Self, SolverError> {
-        let y = condensation.factor().solve_lower(b)?;
+        let y = condensation.forward(b)?;
         Ok(CondensedSystem {
             condensation: condensation.clone(),
             load: condensation.condensed_load(&y),

@@ -1,5 +1,7 @@
 //! Corrections that do not become shorter: rounding of the solution, or more than that.
 
+use super::rows::CELL_ROUNDING;
+use super::vanishing::LEFT_OVER;
 use super::{LARGEST_ROUNDING, ROW_ROUNDING, UNIFORM, UNKNOWN_ROUNDING, ZERO_COMPONENT, ZERO_PART};
 use crate::assemble::Terms;
 use crate::solve::newton::convergence::Component;
@@ -46,6 +48,18 @@ impl FreeEquations<'_> {
         components.into_iter().all(|component| component.largest(correction) <= allowed(component))
     }
 
+    /// Whether each residual is below the rounding of its row, whatever the tolerance.
+    fn rows_are_rounding(&mut self) -> Result<bool, NewtonFailure> {
+        let mut rounding = self.forces()?;
+        rounding.iter_mut().for_each(|force| *force *= ROW_ROUNDING);
+        if let Some(cells) = self.problem.sizes_of_terms(&self.iterates.u, Terms::OfCells)? {
+            rounding.iter_mut().zip(&cells).for_each(|(rounding, cell)| *rounding += CELL_ROUNDING * cell);
+        }
+        let rounding = self.elimination.reduce_amounts(&rounding)?;
+        let mut rows = self.residuals.reduced.iter().zip(&rounding);
+        Ok(rows.all(|(residual, rounding)| residual.abs() <= *rounding))
+    }
+
     /// None if corrections that do not become shorter are rounding of the solution; otherwise their part of it.
     pub(super) fn judge_rounding(
         &mut self,
@@ -53,21 +67,32 @@ impl FreeEquations<'_> {
         correction: &[f64],
     ) -> Result<Option<f64>, NewtonFailure> {
         let mut rest = vec![0.0; correction.len()];
-        let mut part = None;
+        let (mut part, mut may_be_zero) = (None, true);
         for (component, _) in unsettled {
             let (change, most) = (component.largest(correction), component.largest(&self.iterates.u));
             let (range, in_field) =
                 (component.range(&self.iterates.u), component.largest_in_field(&self.iterates.u));
             // An offset is no scale: next to a large one a solution may be all rounding.
             let scale = if range <= UNIFORM * most { most } else { range.min(most) };
-            let zero = if most <= ZERO_PART * in_field { ZERO_COMPONENT } else { UNKNOWN_ROUNDING };
+            // Nothing of the component is left next to its corrections.
+            let is_left_over = change >= LEFT_OVER * most;
+            let zero = if most > ZERO_PART * in_field {
+                UNKNOWN_ROUNDING
+            } else if is_left_over && self.rows_are_rounding()? {
+                // As across a nearly incompressible body, which the rounding of a pressure moves that is large compared with
+                // the shear modulus.
+                ZERO_PART
+            } else {
+                ZERO_COMPONENT
+            };
             if change > LARGEST_ROUNDING * scale && change > zero * in_field {
                 part = Some(change / most.max(f64::MIN_POSITIVE));
+                may_be_zero &= is_left_over;
                 component.unknowns().for_each(|unknown| rest[unknown] = correction[unknown].abs());
             }
         }
-        if part.is_none() {
-            return Ok(None);
+        if part.is_none() || !may_be_zero {
+            return Ok(part);
         }
         // A solution that is zero, under forces that balance, has no other scale than these forces.
         let made = self.products(&rest)?.sizes;

@@ -5,7 +5,7 @@ use crate::assemble::Terms;
 use crate::solve::newton::{FreeEquations, NewtonFailure, WorstEquation};
 
 /// Rounding of what is summed at the quadrature points of a cell, as a part of the largest entry of its vector.
-const CELL_ROUNDING: f64 = 64.0 * f64::EPSILON;
+pub(super) const CELL_ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Rounding of the unknowns that the last step leaves, as a part of its length: u + δ is rounded, and δ was.
 const STEP_ROUNDING: f64 = 16.0 * f64::EPSILON;

@@ -9,7 +9,7 @@ use crate::solve::newton::{FreeEquations, Iterates, NewtonFailure};
 const NOTHING_LEFT: f64 = 1e-3;
 
 /// A component is taken for zero where its correction takes away all but this part of it.
-const LEFT_OVER: f64 = 0.1;
+pub(super) const LEFT_OVER: f64 = 0.1;
 
 /// The residual of an equation without a component that is zero, as a part of what it was with the rounding of that component.
 const VANISHED: f64 = 1e-3;
