@@ -193,7 +193,12 @@ fn an_energy_and_its_form_are_one() {
     assert!(largest(&r) > 0.01 && apart(&r, &s) < 1e-15);
     let [k, l] = [&one, &other].map(|form| assembler.tangent(form, &[&u], &[&space]).unwrap());
     let [k, l] = [k, l].map(|matrix| matrix.multiply(w.values()).unwrap());
-    assert!(largest(&k) > 0.05 && apart(&k, &l) < 1e-14 * largest(&k), "{} of {}", apart(&k, &l), largest(&k));
+    assert!(
+        largest(&k) > 0.05 && apart(&k, &l) < 1e-14 * largest(&k),
+        "{} of {}",
+        apart(&k, &l),
+        largest(&k)
+    );
     // Linear: K u is the residual, and twice the energy is u·K u.
     let product = assembler.tangent(&one, &[&u], &[&space]).unwrap().multiply(u.values()).unwrap();
     assert!(apart(&product, &r) < 1e-15);
