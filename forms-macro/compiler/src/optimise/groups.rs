@@ -45,7 +45,10 @@ impl Group {
     }
 }
 
-/// The parts of a residual by region, displacement and dependence on the unknowns.
+/// Region, displacement, degree of means, dependence on the unknowns.
+type Key = (usize, Option<Vec<usize>>, Option<usize>, Dependence);
+
+/// The parts of a residual by region, displacement, means and dependence on the unknowns.
 pub(super) fn group(
     residual: &[ResidualPart],
     fields: &[FieldInfo],
@@ -53,8 +56,7 @@ pub(super) fn group(
     scalariser: &mut Scalariser,
     degrees: &mut Degrees,
 ) -> Vec<Group> {
-    let mut groups: SortedMap<(usize, Option<Vec<usize>>, Option<usize>, Dependence), Group> =
-        SortedMap::new();
+    let mut groups: SortedMap<Key, Group> = SortedMap::new();
     let mut nonlinear_means: Vec<usize> = vec![];
     for part in residual {
         let Term { region, displacement, means, density: tensor } = &part.term;
