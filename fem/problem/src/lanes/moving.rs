@@ -264,7 +264,8 @@ mod tests {
     #[test]
     fn slopes_are_derivatives() {
         type M = Moving<f64>;
-        let all: [(&str, fn(M) -> M); 26] = [
+        type Named = (&'static str, fn(M) -> M);
+        let all: [Named; 26] = [
             ("product", |x| x * x * M::splat(3.0) + x),
             ("quotient", |x| (x + M::splat(1.0)) / (x * x)),
             ("multiply_add", |x| x.multiply_add(x, -x)),

@@ -139,7 +139,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                             let mut slope = L::splat(0.0);
                             for axis in 0..D {
                                 let along = L::load(&lanes[component * D + axis]);
-                                slope = slope + along * position[axis].slope();
+                                slope += along * position[axis].slope();
                             }
                             let field = &mut self.buffers.fields[slot.offset + component];
                             *field = field.with_slope(slope);
