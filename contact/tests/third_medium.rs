@@ -60,7 +60,7 @@ impl Closing {
     }
 
     fn force(&self, u: &Field<2>, mu: f64) -> f64 {
-        -self.assembler.functional(&self.model(mu).force_along(u, &self.lift())).unwrap()
+        -self.assembler.functional(&self.model(mu).force_along(u, self.lift())).unwrap()
     }
 
     fn step(&self, mu: f64, k: usize, start: &Field<2>, options: &NewtonOptions) -> Solved<2> {

@@ -132,10 +132,8 @@ fn means_over_own_facets_are_refused() {
     let space = Space::vector(&mesh, 1).unwrap();
     let u = Field::zero(&space);
     let assembler = Assembler::new(&mesh);
-    let on = |touch: Pairing| means_on_facets::Model {
-        data: means_on_facets::data(),
-        regions: means_on_facets::Regions::default().touch(touch),
-    };
+    let on =
+        |touch: Pairing| means_on_facets::Model { regions: means_on_facets::Regions::default().touch(touch) };
     let whole = on(Pairing::between("lower top", "upper bottom"));
     assert!(assembler.residual(&whole.balance(), &[&u], &[&space]).is_ok());
     let pieces = on(Pairing::between("lower top", "upper bottom").at(PairQuadrature::Pieces));

@@ -18,7 +18,7 @@ mod smooth;
 mod tresca;
 
 /// The pages with blocks in Rust, and what compiles them elsewhere.
-const PAGES: [(&str, Option<&str>); 15] = [
+const PAGES: [(&str, Option<&str>); 17] = [
     ("adaptivity", None),
     ("bounds", None),
     ("coming_from", Some("the documentation tests of this crate")),
