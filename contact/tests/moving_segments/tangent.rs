@@ -112,7 +112,7 @@ fn tangents_with_friction_are_those_of_differences() {
         let space = Space::vector(&mesh, degree).unwrap();
         let pairing = Pairing::between("layer top", "block bottom").at(PairQuadrature::Pieces);
         let data = fixed::data().lambda(15.0).mu(10.0).gamma0(300.0).friction(0.3).share(0.5);
-        let data = data.displacement_before(&wave(&space, 0.01, 0.9));
+        let data = data.displacement_before(wave(&space, 0.01, 0.9));
         let regions = sliding::Regions::default().touch(pairing.clone()).gamma_n("layer left");
         let law = sliding::Model { data, regions };
         let (u, w) = (wave(&space, 0.01, 0.3), wave(&space, 1.0, 1.7));
