@@ -1,4 +1,4 @@
-//! Derivatives in space and means over cells: `grad`, `div`, `eps`, `curl`, `hess`, `mean`.
+//! Derivatives in space, and means over cells and facets: `grad`, `div`, `eps`, `curl`, `hess`, `mean`, `means`.
 //!
 //! A trailing axis is the direction of differentiation: `grad(u)[i][j]` is ∂u_i/∂x_j, as in UFL and GetFEM. Every operator
 //! of this page is linear, so its derivative is the operator of the direction.
@@ -14,6 +14,7 @@
 //! | `curl(s)` | scalar in 2D | vector | (∂₁s, −∂₀s) |
 //! | `hess(e)` | any rank | two ranks more | ∂_j ∂_k of each component |
 //! | `mean(e)` | any rank | as `e` | (∫ e)/\|T\| over the cell T, also on its facets |
+//! | `means(Touch(u), 0, e)` | scalar | integrals | Σ D e over own facets of pairs, where `mean(a)` is (∫ a)/D over the facet's part that has opposite points |
 //!
 //! They apply to expressions, too: `grad(k * u)` follows the product rule, `grad(x)` is the identity. A function of position
 //! given as a Rust closure has no gradient: interpolate it into a field. Third derivatives of a field and derivatives of the
@@ -53,6 +54,19 @@
 //! near(assembler.at_point(&calculus::laplacian(&s), point)?, &[10.0]);
 //! // Linear gradients: that at the centre of the lower triangle, (4/3, 2/3).
 //! near(assembler.at_point(&calculus::averaged(&u), point)?, &[2.0, 4.0, 8.0 / 3.0, 0.0]);
+//!
+//! // On contact pairs: the own facets [0, 1] and [1, 2] have their middles at ½ and 3/2.
+//! #[forms(dimension = 2)]
+//! mod of_facets {
+//!     #[pairs]
+//!     pub struct Touch;
+//!     pub fn squares() -> Functional { means(Touch, 0, sqr(mean(x[0]))) }
+//! }
+//! let lower = rectangle([0.0, 0.0], [2.0, 1.0], [2, 1], CellShape::Quadrilateral, 1)?;
+//! let upper = rectangle([0.0, 1.0], [2.0, 2.0], [3, 1], CellShape::Quadrilateral, 1)?;
+//! let bodies = Mesh::of_bodies(&[("lower", &lower), ("upper", &upper)])?;
+//! let touch = of_facets::Touch::on(Pairing::onto("lower top", "upper bottom"));
+//! near(vec![Assembler::new(&bodies).functional(&of_facets::squares(&touch))?], &[0.25 + 2.25]);
 //! # Ok(())
 //! # }
 //! ```

@@ -19,7 +19,7 @@
 //! | [`tensors`] | shapes, parts and functions of tensors, components, slices, arrays |
 //! | [`functions`] | scalar functions, powers, `let`, `if` |
 //! | [`kinks`] | `heaviside sign abs pos_part neg_part min max norm`, and their conventions |
-//! | [`calculus`] | `grad div eps curl hess mean` |
+//! | [`calculus`] | `grad div eps curl hess mean means` |
 //! | [`geometry`] | position, normal, sizes, curvature |
 //! | [`facets`] | interior facets: `this other jump avg` |
 //! | [`derivatives`] | `derivative`, `diff`, energies |
