@@ -43,6 +43,8 @@ pub struct World {
     dropped: DroppedObjects,
     /// Whether this process has told the others that it makes no further call.
     ended: Cell<bool>,
+    /// Whether another process made another call, as one that failed does.
+    is_left: Cell<bool>,
 }
 
 impl World {
@@ -66,6 +68,7 @@ impl World {
             meetings: unsafe { Meetings::new(petsc::PETSC_COMM_WORLD, petsc::PetscGlobalSize as usize)? },
             dropped: DroppedObjects::default(),
             ended: Cell::new(false),
+            is_left: Cell::new(false),
         })
     }
 
@@ -200,13 +203,20 @@ impl World {
     /// The call that all processes are about to make, which has to be the same.
     fn meet(&self, own: Call) -> Result<Vec<Call>, PetscError> {
         let all = self.meetings.all(own, None)?.unwrap_or_default();
-        check_same(own, &all)?;
+        self.same(own, &all)?;
         Ok(all)
     }
 
     fn meet_or_end_all(&self, own: Call, why: &PetscError) -> Result<(), PetscError> {
         let Some(all) = self.meetings.all(own, Some(PATIENCE))? else { self.end_all(&why.to_string()) };
-        check_same(own, &all)
+        self.same(own, &all)
+    }
+
+    /// Takes down whether all processes make the same call.
+    fn same(&self, own: Call, all: &[Call]) -> Result<(), PetscError> {
+        let found = check_same(own, all);
+        self.is_left.set(self.is_left.get() || found.is_err());
+        found
     }
 
     /// Says why, and ends all processes, wherever they are.
@@ -282,5 +292,9 @@ impl Drop for World {
         self.meetings.close();
         // SAFETY: started in `start`; all objects borrow the world and are gone.
         unsafe { petsc::PetscFinalize() };
+        // All processes are ended with the first that ends in an error: the one with the cause has time to say it.
+        if self.is_left.get() {
+            std::thread::sleep(FORWARDING);
+        }
     }
 }

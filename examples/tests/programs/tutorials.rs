@@ -240,8 +240,11 @@ fn a_pressed_ring_is_a_beam_and_then_closes() {
 #[test]
 fn an_arch_snaps_onto_a_floor() {
     let printed = run_with(env!("CARGO_BIN_EXE_arch"), &["24"], "arch.png");
-    let (_, held) = printed.split_once("with a floor:").expect("a second branch");
-    let (held, leaning) = held.split_once("arches that lean:").expect("a third branch");
+    let (_, soft) = printed.split_once("onto a soft floor:").expect("a second branch");
+    let (soft, held) = soft.split_once("onto a rigid floor:").expect("a third branch");
+    let (held, leaning) = held.split_once("arches that lean:").expect("a fourth branch");
+    // Contact begins between two smooth limit points.
+    assert_eq!(soft.matches("limit point").count(), 2, "{printed}");
     assert_eq!(held.matches("limit point").count(), 2, "{printed}");
     assert!(held.contains("bifurcation (1)"), "{printed}");
     let last = held.lines().rfind(|line| line.starts_with("| 0")).expect("a point");
