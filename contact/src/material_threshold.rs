@@ -160,3 +160,36 @@ where
     let worst = Some(mesh.cell_centre(worst as usize).to_vec());
     Ok(Threshold { required, gamma0: required / part, theta, worst })
 }
+
+/// The function `threshold` that a law names by `threshold_by`, from its material: the members λ (or K, which asks for a little more), μ and γ₀ of
+/// its data, on the facets of a region or on the surfaces of pairs.
+macro_rules! threshold_of_material {
+    (@ $name:ident, $module:ident, |$law:ident| $contact:expr) => {
+        fn $name<const D: usize>(
+            $law: &$module::Model<D>,
+            assembler: &forms_fem::prelude::Assembler<D>,
+            space: &forms_fem::prelude::Arc<forms_fem::prelude::Space<D>>,
+        ) -> Result<$crate::threshold::Threshold, forms_fem::prelude::AssemblyError>
+        where
+            forms_fem::prelude::Dim: forms_fem::prelude::Dimension<D>,
+        {
+            $crate::material_threshold::material_threshold(assembler, space, &$contact)
+        }
+    };
+    ($name:ident, $module:ident, facets: $region:ident, $lambda:ident) => {
+        $crate::material_threshold::threshold_of_material!(@ $name, $module, |law| {
+            let materials = [law.data.$lambda, law.data.mu, law.data.gamma0];
+            $crate::material_threshold::NitscheContact::of_surface(&law.regions.$region.0.name, materials)
+        });
+    };
+    ($name:ident, $module:ident, pairs: $region:ident, $lambda:ident $(, theta: $theta:ident)?) => {
+        $crate::material_threshold::threshold_of_material!(@ $name, $module, |law| {
+            let materials = [&law.data.$lambda, &law.data.mu, &law.data.gamma0];
+            $crate::material_threshold::NitscheContact {
+                $(theta: law.data.$theta,)?
+                ..$crate::material_threshold::NitscheContact::of_pairs(&law.regions.$region.0, materials, law.data.share)
+            }
+        });
+    };
+}
+pub(crate) use threshold_of_material;

@@ -2,11 +2,9 @@
 //! quadrilaterals and hexahedra of degree 1.
 
 use forms_fem::forms;
-use forms_fem::prelude::*;
 
 use crate::contact_law;
-use crate::material_threshold::{NitscheContact, material_threshold};
-use crate::threshold::Threshold;
+use crate::material_threshold::threshold_of_material;
 
 #[doc(inline)]
 pub use self::averaged_bodies::*;
@@ -69,17 +67,4 @@ contact_law!(averaged_bodies {
     line_search: OnResidual,
 });
 
-fn threshold<const D: usize>(
-    law: &averaged_bodies::Model<D>,
-    assembler: &Assembler<D>,
-    space: &Arc<Space<D>>,
-) -> Result<Threshold, AssemblyError>
-where
-    Dim: Dimension<D>,
-{
-    let data = &law.data;
-    // K in place of λ = K − 2μ/3 asks for a little more.
-    let materials = [&data.bulk_modulus, &data.mu, &data.gamma0];
-    let contact = NitscheContact::of_pairs(&law.regions.touch.0, materials, data.share);
-    material_threshold(assembler, space, &contact)
-}
+threshold_of_material!(threshold, averaged_bodies, pairs: touch, bulk_modulus);

@@ -4,9 +4,8 @@ use forms_fem::forms;
 use forms_fem::prelude::*;
 
 use crate::contact_law;
-use crate::material_threshold::{NitscheContact, material_threshold};
+use crate::material_threshold::threshold_of_material;
 use crate::parameter_ranges::ParameterRanges;
-use crate::threshold::Threshold;
 
 #[doc(inline)]
 pub use self::averaged_nitsche::*;
@@ -104,17 +103,4 @@ where
     Ok(Problem::new(&form, spaces).options(options))
 }
 
-fn threshold<const D: usize>(
-    law: &averaged_nitsche::Model<D>,
-    assembler: &Assembler<D>,
-    space: &Arc<Space<D>>,
-) -> Result<Threshold, AssemblyError>
-where
-    Dim: Dimension<D>,
-{
-    let data = &law.data;
-    // K in place of λ = K − 2μ/3 asks for a little more.
-    let materials = [data.bulk_modulus, data.mu, data.gamma0];
-    let contact = NitscheContact::of_surface(&law.regions.gamma_c.0.name, materials);
-    material_threshold(assembler, space, &contact)
-}
+threshold_of_material!(threshold, averaged_nitsche, facets: gamma_c, bulk_modulus);

@@ -4,8 +4,7 @@ use forms_fem::forms;
 use forms_fem::prelude::*;
 
 use crate::contact_law;
-use crate::material_threshold::{NitscheContact, material_threshold};
-use crate::threshold::Threshold;
+use crate::material_threshold::threshold_of_material;
 
 #[doc(inline)]
 pub use self::capsule::*;
@@ -120,16 +119,4 @@ contact_law!(capsule {
     line_search: OnResidual,
 });
 
-fn threshold<const D: usize>(
-    law: &capsule::Model<D>,
-    assembler: &Assembler<D>,
-    space: &Arc<Space<D>>,
-) -> Result<Threshold, AssemblyError>
-where
-    Dim: Dimension<D>,
-{
-    let data = &law.data;
-    let contact =
-        NitscheContact::of_surface(&law.regions.gamma_c.0.name, [data.lambda, data.mu, data.gamma0]);
-    material_threshold(assembler, space, &contact)
-}
+threshold_of_material!(threshold, capsule, facets: gamma_c, lambda);

@@ -1,11 +1,9 @@
 //! Friction with a flat obstacle by Nitsche's method with θ = 0, finite strains of a neo-Hookean body.
 
 use forms_fem::forms;
-use forms_fem::prelude::*;
 
 use crate::contact_law;
-use crate::material_threshold::{NitscheContact, material_threshold};
-use crate::threshold::Threshold;
+use crate::material_threshold::threshold_of_material;
 
 #[doc(inline)]
 pub use self::finite_nitsche::*;
@@ -56,16 +54,4 @@ contact_law!(finite_nitsche {
     line_search: OnResidual,
 });
 
-fn threshold<const D: usize>(
-    law: &finite_nitsche::Model<D>,
-    assembler: &Assembler<D>,
-    space: &Arc<Space<D>>,
-) -> Result<Threshold, AssemblyError>
-where
-    Dim: Dimension<D>,
-{
-    let data = &law.data;
-    let contact =
-        NitscheContact::of_surface(&law.regions.gamma_c.0.name, [data.lambda, data.mu, data.gamma0]);
-    material_threshold(assembler, space, &contact)
-}
+threshold_of_material!(threshold, finite_nitsche, facets: gamma_c, lambda);

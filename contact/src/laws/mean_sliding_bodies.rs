@@ -2,11 +2,9 @@
 //! of values at points.
 
 use forms_fem::forms;
-use forms_fem::prelude::*;
 
 use crate::contact_law;
-use crate::material_threshold::{NitscheContact, material_threshold};
-use crate::threshold::Threshold;
+use crate::material_threshold::threshold_of_material;
 
 #[doc(inline)]
 pub use self::mean_sliding_bodies::*;
@@ -59,22 +57,7 @@ contact_law!(mean_sliding_bodies {
     line_search: OnResidual,
 });
 
-fn threshold<const D: usize>(
-    law: &mean_sliding_bodies::Model<D>,
-    assembler: &Assembler<D>,
-    space: &Arc<Space<D>>,
-) -> Result<Threshold, AssemblyError>
-where
-    Dim: Dimension<D>,
-{
-    let data = &law.data;
-    let materials = [&data.lambda, &data.mu, &data.gamma0];
-    material_threshold(
-        assembler,
-        space,
-        &NitscheContact::of_pairs(&law.regions.touch.0, materials, data.share),
-    )
-}
+threshold_of_material!(threshold, mean_sliding_bodies, pairs: touch, lambda);
 
 /// The law of [`mean_sliding_bodies`](mod@mean_sliding_bodies) with one mean per vertex of each own facet, by the functions of degree 1: for
 /// displacements of degree 2.
@@ -111,6 +94,7 @@ contact_law!(mean_sliding_bodies_of_degree_two {
     region: touch,
     criterion: criterion,
     adjoint: discrete_adjoint,
+    threshold_by: threshold_of_degree_two,
     positive: mu,
     positive: gamma0,
     positive: share,
@@ -118,3 +102,5 @@ contact_law!(mean_sliding_bodies_of_degree_two {
     non_negative: friction,
     line_search: OnResidual,
 });
+
+threshold_of_material!(threshold_of_degree_two, mean_sliding_bodies_of_degree_two, pairs: touch, lambda);

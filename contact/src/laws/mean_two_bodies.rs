@@ -3,6 +3,7 @@
 use forms_fem::forms;
 
 use crate::contact_law;
+use crate::material_threshold::threshold_of_material;
 
 #[doc(inline)]
 pub use self::mean_two_bodies::*;
@@ -66,6 +67,7 @@ contact_law!(mean_two_bodies {
     criterion: criterion,
     adjoint: discrete_adjoint,
     theta: theta,
+    threshold_by: threshold,
     positive: mu,
     positive: gamma0,
     positive: share,
@@ -73,3 +75,6 @@ contact_law!(mean_two_bodies {
     non_negative: friction,
     line_search: OnResidual,
 });
+
+// A mean is no larger than what it is the mean of, so that the threshold at points is enough.
+threshold_of_material!(threshold, mean_two_bodies, pairs: touch, lambda, theta: theta);

@@ -2,11 +2,9 @@
 //! Mlika, Renard and Chouly 2017).
 
 use forms_fem::forms;
-use forms_fem::prelude::*;
 
 use crate::contact_law;
-use crate::material_threshold::{NitscheContact, material_threshold};
-use crate::threshold::Threshold;
+use crate::material_threshold::threshold_of_material;
 
 #[doc(inline)]
 pub use self::sliding_bodies::*;
@@ -75,16 +73,4 @@ contact_law!(sliding_bodies {
     line_search: OnResidual,
 });
 
-fn threshold<const D: usize>(
-    law: &sliding_bodies::Model<D>,
-    assembler: &Assembler<D>,
-    space: &Arc<Space<D>>,
-) -> Result<Threshold, AssemblyError>
-where
-    Dim: Dimension<D>,
-{
-    let data = &law.data;
-    let materials = [&data.lambda, &data.mu, &data.gamma0];
-    let contact = NitscheContact::of_pairs(&law.regions.touch.0, materials, data.share);
-    material_threshold(assembler, space, &contact)
-}
+threshold_of_material!(threshold, sliding_bodies, pairs: touch, lambda);

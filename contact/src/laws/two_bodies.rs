@@ -1,11 +1,9 @@
 //! Contact of two bodies with friction by Nitsche's method (Chouly, Mlika, Renard 2018), small strains and small sliding.
 
 use forms_fem::forms;
-use forms_fem::prelude::*;
 
 use crate::contact_law;
-use crate::material_threshold::{NitscheContact, material_threshold};
-use crate::threshold::Threshold;
+use crate::material_threshold::threshold_of_material;
 
 #[doc(inline)]
 pub use self::two_bodies::*;
@@ -107,17 +105,4 @@ contact_law!(two_bodies {
     line_search: OnResidual,
 });
 
-fn threshold<const D: usize>(
-    law: &two_bodies::Model<D>,
-    assembler: &Assembler<D>,
-    space: &Arc<Space<D>>,
-) -> Result<Threshold, AssemblyError>
-where
-    Dim: Dimension<D>,
-{
-    let data = &law.data;
-    let materials = [&data.lambda, &data.mu, &data.gamma0];
-    let contact = NitscheContact::of_pairs(&law.regions.touch.0, materials, data.share);
-    let contact = NitscheContact { theta: data.theta, ..contact };
-    material_threshold(assembler, space, &contact)
-}
+threshold_of_material!(threshold, two_bodies, pairs: touch, lambda, theta: theta);
