@@ -9,6 +9,8 @@ use std::fmt;
 use forms_fem::prelude::*;
 use thiserror::Error;
 
+use crate::parameter_ranges::ParameterRanges;
+
 /// The parameters of the iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProximalOptions {
@@ -113,8 +115,30 @@ pub struct Proximal<'a, const D: usize> {
     pub before: &'a [Field<D>; 2],
 }
 
-/// The proximal point iteration from u and ψ. `solve` solves one problem of it, as [`membrane_step`](crate::laws::proximal_membrane::membrane_step) or
-/// [`obstacle_step`](crate::laws::proximal_obstacle::obstacle_step) state it.
+impl<'a, const D: usize> Proximal<'a, D> {
+    /// ψ_k of the last problem.
+    pub fn latent(&self) -> &'a Field<D> {
+        &self.before[1]
+    }
+
+    /// The problem of a law whose data have this α, on the spaces of u and ψ.
+    ///
+    /// # Errors
+    /// A parameter of the law out of its range.
+    pub fn problem(
+        &self,
+        law: &impl ParameterRanges,
+        direct: &Form<D>,
+        spaces: [&Arc<Space<D>>; 2],
+    ) -> Result<Problem<'a, D, 2>, AssemblyError> {
+        law.check(direct.name())?;
+        Ok(Problem::new(direct, spaces).start([&self.before[0], &self.before[1]]))
+    }
+}
+
+/// The proximal point iteration from u and ψ. `solve` solves one problem of it, that of a law of its kind, as
+/// [`proximal_membrane`](mod@crate::laws::proximal_membrane) or [`proximal_obstacle`](mod@crate::laws::proximal_obstacle), at [`Proximal::alpha`] and
+/// [`Proximal::latent`].
 ///
 /// # Errors
 /// [`ProximalError`].

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use forms_contact::laws::proximal_membrane::{membrane_step, proximal_membrane as membrane};
-use forms_contact::laws::proximal_obstacle::{obstacle_step, proximal_obstacle as signorini};
+use forms_contact::laws::proximal_membrane::proximal_membrane as membrane;
+use forms_contact::laws::proximal_obstacle::proximal_obstacle as signorini;
 use forms_contact::proximal::{
     Proximal, ProximalError, ProximalOptions, ProximalSolution, solve_by_proximal_points,
 };
@@ -52,9 +52,9 @@ impl Membrane {
         let [displacements, latents] = &self.spaces;
         let mut held = Constraints::new(displacements);
         held.fix("circle", |_| 0.0).unwrap();
-        let solve = |Proximal { alpha, before }: Proximal<'_, 2>| -> Result<_, SolveError> {
-            let law = membrane::Model::new(membrane::data().obstacle(obstacle).alpha(alpha));
-            let problem = membrane_step(&law, [displacements, latents], before)?;
+        let solve = |step: Proximal<'_, 2>| -> Result<_, SolveError> {
+            let law = membrane::Model::new(membrane::data().obstacle(obstacle).alpha(step.alpha));
+            let problem = step.problem(&law, &law.direct(step.latent()), [displacements, latents])?;
             problem.constrained(&held).assembler(&self.assembler).solve()
         };
         let start = self.spaces.each_ref().map(Field::zero);
@@ -79,16 +79,17 @@ fn a_membrane_converges_to_its_closed_form_in_as_many_iterations_on_all_meshes()
         let law = membrane::Model::new(membrane::data().obstacle(obstacle).alpha(1.0));
         let energy = 4.0 * membrane.assembler.functional(&law.energy(u)).unwrap();
         let force = 4.0 * norms::mean(&membrane.assembler, &found.multiplier).unwrap()[0] * PI / 4.0;
+        println!("{core}: {}, energy {energy:.6}, force {force:.6}", found.history);
         let inner: Vec<usize> = found.history.steps.iter().map(|step| step.newton_steps).collect();
         assert!((6..=9).contains(&inner.len()) && found.history.newton_steps() <= 40, "{inner:?}");
         errors.push((norms.h1, (energy - ENERGY).abs(), (force + 2.0 * PI * SLOPE).abs()));
     }
     for pair in errors.windows(2) {
         let order = (pair[0].0 / pair[1].0).log2();
-        assert!(order > 0.9, "{order}");
+        assert!(order > 1.3, "{order}");
     }
     let (_, energy, force) = errors[2];
-    assert!(energy < 1e-3 && force < 1e-2, "{energy:e} {force:e}");
+    assert!(energy < 5e-5 && force < 1e-3, "{energy:e} {force:e}");
 }
 
 #[test]
@@ -102,12 +103,17 @@ fn a_layer_has_the_pressure_of_its_modulus() {
         held.fix_component("right", 0, |_| 0.0).unwrap();
         held.fix("top", |_| [0.0, -0.02]).unwrap();
         let (lambda, mu, gap) = (1.5, 1.0, 0.005);
-        let solve = |Proximal { alpha, before }: Proximal<'_, 2>| -> Result<_, SolveError> {
-            let data =
-                signorini::data().lambda(lambda).mu(mu).obstacle_normal([0.0, -1.0]).gap(gap).alpha(alpha);
+        let solve = |step: Proximal<'_, 2>| -> Result<_, SolveError> {
+            let data = signorini::data()
+                .lambda(lambda)
+                .mu(mu)
+                .obstacle_normal([0.0, -1.0])
+                .gap(gap)
+                .alpha(step.alpha);
             let regions = signorini::Regions::default().gamma_c("bottom").gamma_n("top");
             let law = signorini::Model { data, regions };
-            obstacle_step(&law, [&displacements, &latents], before)?.constrained(&held).solve()
+            let problem = step.problem(&law, &law.direct(step.latent()), [&displacements, &latents])?;
+            problem.constrained(&held).solve()
         };
         let start = [Field::zero(&displacements), Field::zero(&latents)];
         let options =

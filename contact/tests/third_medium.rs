@@ -92,7 +92,7 @@ fn a_closing_c_has_the_forces_of_other_programs() {
         u = solved.into_field();
         let force = c.force(&u, MU);
         if let Some((_, known)) = FORCES.iter().find(|(step, _)| *step == k) {
-            assert!((force / known - 1.0).abs() < 1e-8, "step {k}: {force:.9e}, {known:.9e}");
+            assert!((force / known - 1.0).abs() < 5e-9, "step {k}: {force:.9e}, {known:.9e}");
         }
     }
     // felupe takes 96.

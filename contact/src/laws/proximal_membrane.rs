@@ -1,10 +1,8 @@
 //! A membrane over an obstacle by proximal Galerkin: a latent variable keeps the gap positive.
 
 use forms_fem::forms;
-use forms_fem::prelude::*;
 
 use crate::parameter_ranges;
-use crate::parameter_ranges::ParameterRanges;
 
 #[doc(inline)]
 pub use self::proximal_membrane::*;
@@ -65,20 +63,3 @@ pub mod proximal_membrane {
 }
 
 parameter_ranges!(proximal_membrane { positive: alpha, positive: tension });
-
-/// The problem of one step from u and ψ_k, on the spaces of u and ψ.
-///
-/// # Errors
-/// A parameter out of its range.
-pub fn membrane_step<'a, const D: usize>(
-    model: &proximal_membrane::Model<D>,
-    spaces: [&Arc<Space<D>>; 2],
-    before: &'a [Field<D>; 2],
-) -> Result<Problem<'a, D, 2>, AssemblyError>
-where
-    Dim: Dimension<D>,
-{
-    let form = model.direct(&before[1]);
-    model.check(form.name())?;
-    Ok(Problem::new(&form, spaces).start([&before[0], &before[1]]))
-}

@@ -2,10 +2,8 @@
 //! gap positive.
 
 use forms_fem::forms;
-use forms_fem::prelude::*;
 
 use crate::parameter_ranges;
-use crate::parameter_ranges::ParameterRanges;
 
 #[doc(inline)]
 pub use self::proximal_obstacle::*;
@@ -68,20 +66,3 @@ pub mod proximal_obstacle {
 }
 
 parameter_ranges!(proximal_obstacle { positive: mu, positive: alpha });
-
-/// The problem of one step from u and ψ_k, on the spaces of u and ψ.
-///
-/// # Errors
-/// A parameter out of its range.
-pub fn obstacle_step<'a, const D: usize>(
-    model: &proximal_obstacle::Model<D>,
-    spaces: [&Arc<Space<D>>; 2],
-    before: &'a [Field<D>; 2],
-) -> Result<Problem<'a, D, 2>, AssemblyError>
-where
-    Dim: Dimension<D>,
-{
-    let form = model.direct(&before[1]);
-    model.check(form.name())?;
-    Ok(Problem::new(&form, spaces).start([&before[0], &before[1]]))
-}

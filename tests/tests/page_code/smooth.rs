@@ -22,15 +22,15 @@ pub fn membrane(
     (displacements, latents, held): (Arc<Space<2>>, Arc<Space<2>>, Constraints<2>),
     obstacle: fn(&[f64; 2]) -> f64,
 ) -> Result<(), Failure> {
-    use forms_contact::laws::proximal_membrane::{membrane_step, proximal_membrane as law};
+    use forms_contact::laws::proximal_membrane::proximal_membrane as law;
     use forms_contact::proximal::{Proximal, ProximalOptions, solve_by_proximal_points};
 
-    let step = |Proximal { alpha, before }: Proximal<'_, 2>| -> Result<_, SolveError> {
-        let model = law::Model::new(law::data().obstacle(obstacle).alpha(alpha));
-        membrane_step(&model, [&displacements, &latents], before)?.constrained(&held).solve()
+    let solve = |step: Proximal<'_, 2>| -> Result<_, SolveError> {
+        let model = law::Model::new(law::data().obstacle(obstacle).alpha(step.alpha));
+        step.problem(&model, &model.direct(step.latent()), [&displacements, &latents])?.constrained(&held).solve()
     };
     let start = [Field::zero(&displacements), Field::zero(&latents)];
-    let found = solve_by_proximal_points(start, ProximalOptions::default(), step, |_| ())?;
+    let found = solve_by_proximal_points(start, ProximalOptions::default(), solve, |_| ())?;
     println!("{}", found.history);
     Ok(())
 }
