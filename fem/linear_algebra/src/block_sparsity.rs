@@ -258,8 +258,7 @@ impl BlockSparsity {
         let (row_set, row_node, row_component) = Self::locate(&self.rows, row);
         let (column_set, column_node, column_component) = Self::locate(&self.columns, column);
         let pair = self.pair(row_set, column_set);
-        let place = pair.row(row_node).binary_search(&(column_node as u32)).ok()?;
-        let block = pair.first_value + (pair.range(row_node).start + place) * pair.block;
+        let block = pair.first_value + pair.place(row_node, column_node as u32)? * pair.block;
         Some(block + row_component * self.columns[column_set].components + column_component)
     }
 

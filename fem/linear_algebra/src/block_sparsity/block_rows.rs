@@ -81,6 +81,14 @@ impl BlockRows {
         &self.columns[self.range(node)]
     }
 
+    /// The place of a block in the list of this pair's blocks, if there is one at this row and column node.
+    #[doc(hidden)]
+    #[inline]
+    pub fn place(&self, row: usize, column: u32) -> Option<usize> {
+        let range = self.range(row);
+        Some(range.start + self.columns[range].binary_search(&column).ok()?)
+    }
+
     /// The places of this pair's values in the list of all values.
     #[doc(hidden)]
     #[inline]

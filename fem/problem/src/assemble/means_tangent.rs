@@ -18,7 +18,7 @@ use crate::contract::Function;
 use crate::instantiate::instantiate;
 use crate::mesh::Facet;
 
-/// What one argument of a product is.
+/// The kind of a product's argument.
 #[derive(Clone, Copy, PartialEq)]
 enum Factor {
     /// ∂R/∂m, rows of test functions.
@@ -34,7 +34,7 @@ impl<const D: usize> TangentIntegrals<'_, D> {
     /// Adds the products of all lists of means.
     ///
     /// # Errors
-    /// Those of the form's data; element matrices, which there are none of.
+    /// Errors of the form's data; [`AssemblyError::Means`] if element matrices are asked for, which means do not have.
     #[inline(never)]
     pub(super) fn add_products_of_means(
         &mut self,
@@ -120,8 +120,7 @@ impl<const D: usize> TangentIntegrals<'_, D> {
             zeros.fill(true);
         }
         zeros[row as usize] = false;
-        let place = blocks.row(row as usize).binary_search(&column).map_err(|_| missing())?;
-        let start = (blocks.range(row as usize).start + place) * height * width;
+        let start = blocks.place(row as usize, column).ok_or_else(missing)? * height * width;
         for a in 0..height {
             for b in 0..width {
                 let products = (0..count).map(|c| left[a * count + c] * right[c * width + b]);

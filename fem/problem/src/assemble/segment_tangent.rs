@@ -29,11 +29,11 @@ type Rate<const D: usize> = (u32, [f64; D]);
 
 /// Whether a form has integrals over moving segments.
 pub(super) fn has_segments<const D: usize>(form: &Function<D>) -> bool {
-    D == 2 && form.residual().iter().any(|term| is_on_segments(form, term).is_some())
+    D == 2 && form.residual().iter().any(|term| displacing_segments(form, term).is_some())
 }
 
-/// The unknowns that displace the moving segments of a term, if it is an integral over such.
-fn is_on_segments<const D: usize>(
+/// The fields that displace the moving segments of a term; none of other terms.
+fn displacing_segments<const D: usize>(
     form: &Function<D>,
     term: &Term<VectorKernel<D>>,
 ) -> Option<&'static [usize]> {
@@ -71,7 +71,7 @@ fn rates<const D: usize>(end: &MovingEnd<D>, own: Facet, space: &Space<D>) -> Ve
 }
 
 impl<const D: usize> Assembler<D> {
-    /// What the motion of points adds to the tangent of some of the integrals.
+    /// The motion of points, added to the tangent of some of the integrals.
     ///
     /// # Errors
     /// As [`Assembler::tangent`]; [`PairError::NoGradient`] where something is read at the points that knows no derivative.
@@ -88,7 +88,7 @@ impl<const D: usize> Assembler<D> {
             return Ok(());
         }
         for term in form.residual().iter().filter(|term| parts.contain(term.integral.dependence)) {
-            let Some(displacing) = is_on_segments(form, term) else { continue };
+            let Some(displacing) = displacing_segments(form, term) else { continue };
             let mut binding = self.bind(form, unknowns)?;
             let element = binding.element(tests[term.integral.test]);
             for field in displacing {
@@ -122,8 +122,11 @@ impl<const D: usize> Motion<'_, D> {
         let Motion { assembler, binding, term, element, trial } = *self;
         let (integral, constants) = (term.integral, term.kernel.constants());
         let (test, form) = (tests[integral.test], binding.name);
-        let names = [integral.test, trial];
-        let names = [binding.name_of(Role::Test(names[0])), binding.name_of(Role::Unknown(names[1]))];
+        let missing = || AssemblyError::Pattern {
+            form,
+            test: binding.name_of(Role::Test(integral.test)),
+            trial: binding.name_of(Role::Unknown(trial)),
+        };
         let degrees = binding.degrees(tests);
         let arguments = [(Role::Test(integral.test), &**test)];
         let quadrature = &assembler.quadrature;
@@ -145,19 +148,16 @@ impl<const D: usize> Motion<'_, D> {
                 let at = test.nodes_at(group.sides[side].cells[unit], local);
                 for (number, end) in pairs.group.motion.ends[unit].iter().enumerate() {
                     let by_end = &vectors[(2 * unit + number) * size..][..size];
-                    for (column, rate) in rates(end, facets[0], trials) {
-                        for place in &seen {
-                            let row = at[*place] as usize;
-                            let missing = || AssemblyError::Pattern { form, test: names[0], trial: names[1] };
-                            let found = blocks.row(row).binary_search(&column).map_err(|_| missing())?;
-                            let first = (blocks.range(row).start + found) * height * width;
-                            zeros[row] = false;
-                            for i in 0..height {
-                                for j in 0..width {
-                                    values[first + i * width + j] += by_end[place * height + i] * rate[j];
-                                }
-                            }
-                        }
+                    let rates = rates(end, facets[0], trials);
+                    let moved = rates.iter().flat_map(|rate| seen.iter().map(move |place| (rate, *place)));
+                    for ((column, rate), place) in moved {
+                        let row = at[place] as usize;
+                        let first = blocks.place(row, *column).ok_or_else(missing)? * height * width;
+                        zeros[row] = false;
+                        let by_end = &by_end[place * height..][..height];
+                        let entries =
+                            by_end.iter().flat_map(|by_end| rate.iter().map(move |rate| by_end * rate));
+                        values[first..].iter_mut().zip(entries).for_each(|(value, entry)| *value += entry);
                     }
                 }
             }

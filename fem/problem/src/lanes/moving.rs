@@ -1,7 +1,7 @@
 //! Lanes that carry a derivative: a kernel that is run on them gives its values together with their derivatives along a motion of its points.
 //!
-//! What goes through memory by [`Lane::store`] and [`Lane::load`] loses its derivative, which is no number then: functions of a user that know
-//! no derivative do not pass for constants. Data that do not move are gathered.
+//! A value that goes through memory by [`Lane::store`] and [`Lane::load`] loses its derivative, which is NaN then: so functions of a user that have
+//! no derivative do not count as constants. Data that do not move are gathered.
 
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
 #![allow(clippy::needless_range_loop)]

@@ -125,7 +125,7 @@ pub enum PairError {
         /// The surface that is integrated over.
         surface: String,
     },
-    /// What is read at the points of moving segments and knows no derivative.
+    /// Data without a derivative that are read at the points of moving segments.
     #[error(
         "the points of moving segments move with the displacement, and `{field}` has no derivative along their motion: give a function of position \
          with its gradient or a field, or leave out `.at(PairQuadrature::Pieces)`"

@@ -47,7 +47,7 @@ pub(super) struct Pair<const D: usize> {
     pub gap: f64,
 }
 
-/// Where an own facet has its quadrature points.
+/// Places of an own facet's quadrature points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PlacesOfPoints {
     /// Those of one rule, whatever they face.

@@ -17,11 +17,11 @@
 use super::surface::{SurfaceFacet, dot, minus};
 use crate::mesh::Facet;
 
-/// An end of a segment.
+/// An end of a segment as the search finds it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SegmentEnd {
     pub s: f64,
-    /// The node on whose account it is there, as a corner of an opposite facet; none at an end of the own facet.
+    /// The opposite node whose ray cuts here, as a facet and its corner; none at an end of the own facet.
     pub node: Option<[u32; 2]>,
 }
 
@@ -43,7 +43,7 @@ impl<const D: usize> Default for GroupMotion<D> {
     }
 }
 
-/// An end of a segment.
+/// An end of a segment with the node that moves it.
 #[derive(Clone, Debug)]
 pub(crate) struct MovingEnd<const D: usize> {
     /// The own facet's coordinate.
@@ -51,7 +51,7 @@ pub(crate) struct MovingEnd<const D: usize> {
     /// Reference coordinates in the own cell, and their derivative by s.
     pub reference: [f64; D],
     pub along: [f64; D],
-    /// The opposite node on whose account it is there.
+    /// The opposite node whose ray cuts here; none at an end of the own facet.
     pub node: Option<MovingNode<D>>,
 }
 

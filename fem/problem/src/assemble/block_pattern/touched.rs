@@ -96,12 +96,12 @@ impl<const D: usize> BlockPattern<D> {
             let mut mark = |row_nodes: &[u32], column_nodes: &[u32]| {
                 for &row in row_nodes {
                     for &column in column_nodes {
-                        let place = pair.row(row as usize).binary_search(&column).map_err(|_| {
+                        let place = pair.place(row as usize, column).ok_or_else(|| {
                             let name = |role| form.name_of(role);
                             let (test, trial) = (name(Role::Test(test)), name(Role::Unknown(trial)));
                             AssemblyError::Pattern { form: form.name(), test, trial }
                         })?;
-                        marks[pair.range(row as usize).start + place] = true;
+                        marks[place] = true;
                         columns[column as usize] = true;
                     }
                 }
