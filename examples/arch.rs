@@ -111,7 +111,7 @@ mod arch {
     }
 }
 
-/// What is below the arch.
+/// The ground below the arch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Ground {
     Nothing,

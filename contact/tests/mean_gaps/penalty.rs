@@ -38,7 +38,7 @@ fn tangents_and_the_energy() {
     assert!(apart(&tangent.multiply(w.values()).unwrap(), &back) < 1e-13);
 }
 
-/// Where the surfaces are parallel, the energy's forces are those of the law.
+/// Forces of the energy on parallel surfaces: those of the law.
 #[test]
 fn the_energy_of_parallel_surfaces() {
     let mesh = layers(CellShape::Quadrilateral, [3, 4], 0.07);

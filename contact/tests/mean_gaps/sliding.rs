@@ -74,7 +74,7 @@ fn with_one_point_it_is_the_law_at_points() {
     assert!(apart(&k.multiply(w.values()).unwrap(), &l.multiply(w.values()).unwrap()) < 1e-13);
 }
 
-/// Where nodes meet, the uniform state is exact; elsewhere the points of whole facets break it as they do without means.
+/// The uniform state on meshes whose nodes meet. On others the points of whole facets break it, with means or without.
 #[test]
 fn patches_whose_nodes_meet() {
     let solve = |degree: usize| {

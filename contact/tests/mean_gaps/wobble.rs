@@ -50,7 +50,7 @@ fn mesh(width: f64) -> Mesh<2> {
     Mesh::of_bodies(&[("slab", &slab), ("block", &block)]).unwrap()
 }
 
-/// What is compared.
+/// The laws that are compared.
 #[derive(Clone, Copy, PartialEq)]
 enum Law {
     AtPoints,

@@ -1,5 +1,5 @@
-//! What holds on moving segments of bent and kinked surfaces in any position: balance of forces and moments, covered lengths, the same
-//! bits on any number of threads.
+//! Balance of forces and moments, and covered lengths, on moving segments of bent and kinked surfaces in any position; the same bits on
+//! any number of threads.
 
 use forms_fem::contract::PairQuadrature;
 use forms_fem::mesh::structured;

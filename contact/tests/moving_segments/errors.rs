@@ -1,4 +1,4 @@
-//! What moving segments refuse, by name: derivatives that hold their points, functions without a derivative at them, facets in space and of
+//! Refusals of moving segments, by name: derivatives that hold their points, functions without a derivative at them, facets in space and of
 //! degree three.
 
 use forms_contact::ContactProblem;

@@ -29,7 +29,7 @@ pub mod layers {
     pub struct Surface;
     #[pairs]
     pub struct Touch;
-    /// What the block covers of it.
+    /// The part of the surface that the block covers.
     #[pairs]
     pub struct Cover;
 

@@ -72,7 +72,7 @@ fn sums_are_assembled_as_their_parts() -> Outcome {
     Ok(())
 }
 
-/// Where all parts have kernels for products without a matrix, their sum has; otherwise it says what is missing.
+/// Products without a matrix: a sum has kernels for them if all its parts do, and names the missing one otherwise.
 #[test]
 fn sums_act_without_a_matrix_if_their_parts_do() -> Outcome {
     let (assembler, space) = setting()?;

@@ -23,7 +23,7 @@ struct MeansList {
     degree: usize,
     /// Whether they depend on an unknown: what does not has lists of its own.
     varies: bool,
-    /// What they are means of, each with the place of its first component.
+    /// The operands of the means, each with the place of its first component.
     arguments: Vec<(Tensor, usize)>,
     /// Number of components.
     count: usize,
