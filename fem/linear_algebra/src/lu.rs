@@ -227,13 +227,19 @@ fn scale_from(matrix: &CsrMatrix, first: Vec<f64>) -> Result<(Vec<f64>, Vec<f64>
                 in_columns[column as usize] = in_columns[column as usize].max(entry);
             }
         }
+        let mut is_balanced = true;
         for (factors, largest) in [(&mut rows, &in_rows), (&mut columns, &in_columns)] {
             for (unknown, (factor, largest)) in factors.iter_mut().zip(largest).enumerate() {
                 if *largest == 0.0 {
                     return Err(LinearAlgebraError::Singular { unknown, ratio: 0.0 });
                 }
-                *factor *= (-0.5 * largest.log2()).round().exp2();
+                let change = (-0.5 * largest.log2()).round().exp2();
+                is_balanced &= change == 1.0;
+                *factor *= change;
             }
+        }
+        if is_balanced {
+            break;
         }
     }
     Ok((rows, columns))

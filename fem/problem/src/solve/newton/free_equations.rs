@@ -57,6 +57,8 @@ pub(in crate::solve) struct FreeEquations<'a> {
     pub(super) refinement: Refinement,
     /// Whether products need another tangent than the last one. It is assembled when a judgement asks for one.
     pub(super) products_are_old: bool,
+    /// What the free rows of the last iterate whose terms were summed may be off by.
+    pub(super) allowed_before: Vec<f64>,
     /// The equation that is off by the most of its terms, where one was.
     pub(super) worst: Option<WorstEquation>,
     pub(super) forced: Option<Forced>,
@@ -81,6 +83,7 @@ impl<'a> FreeEquations<'a> {
             last_change: None,
             refinement: Refinement::default(),
             products_are_old: false,
+            allowed_before: vec![],
             worst: None,
             forced: None,
             bounds: None,

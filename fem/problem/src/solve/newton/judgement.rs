@@ -24,7 +24,7 @@ use super::{FreeEquations, NewtonFailure};
 use crate::linear_algebra::vector::largest;
 use refinement::Reason;
 pub(super) use refinement::{LastChange, Refinement};
-use rows::Rows;
+use rows::{Follows, Rows};
 
 /// Rounding of a row, as a part of (|K| |u|)_i: the constant of Arioli, Demmel and Duff.
 const ROW_ROUNDING: f64 = 1e3 * f64::EPSILON;
@@ -77,7 +77,8 @@ impl FreeEquations<'_> {
         } else {
             self.products_are_old = self.tangent_is_old();
         }
-        let mut rows = self.judge_rows()?;
+        let follows = if progress.is_ok() { Follows::Step } else { Follows::End };
+        let mut rows = self.judge_rows(follows)?;
         let is_corrected = rows.hold || self.iterates.some_field_stays() || self.some_component_vanishes();
         let correction = if is_corrected { self.correction()? } else { None };
         // If the tangent cannot be solved with, the next step reports it.

@@ -10,6 +10,10 @@ pub(super) const CELL_ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// Rounding of the unknowns that the last step leaves, as a part of its length: u + δ is rounded, and δ was.
 const STEP_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
+/// A row that is off by this many times what the iterate before was allowed does not hold: its terms would have to have grown as much in one
+/// step.
+const FAR: f64 = 1e4;
+
 /// Rows of an iterate.
 pub(super) struct Rows {
     pub hold: bool,
@@ -19,16 +23,29 @@ pub(super) struct Rows {
     pub forces: Option<Vec<f64>>,
 }
 
+/// Consequence of rows that do not hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Follows {
+    /// A further step.
+    Step,
+    /// The end, with the worst row in the report.
+    End,
+}
+
 impl FreeEquations<'_> {
     /// Judges the free rows: by the sizes of their terms where residuals have dropped, otherwise first by the rounding of (|K| |u|)_i, whose
-    /// tangent the next step reads too.
-    pub(super) fn judge_rows(&mut self) -> Result<Rows, NewtonFailure> {
+    /// tangent the next step reads too. Where a step follows anyway, rows that are far off need no terms of their own.
+    pub(super) fn judge_rows(&mut self, follows: Follows) -> Result<Rows, NewtonFailure> {
         self.worst = None;
+        if follows == Follows::Step && self.is_far_off() {
+            return Ok(Rows { hold: false, after_long_step: false, forces: None });
+        }
         let tolerance = self.iterates.options.relative_tolerance;
-        let mut terms = None;
+        let (mut terms, mut most) = (None, f64::INFINITY);
         if self.iterates.has_dropped_to(tolerance)
             && let Some(sizes) = self.problem.sizes_of_terms(&self.iterates.u, Terms::OfRows)?
         {
+            most = sizes.iter().sum();
             let sizes = self.elimination.reduce_amounts(&sizes)?;
             let rows = self.residuals.reduced.iter().zip(&sizes);
             if rows.into_iter().all(|(r, size)| r.abs() <= tolerance * size) {
@@ -52,16 +69,23 @@ impl FreeEquations<'_> {
             // A problem that does not know its terms has its forces.
             None => {
                 let terms = self.problem.sizes_of_terms(&self.iterates.u, Terms::OfRows)?;
+                most = terms.iter().flatten().sum();
                 reduce(terms.as_ref().unwrap_or(&forces))?
             }
         };
         add(&mut allowed, tolerance, &terms);
+        // The largest entry of a cell's vector is among the terms of a row: no row's cells have more than all rows have terms.
+        let most_of_cells = reduce(&vec![CELL_ROUNDING * most; forces.len()])?;
+        let at_most: Vec<f64> =
+            allowed.iter().zip(most_of_cells).map(|(allowed, cells)| allowed + cells).collect();
         if !holds(&allowed)
+            && holds(&at_most)
             && let Some(cells) = self.problem.sizes_of_terms(&self.iterates.u, Terms::OfCells)?
         {
             add(&mut allowed, CELL_ROUNDING, &reduce(&cells)?);
         }
         let mut after_long_step = false;
+        self.allowed_before.clone_from(&allowed);
         if !holds(&allowed)
             && let Some(step) = &self.last_change
         {
@@ -83,6 +107,13 @@ impl FreeEquations<'_> {
                 worst.map(|place| WorstEquation { unknown: self.elimination.free()[place], off: off(place) });
         }
         Ok(Rows { hold, after_long_step, forces: Some(forces) })
+    }
+
+    /// Whether some row is far off, by what the iterate before was allowed.
+    fn is_far_off(&self) -> bool {
+        let (residual, allowed) = (&self.residuals.reduced, &self.allowed_before);
+        residual.len() == allowed.len()
+            && residual.iter().zip(allowed).any(|(r, allowed)| r.abs() > FAR * allowed)
     }
 
     /// (|K| |u|)_i of all rows.
