@@ -6,6 +6,8 @@ mod assembly;
 mod bad_input;
 mod cell_means;
 mod cell_values;
+mod coupled_histories;
+mod coupled_steps;
 mod diameter_kinks;
 mod eigenproblems;
 mod facet_means;

@@ -172,7 +172,7 @@ fn a_number_that_does_not_exist_is_named_and_leaves_the_motion_where_it_was() ->
         match events.take(&mut motion, 0.3) {
             Ok(_) => taken += 1,
             Err(error) => {
-                assert_eq!((motion.steps(), motion.state().time), (taken, before.states[0].time));
+                assert_eq!((motion.steps(), motion.state().time), (taken, before.states[0][0].time));
                 break error;
             }
         }

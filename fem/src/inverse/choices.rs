@@ -1,7 +1,7 @@
 //! Choices that histories of loads and of motions share: observations, conditions, solver, storage; and the reduced problem that each
 //! of them is.
 
-/// Methods of a history with the members `controls`, `criterion`, `constraints`, `equations` and `storage`, and a method `begin`.
+/// Methods of a history with the members `controls`, `criterion`, `constraints`, `equations` and `storage`, and methods `begin` and `unknowns_on`.
 /// Conditions are a function of a moment, which the text names; second rates have tests of the names given.
 macro_rules! choices_of {
     ($history:ident, constrained_at $moment:ty, $text:literal, second_rates by $tests:expr) => {
@@ -16,7 +16,8 @@ macro_rules! choices_of {
                 self
             }
 
-            /// Observations of the value at the end of a step, numbered from 0, that add to the criterion.
+            /// Observations of the value at the end of a step, numbered from 0, that add to the criterion: of the first unknown on their
+            /// space.
             pub fn observed(mut self, step: usize, observations: Observations<D>) -> Self {
                 self.criterion.observations.entry(step).or_default().push(observations);
                 self
@@ -37,18 +38,18 @@ macro_rules! choices_of {
                 self
             }
 
-            /// Conditions that do not change.
+            /// Conditions that do not change, on one unknown: the first one on the constraints' space that has none yet.
             pub fn constrained(self, constraints: &Constraints<D>) -> Self {
                 let constraints = constraints.clone();
                 self.constrained_at(move |_| Ok(constraints.clone()))
             }
 
-            #[doc = concat!("Conditions as a function of ", $text, ".")]
+            #[doc = concat!("Conditions on one unknown as a function of ", $text, ".")]
             pub fn constrained_at(
                 mut self,
                 constraints: impl Fn($moment) -> Result<Constraints<D>, ConstraintsError> + 'a,
             ) -> Self {
-                self.constraints = Box::new(constraints);
+                self.constraints.push(constraints);
                 self
             }
 
@@ -124,11 +125,12 @@ macro_rules! choices_of {
                 pair: [&[f64]; 2],
                 [slope, change]: [&mut [f64]; 2],
             ) -> Result<(), HistoryFailure> {
-                let [value, dvalue] = pair.map(|values| Field::from_values(&self.space, values.to_vec()));
+                let [value, dvalue] = pair
+                    .map(|values| Field::from_values(ControlledEvolution::spaces(self)[0], values.to_vec()));
                 let (value, dvalue) = (value?, dvalue?);
                 let (at, assembler) =
                     (ControlValues::new(&self.controls, step, None), &self.equations.assembler);
-                self.criterion.add_slope(&at, assembler, &value, slope)?;
+                self.criterion.add_slope(&at, assembler, std::slice::from_ref(&value), slope)?;
                 self.criterion.add_curvature(&at, assembler, [&value, &dvalue], change)
             }
         }
@@ -144,8 +146,8 @@ macro_rules! choices_of {
                 &self.controls
             }
 
-            fn space(&self) -> &Arc<Space<D>> {
-                &self.space
+            fn spaces(&self) -> Vec<&Arc<Space<D>>> {
+                self.unknowns_on()
             }
 
             fn begin(&mut self, m: &[f64]) -> Result<(), HistoryError> {

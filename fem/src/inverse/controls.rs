@@ -207,8 +207,8 @@ impl<const D: usize> Controls<D> {
         ControlError::Unknown { name: name.to_owned(), kind, known }
     }
 
-    /// Whether they fit a history on a space.
-    pub(super) fn check(&self, space: &Arc<Space<D>>, steps: usize) -> Result<(), ControlError> {
+    /// Whether they fit a history of unknowns on these spaces.
+    pub(super) fn check(&self, spaces: &[&Arc<Space<D>>], steps: usize) -> Result<(), ControlError> {
         for (place, entry) in self.entries.iter().enumerate() {
             let name = || entry.name.clone();
             if self.entries[..place].iter().any(|earlier| earlier.name == entry.name) {
@@ -218,7 +218,7 @@ impl<const D: usize> Controls<D> {
                 Kind::PerStep(found) if *found != steps => {
                     return Err(ControlError::Steps { name: name(), found: *found, steps });
                 }
-                Kind::Start(_, own) if !own.numbers_as(space) => {
+                Kind::Start(_, own) if !spaces.iter().any(|space| own.numbers_as(space)) => {
                     return Err(ControlError::Space { name: name() });
                 }
                 _ => {}
@@ -227,21 +227,32 @@ impl<const D: usize> Controls<D> {
         Ok(())
     }
 
-    fn starts(&self, which: Start) -> Option<&Entry<D>> {
-        self.entries.iter().find(|entry| matches!(entry.kind, Kind::Start(own, _) if own == which))
+    /// The start of each unknown that is a control: the first one on the unknown's space that is none of an earlier one.
+    fn starts(&self, which: Start, spaces: &[&Arc<Space<D>>]) -> Vec<Option<&Entry<D>>> {
+        let mut taken = vec![false; self.entries.len()];
+        let mut start = |space: &&Arc<Space<D>>| {
+            let fits = |entry: &Entry<D>| matches!(&entry.kind, Kind::Start(own, on) if *own == which && on.numbers_as(space));
+            let place = (0..taken.len()).find(|place| !taken[*place] && fits(&self.entries[*place]))?;
+            taken[place] = true;
+            Some(&self.entries[place])
+        };
+        spaces.iter().map(&mut start).collect()
     }
 
-    /// The coefficients of the state before the first step, or of its rate.
-    pub(super) fn start_values(&self, which: Start, count: usize) -> Vec<f64> {
-        match self.starts(which) {
+    /// The coefficients of the state before the first step, or of its rate, of all unknowns.
+    pub(super) fn start_values(&self, which: Start, spaces: &[&Arc<Space<D>>]) -> Vec<f64> {
+        let starts = self.starts(which, spaces).into_iter().zip(spaces);
+        let values = |(start, space): (Option<&Entry<D>>, &&Arc<Space<D>>)| match start {
             Some(entry) => self.values[entry.from..entry.from + entry.count()].to_vec(),
-            None => vec![0.0; count],
-        }
+            None => vec![0.0; space.unknowns()],
+        };
+        starts.flat_map(values).collect()
     }
 
-    /// The name of the control that is the first state, or its rate.
+    /// The name of the first control that is a first state, or its rate.
     pub(super) fn start_name(&self, which: Start) -> Option<&str> {
-        self.starts(which).map(|entry| &*entry.name)
+        let is_start = |entry: &&Entry<D>| matches!(entry.kind, Kind::Start(own, _) if own == which);
+        self.entries.iter().find(is_start).map(|entry| &*entry.name)
     }
 
     /// The names of the controls whose rates a form has to give.
@@ -276,10 +287,21 @@ impl<const D: usize> Controls<D> {
         }
     }
 
-    /// Adds the slope of the criterion by the first state, or by its rate.
-    pub(super) fn add_start(&self, which: Start, slope: &[f64], gradient: &mut [f64]) {
-        if let Some(entry) = self.starts(which) {
-            gradient[entry.from..].iter_mut().zip(slope).for_each(|(sum, rate)| *sum += rate);
+    /// Adds the slope of the criterion by the first state of all unknowns, or by its rate.
+    pub(super) fn add_start(
+        &self,
+        which: Start,
+        spaces: &[&Arc<Space<D>>],
+        slope: &[f64],
+        gradient: &mut [f64],
+    ) {
+        let mut rest = slope;
+        for (start, space) in self.starts(which, spaces).into_iter().zip(spaces) {
+            let (own, others) = rest.split_at(space.unknowns());
+            if let Some(entry) = start {
+                gradient[entry.from..].iter_mut().zip(own).for_each(|(sum, rate)| *sum += rate);
+            }
+            rest = others;
         }
     }
 }
@@ -289,11 +311,12 @@ impl<const D: usize> Controls<D> {
 pub struct ControlValues<'a, const D: usize> {
     controls: &'a Controls<D>,
     step: usize,
-    before: Option<&'a Field<D>>,
+    /// Of each unknown.
+    before: Option<&'a [Field<D>]>,
 }
 
 impl<'a, const D: usize> ControlValues<'a, D> {
-    pub(super) fn new(controls: &'a Controls<D>, step: usize, before: Option<&'a Field<D>>) -> Self {
+    pub(super) fn new(controls: &'a Controls<D>, step: usize, before: Option<&'a [Field<D>]>) -> Self {
         ControlValues { controls, step, before }
     }
 
@@ -302,11 +325,19 @@ impl<'a, const D: usize> ControlValues<'a, D> {
         self.step
     }
 
-    /// The state before the step, of a load history.
+    /// The state before the step, of a load history: that of the first unknown.
     ///
     /// # Errors
     /// [`ControlError::NoBefore`] in a criterion, which is one of the state after the step.
     pub fn before(&self) -> Result<&'a Field<D>, ControlError> {
+        Ok(&self.before_of_all()?[0])
+    }
+
+    /// The states of all unknowns before the step, of a load history.
+    ///
+    /// # Errors
+    /// As [`ControlValues::before`].
+    pub fn before_of_all(&self) -> Result<&'a [Field<D>], ControlError> {
         self.before.ok_or(ControlError::NoBefore)
     }
 

@@ -9,7 +9,7 @@ use super::observations::Observations;
 use super::second_order::Hessian;
 use super::sweep::{Gradient, Work};
 use crate::assemble::Assembler;
-use crate::contract::Energy;
+use crate::contract::{Energy, Role};
 use crate::field::Field;
 use crate::linear_algebra::vector::add_scaled;
 use crate::space::Space;
@@ -28,6 +28,17 @@ pub(super) type EnergyAt<'a, const D: usize> =
     Box<dyn Fn(&ControlValues<D>) -> Result<Energy<D>, ControlError> + 'a>;
 pub(super) type OfControls<'a> = Box<dyn Fn(&[f64]) -> (f64, Vec<f64>) + 'a>;
 pub(super) type CurvatureOfControls<'a> = Box<dyn Fn(&[f64], &[f64]) -> Vec<f64> + 'a>;
+
+/// The states that an energy reads: of the first unknowns, as many as it has.
+fn read_by<'f, const D: usize>(energy: &Energy<D>, states: &'f [Field<D>]) -> Vec<&'f Field<D>> {
+    let count = energy.fields().iter().filter(|field| matches!(field.role, Role::Unknown(_))).count();
+    states.iter().take(count).collect()
+}
+
+/// The first unknown on the space of observations.
+fn unknown_of<const D: usize>(observations: &Observations<D>, states: &[Field<D>]) -> usize {
+    states.iter().position(|state| observations.fit(state.space())).unwrap_or(0)
+}
 
 impl<'a, const D: usize> Criterion<'a, D> {
     /// No criterion yet.
@@ -51,16 +62,16 @@ impl<'a, const D: usize> Criterion<'a, D> {
         Ok(())
     }
 
-    /// Whether it is one of states on the space of a history with the given number of steps.
+    /// Whether it is one of states on the spaces of a history with the given number of steps.
     ///
     /// # Errors
     /// [`HistoryFailure::ObservedLater`], [`HistoryFailure::ObservedElsewhere`].
-    pub fn check(&self, space: &Arc<Space<D>>, steps: usize) -> Result<(), HistoryFailure> {
+    pub fn check(&self, spaces: &[&Arc<Space<D>>], steps: usize) -> Result<(), HistoryFailure> {
         if let Some(step) = self.observations.keys().find(|step| **step >= steps) {
             return Err(HistoryFailure::ObservedLater { step: *step, steps });
         }
         let mut all = self.observations.iter().flat_map(|(step, all)| all.iter().map(move |one| (step, one)));
-        match all.find(|(_, one)| !one.fit(space)) {
+        match all.find(|(_, one)| !spaces.iter().any(|space| one.fit(space))) {
             Some((step, _)) => Err(HistoryFailure::ObservedElsewhere { step: *step }),
             None => Ok(()),
         }
@@ -74,14 +85,19 @@ impl<'a, const D: usize> Criterion<'a, D> {
         &self,
         at: &ControlValues<D>,
         assembler: &Assembler<D>,
-        after: &Field<D>,
+        after: &[Field<D>],
     ) -> Result<f64, HistoryFailure> {
         let energy = match &self.energy {
-            Some(energy) => assembler.energy(&energy(at)?, &[after])?,
+            Some(energy) => {
+                let energy = energy(at)?;
+                assembler.energy(&energy, &read_by(&energy, after))?
+            }
             None => 0.0,
         };
         let observed = self.observations.get(&at.step()).into_iter().flatten();
-        Ok(observed.fold(energy, |sum, observations| sum + observations.value(after.values())))
+        Ok(observed.fold(energy, |sum, observations| {
+            sum + observations.value(after[unknown_of(observations, after)].values())
+        }))
     }
 
     /// The derivative of [`Self::value`] with respect to the state after the step, added to `slope`.
@@ -92,15 +108,21 @@ impl<'a, const D: usize> Criterion<'a, D> {
         &self,
         at: &ControlValues<D>,
         assembler: &Assembler<D>,
-        after: &Field<D>,
+        after: &[Field<D>],
         slope: &mut [f64],
     ) -> Result<(), HistoryFailure> {
         if let Some(energy) = &self.energy {
             let energy = energy(at)?;
-            add_scaled(slope, 1.0, &assembler.residual(&energy, &[after], &[after.space()])?);
+            let read = read_by(&energy, after);
+            let spaces: Vec<&Arc<Space<D>>> = read.iter().map(|field| field.space()).collect();
+            let found = assembler.residual(&energy, &read, &spaces)?;
+            add_scaled(&mut slope[..found.len()], 1.0, &found);
         }
-        let observed = self.observations.get(&at.step()).into_iter().flatten();
-        observed.for_each(|observations| observations.add_slope(after.values(), slope));
+        for observations in self.observations.get(&at.step()).into_iter().flatten() {
+            let unknown = unknown_of(observations, after);
+            let from = after[..unknown].iter().map(|field| field.values().len()).sum::<usize>();
+            observations.add_slope(after[unknown].values(), &mut slope[from..]);
+        }
         Ok(())
     }
 

@@ -46,8 +46,8 @@ pub enum HistoryFailure {
     },
     /// A test function of the sensitivities that belongs to no control.
     #[error(
-        "the test function `{test}` of `{form}` belongs to no control: it is `by_` and a control's name, `by_before`, or of \
-         motions `by_value`, `by_rate`, `by_second_rate`"
+        "the test function `{test}` of `{form}` belongs to no control: it is `by_` and a control's name, `by_before` (of several unknowns `by_before_u` and \
+         so on), or of motions `by_value`, `by_rate`, `by_second_rate`"
     )]
     UnknownTest {
         /// The form of the sensitivities.
@@ -103,6 +103,15 @@ pub enum HistoryFailure {
         "`{form}` reads the history `{field}`: what a step writes at quadrature points has no adjoint here; let the past be a field"
     )]
     QuadratureValues { form: &'static str, field: &'static str },
+    /// Constraints on a space on which no unknown is left without.
+    #[error("constraints were given for a space on which no unknown is left without")]
+    Unconstrained,
+    /// Second derivatives of a history of several unknowns.
+    #[error("second derivatives are those of histories with one unknown, and this one has {count}")]
+    SecondOrderOfSeveral { count: usize },
+    /// A form of a step with another number of unknowns than the history has spaces.
+    #[error("`{form}` has {found} unknowns, and the history has {expected} spaces")]
+    Unknowns { form: &'static str, found: usize, expected: usize },
     /// A form that does not fit, or could not be assembled.
     #[error(transparent)]
     Assembly(#[from] AssemblyError),

@@ -79,8 +79,8 @@ pub trait ControlledEvolution<const D: usize>: Evolution<Error = HistoryError> {
     /// The controls with their last values.
     fn controls(&self) -> &Controls<D>;
 
-    /// The space of the states.
-    fn space(&self) -> &Arc<Space<D>>;
+    /// The spaces of the unknowns, whose states follow one after the other.
+    fn spaces(&self) -> Vec<&Arc<Space<D>>>;
 
     /// Takes controls, before steps are asked for.
     ///

@@ -16,17 +16,18 @@ use super::evolution::{ControlledEvolution, Evolution};
 use super::observations::Observations;
 use super::reduced_problem::ReducedProblem;
 use super::second_order::{Hessian, SecondOrder, TwiceDifferentiable};
-use super::sensitivities::{BEFORE, add_sensitivities};
-use super::step_equations::{Solution, StepEquations};
+use super::sensitivities::{BEFORE, add_sensitivities, names_before};
+use super::step_equations::{Solution, StepEquations, fields_on};
 use super::sweep::{Gradient, gradient_stored, value_of};
 use super::tangent_state::{Changing, CurvedCriterion};
 use crate::assemble::Assembler;
 use crate::constraints::{Constraints, ConstraintsError};
-use crate::contract::{Energy, Form};
-use crate::field::Field;
+use crate::contract::{Energy, Form, Role};
+use crate::field::{Field, FieldView};
 use crate::instantiate::instantiate;
-use crate::solve::{LinearSolver, NewtonOptions, SolverReport};
+use crate::solve::{LinearSolver, NewtonOptions, PerUnknown, SolverReport};
 use crate::space::Space;
+use crate::time::conditions::Conditions;
 use crate::verification::Sample;
 
 /// Steps Rⁿ(uⁿ, uⁿ⁻¹, m; v) = 0 with a criterion J(m) = Σ Jⁿ(uⁿ), with value and gradient by the controls m. A problem
@@ -38,41 +39,54 @@ use crate::verification::Sample;
 /// switch of the form changes (contact opens, friction begins to slip) J has a kink, and this is its slope on one side. So it is where
 /// a point of a sliding pair comes to another facet, finds an opposite surface or loses it.
 ///
+/// Forms of up to four unknowns are histories on the list of their spaces, as `[&displacements, &pressures]`. States are then read by
+/// [`ControlValues::before_of_all`], the sensitivities are [`LoadHistory::coupled_sensitivities`], and each state before has a test function,
+/// `by_before_u` for that of the unknown `u`. The criterion may read the first unknown or more of them. A start that is a control is that
+/// of the first unknown on its space.
+///
 /// Pairs of displaced surfaces may depend on the state of the step, on the state before, or on both: their motion is in the tangent
 /// and in the rates that `derivative` makes.
 pub struct LoadHistory<'a, const D: usize> {
-    space: Arc<Space<D>>,
+    /// Of each unknown.
+    spaces: Vec<Arc<Space<D>>>,
     steps: usize,
     controls: Controls<D>,
     step: Option<FormAt<'a, D>>,
     sensitivities: Option<SensitivitiesAt<'a, D>>,
     second_sensitivities: Option<SecondSensitivitiesAt<'a, D>>,
     criterion: Criterion<'a, D>,
-    constraints: ConstraintsAt<'a, D>,
+    constraints: Conditions<'a, usize, D>,
     equations: StepEquations<'a, D>,
     storage: Storage,
 }
 
 type FormAt<'a, const D: usize> = Box<dyn Fn(&ControlValues<D>) -> Result<Form<D>, ControlError> + 'a>;
 type SensitivitiesAt<'a, const D: usize> =
-    Box<dyn Fn(&ControlValues<D>, &Field<D>, &Field<D>) -> Result<Form<D>, ControlError> + 'a>;
-type ConstraintsAt<'a, const D: usize> = Box<dyn Fn(usize) -> Result<Constraints<D>, ConstraintsError> + 'a>;
+    Box<dyn Fn(&ControlValues<D>, &[Field<D>], &[Field<D>]) -> Result<Form<D>, ControlError> + 'a>;
 
 impl<'a, const D: usize> LoadHistory<'a, D> {
-    /// A number of steps on a space, from zero unless the start is a control.
+    /// A number of steps on a space, or on `[&first, &second]`, from zero unless the start is a control.
+    pub fn new<'s, const N: usize>(
+        spaces: impl PerUnknown<'s, Arc<Space<D>>, N>,
+        steps: usize,
+        controls: Controls<D>,
+    ) -> Self {
+        const { assert!(N > 0, "a history has an unknown") };
+        Self::on(&spaces.per_unknown(), steps, controls)
+    }
+
     #[inline(never)]
-    pub fn new(space: &Arc<Space<D>>, steps: usize, controls: Controls<D>) -> Self {
-        let unconstrained = Constraints::new(space);
+    fn on(spaces: &[&Arc<Space<D>>], steps: usize, controls: Controls<D>) -> Self {
         LoadHistory {
-            space: Arc::clone(space),
+            spaces: spaces.iter().map(|space| Arc::clone(space)).collect(),
             steps,
             controls,
             step: None,
             sensitivities: None,
             second_sensitivities: None,
             criterion: Criterion::none(),
-            constraints: Box::new(move |_| Ok(unconstrained.clone())),
-            equations: StepEquations::new(space),
+            constraints: Conditions::none(),
+            equations: StepEquations::new(spaces),
             storage: Storage::ALL,
         }
     }
@@ -91,6 +105,15 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         mut self,
         form: impl Fn(&ControlValues<D>, &Field<D>, &Field<D>) -> Result<F, ControlError> + 'a,
     ) -> Self {
+        self.sensitivities = Some(Box::new(move |at, u, p| Ok(form(at, &u[0], &p[0])?.into())));
+        self
+    }
+
+    /// The rates of a step of several unknowns at its states and adjoint states, a field for each unknown.
+    pub fn coupled_sensitivities<F: Into<Form<D>>>(
+        mut self,
+        form: impl Fn(&ControlValues<D>, &[Field<D>], &[Field<D>]) -> Result<F, ControlError> + 'a,
+    ) -> Self {
         self.sensitivities = Some(Box::new(move |at, u, p| Ok(form(at, u, p)?.into())));
         self
     }
@@ -100,30 +123,37 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         &self.controls
     }
 
-    /// The state after each step.
+    /// The state of the first unknown after each step.
+    ///
+    /// # Errors
+    /// [`HistoryError`], which names the step.
+    pub fn states(&mut self, m: &[f64]) -> Result<Vec<Field<D>>, HistoryError> {
+        Ok(self.states_of_all(m)?.into_iter().map(|mut states| states.swap_remove(0)).collect())
+    }
+
+    /// The states of all unknowns after each step.
     ///
     /// # Errors
     /// [`HistoryError`], which names the step.
     #[inline(never)]
-    pub fn states(&mut self, m: &[f64]) -> Result<Vec<Field<D>>, HistoryError> {
+    pub fn states_of_all(&mut self, m: &[f64]) -> Result<Vec<Vec<Field<D>>>, HistoryError> {
         self.begin(m).map_err(|why| why.at(0))?;
-        let mut states: Vec<Field<D>> = vec![];
+        let mut states = vec![];
         let mut before = self.start()?;
         for step in 0..self.steps {
             before = self.advance(step, &before)?;
-            let state = Field::from_values(&self.space, before.clone());
-            states.push(state.map_err(|why| HistoryFailure::from(why).at(step))?);
+            states.push(self.fields(&before).map_err(|why| why.at(step))?);
         }
         Ok(states)
     }
 
     fn begin(&mut self, m: &[f64]) -> Result<(), HistoryFailure> {
-        self.controls.check(&self.space, self.steps)?;
+        self.controls.check(&self.unknowns_on(), self.steps)?;
         self.controls.are_not(&[BEFORE])?;
         if let Some(name) = self.controls.start_name(Start::Rate) {
             return Err(ControlError::NoRate { name: name.to_owned() }.into());
         }
-        self.criterion.check(&self.space, self.steps)?;
+        self.criterion.check(&self.unknowns_on(), self.steps)?;
         self.equations.forget();
         Ok(self.controls.set_values(m)?)
     }
@@ -135,20 +165,39 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
 
     /// The form of a step from a state.
     fn form(&self, at: &ControlValues<D>) -> Result<Form<D>, HistoryFailure> {
-        Ok(self.step.as_ref().ok_or(HistoryFailure::Missing("step"))?(at)?)
+        let form = self.step.as_ref().ok_or(HistoryFailure::Missing("step"))?(at)?;
+        let (found, expected) = (names_of_unknowns(&form).len(), self.spaces.len());
+        match found == expected {
+            true => Ok(form),
+            false => Err(HistoryFailure::Unknowns { form: form.name(), found, expected }),
+        }
     }
 
-    fn field(&self, values: &[f64]) -> Result<Field<D>, HistoryFailure> {
-        Ok(Field::from_values(&self.space, values.to_vec())?)
+    fn fields(&self, values: &[f64]) -> Result<Vec<Field<D>>, HistoryFailure> {
+        fields_on(&self.spaces, values)
+    }
+
+    fn unknowns_on(&self) -> Vec<&Arc<Space<D>>> {
+        self.spaces.iter().collect()
+    }
+
+    /// The conditions of a step.
+    fn conditions(&self, step: usize) -> Result<Vec<Constraints<D>>, HistoryFailure> {
+        self.constraints.at(step, &self.unknowns_on())?.ok_or(HistoryFailure::Unconstrained)
+    }
+
+    /// The test functions of the derivatives by the states before, of a step's form.
+    fn tests_before(&self, form: &Form<D>) -> Vec<(String, &Arc<Space<D>>)> {
+        names_before(&names_of_unknowns(form)).into_iter().zip(&self.spaces).collect()
     }
 
     #[inline(never)]
     fn try_advance(&mut self, step: usize, before: &[f64]) -> Result<Vec<f64>, HistoryFailure> {
-        let before = self.field(before)?;
+        let before = self.fields(before)?;
         let form = self.form(&ControlValues::new(&self.controls, step, Some(&before)))?;
-        let constraints = (self.constraints)(step)?;
-        let state = self.equations.solve(Solution::Step(step), form, &constraints, &before)?;
-        Ok(state.values().to_vec())
+        let constraints = self.conditions(step)?;
+        let states = self.equations.solve(Solution::Step(step), form, &constraints, &before)?;
+        Ok(states.iter().flat_map(Field::values).copied().collect())
     }
 
     #[inline(never)]
@@ -159,18 +208,19 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         mut slope: Vec<f64>,
         gradient: &mut [f64],
     ) -> Result<Vec<f64>, HistoryFailure> {
-        let (before, after) = (self.field(before)?, self.field(after)?);
+        let (before, after) = (self.fields(before)?, self.fields(after)?);
         let at = ControlValues::new(&self.controls, step, None);
         self.criterion.add_slope(&at, &self.equations.assembler, &after, &mut slope)?;
         let at = ControlValues::new(&self.controls, step, Some(&before));
-        let (form, constraints) = (self.form(&at)?, (self.constraints)(step)?);
+        let (form, constraints) = (self.form(&at)?, self.conditions(step)?);
         let adjoint = self.equations.adjoint(Solution::Step(step), &form, &constraints, &after, &slope)?;
         let rates = self.sensitivities.as_ref().ok_or(HistoryFailure::Missing("sensitivities"))?(
             &at, &after, &adjoint,
         )?;
-        let spaces = [&self.space, &self.equations.constants()?];
+        let constants = self.equations.constants()?;
+        let tests = self.tests_before(&form);
         let controls = (&self.controls, self.remembers());
-        add_sensitivities(&rates, step, controls, spaces, &self.equations.assembler, gradient)
+        add_sensitivities(&rates, step, controls, (&tests, &constants), &self.equations.assembler, gradient)
     }
 }
 
@@ -186,7 +236,7 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
     }
 
     fn start(&mut self) -> Result<Vec<f64>, HistoryError> {
-        Ok(self.controls.start_values(Start::Value, self.space.unknowns()))
+        Ok(self.controls.start_values(Start::Value, &self.unknowns_on()))
     }
 
     fn advance(&mut self, step: usize, before: &[f64]) -> Result<Vec<f64>, HistoryError> {
@@ -195,7 +245,7 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
 
     fn cost(&mut self, step: usize, _: &[f64], after: &[f64]) -> Result<f64, HistoryError> {
         let value = || {
-            let (after, at) = (self.field(after)?, ControlValues::new(&self.controls, step, None));
+            let (after, at) = (self.fields(after)?, ControlValues::new(&self.controls, step, None));
             self.criterion.value(&at, &self.equations.assembler, &after)
         };
         value().map_err(|why| why.at(step))
@@ -213,7 +263,7 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
     }
 
     fn reverse_start(&mut self, _: &[f64], slope: &[f64], gradient: &mut [f64]) -> Result<(), HistoryError> {
-        self.controls.add_start(Start::Value, slope, gradient);
+        self.controls.add_start(Start::Value, &self.unknowns_on(), slope, gradient);
         Ok(())
     }
 
@@ -224,13 +274,14 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
         after: &[f64],
     ) -> Result<Option<Vec<u32>>, HistoryError> {
         let found = || -> Result<Option<Vec<u32>>, HistoryFailure> {
-            let (before, after) = (self.field(before)?, self.field(after)?);
+            let (before, after) = (self.fields(before)?, self.fields(after)?);
             let form = self.form(&ControlValues::new(&self.controls, step, Some(&before)))?;
-            let (assembler, at) = (&self.equations.assembler, [after.view()]);
+            let at: Vec<FieldView<D>> = after.iter().map(Field::view).collect();
+            let assembler = &self.equations.assembler;
             let mut switches = assembler.active_set_of(&form, &at)?;
             if form.is_on_displaced_surfaces() {
                 // Where a point crosses an edge of the opposite surface the normal there jumps.
-                let pairs = assembler.pairs_of_form(&form, &at, &[&self.space])?;
+                let pairs = assembler.pairs_of_form(&form, &at, &self.unknowns_on())?;
                 let met = pairs
                     .iter()
                     .filter(|pairs| pairs.report.displaced)
@@ -243,14 +294,25 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
     }
 }
 
+/// The names of a form's unknowns, in their order.
+fn names_of_unknowns<const D: usize>(form: &Form<D>) -> Vec<&'static str> {
+    let unknowns = form.fields().iter().filter_map(|field| match field.role {
+        Role::Unknown(number) => Some((number, field.name)),
+        _ => None,
+    });
+    let mut unknowns: Vec<_> = unknowns.collect();
+    unknowns.sort_unstable();
+    unknowns.into_iter().map(|(_, name)| name).collect()
+}
+
 choices_of!(LoadHistory, constrained_at usize, "the number of the step", second_rates by &[STATE, ADJOINT]);
 
 instantiate!(
     load_history:
-    LoadHistory::<D>::new,
+    LoadHistory::<D>::on,
     LoadHistory::<D>::gradient,
     LoadHistory::<D>::hessian,
-    LoadHistory::<D>::states,
+    LoadHistory::<D>::states_of_all,
     LoadHistory::<D>::try_advance,
     LoadHistory::<D>::try_reverse,
 );

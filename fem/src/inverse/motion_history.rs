@@ -34,6 +34,7 @@ use crate::instantiate::instantiate;
 use crate::solve::{LinearSolver, NewtonOptions, SolverReport};
 use crate::space::Space;
 use crate::time::central_differences::supports_stand;
+use crate::time::conditions::Conditions;
 use crate::time::{Mass, Scheme, SolvedFor, Step, StepFailure};
 use crate::verification::Sample;
 
@@ -58,7 +59,7 @@ pub struct MotionHistory<'a, const D: usize> {
     sensitivities: Option<SensitivitiesAt<'a, D>>,
     second_sensitivities: Option<SecondSensitivitiesOf<'a, D>>,
     criterion: Criterion<'a, D>,
-    constraints: ConstraintsAt<'a, D>,
+    constraints: Conditions<'a, f64, D>,
     equations: StepEquations<'a, D>,
     storage: Storage,
     reading: Reading,
@@ -80,7 +81,6 @@ enum Reading {
 type FormAt<'a, const D: usize> = Box<dyn Fn(&StepContext<D>) -> Result<Form<D>, ControlError> + 'a>;
 type SensitivitiesAt<'a, const D: usize> =
     Box<dyn Fn(&StepContext<D>, &Field<D>, &Field<D>) -> Result<Form<D>, ControlError> + 'a>;
-type ConstraintsAt<'a, const D: usize> = Box<dyn Fn(f64) -> Result<Constraints<D>, ConstraintsError> + 'a>;
 
 impl<'a, const D: usize> MotionHistory<'a, D> {
     /// Steps from time zero, `(200, 0.01)` equal ones or the size of each, at rest unless the start is a control.
@@ -100,7 +100,6 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         scheme: Box<dyn Scheme + 'a>,
         controls: Controls<D>,
     ) -> Self {
-        let unconstrained = Constraints::new(space);
         MotionHistory {
             space: Arc::clone(space),
             sizes,
@@ -111,8 +110,8 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
             sensitivities: None,
             second_sensitivities: None,
             criterion: Criterion::none(),
-            constraints: Box::new(move |_| Ok(unconstrained.clone())),
-            equations: StepEquations::new(space),
+            constraints: Conditions::none(),
+            equations: StepEquations::new(&[space]),
             storage: Storage::ALL,
             reading: Reading::Unseen,
             before_is_read: Cell::new(false),
@@ -147,13 +146,17 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         if let Some(size) = self.sizes.unfit() {
             return Err(HistoryFailure::StepSize(size));
         }
-        self.controls.check(&self.space, self.sizes.count())?;
+        self.controls.check(&[&self.space], self.sizes.count())?;
         self.controls.are_not(&[&OPERATORS[..], &[BEFORE]].concat())?;
-        self.criterion.check(&self.space, self.sizes.count())?;
+        self.criterion.check(&[&self.space], self.sizes.count())?;
         self.equations.forget();
         self.reading = Reading::Unseen;
         self.before_is_read.set(false);
         Ok(self.controls.set_values(m)?)
+    }
+
+    fn unknowns_on(&self) -> Vec<&Arc<Space<D>>> {
+        vec![&self.space]
     }
 
     /// The states in a row.
@@ -204,9 +207,15 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         StepContext { step, at, before_is_read: &self.before_is_read }
     }
 
+    /// The conditions at a time.
+    fn conditions_at(&self, time: f64) -> Result<Constraints<D>, HistoryFailure> {
+        let found = self.constraints.at(time, &[&self.space])?;
+        Ok(found.ok_or(HistoryFailure::Unconstrained)?.swap_remove(0))
+    }
+
     /// The conditions on the unknown of a step, which is a value or a second rate.
     fn conditions(&self, interval: &StepMap) -> Result<Constraints<D>, HistoryFailure> {
-        let constraints = (self.constraints)(interval.times[1])?;
+        let constraints = self.conditions_at(interval.times[1])?;
         Ok(match interval.solved_for {
             SolvedFor::Value => constraints,
             SolvedFor::SecondRate => constraints.homogeneous(),
@@ -221,16 +230,18 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
             return Err(HistoryFailure::Sliding { form: form.name() });
         }
         if interval.is_explicit_step() {
-            supports_stand(&step.known[0], &(self.constraints)(step.end)?)?;
+            supports_stand(&step.known[0], &self.conditions_at(step.end)?)?;
         }
         let conditions = self.conditions(interval)?;
         let unknown = match (interval.masses(before), interval.solved_for) {
             (Some(masses), _) => self.by_masses(&form, masses, &conditions)?,
             (None, SolvedFor::Value) => {
-                self.equations.solve(interval.solution, form, &conditions, &step.before.value)?
+                let start = std::slice::from_ref(&step.before.value);
+                self.equations.solve(interval.solution, form, &[conditions], start)?.swap_remove(0)
             }
             (None, SolvedFor::SecondRate) => {
-                self.equations.solve(interval.solution, form, &conditions, &step.before.second_rate)?
+                let start = std::slice::from_ref(&step.before.second_rate);
+                self.equations.solve(interval.solution, form, &[conditions], start)?.swap_remove(0)
             }
         };
         Ok(interval.end_of(before, unknown.values()))
@@ -239,8 +250,8 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
     /// The row of the first state, without its second rate.
     fn start_of(&self, controls: &Controls<D>) -> Vec<f64> {
         let count = self.space.unknowns();
-        let mut start = controls.start_values(Start::Value, count);
-        start.extend(controls.start_values(Start::Rate, count));
+        let mut start = controls.start_values(Start::Value, &[&self.space]);
+        start.extend(controls.start_values(Start::Rate, &[&self.space]));
         start.resize(3 * self.states() * count, 0.0);
         start
     }
@@ -249,7 +260,7 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
     fn slope_by_start(&self, mut slope: Vec<f64>) -> Result<Vec<f64>, HistoryFailure> {
         if self.scheme.solved_for() == SolvedFor::SecondRate {
             let count = self.space.unknowns();
-            for unknown in (self.constraints)(0.0)?.prescribed().keys() {
+            for unknown in self.conditions_at(0.0)?.prescribed().keys() {
                 (slope[*unknown], slope[count + unknown]) = (0.0, 0.0);
             }
         }
@@ -292,7 +303,7 @@ impl<const D: usize> Evolution for MotionHistory<'_, D> {
         let value = || {
             let after = self.value_in(after)?;
             let at = ControlValues::new(&self.controls, step, None);
-            self.criterion.value(&at, &self.equations.assembler, &after)
+            self.criterion.value(&at, &self.equations.assembler, std::slice::from_ref(&after))
         };
         value().map_err(|why| why.at(step))
     }
@@ -309,7 +320,7 @@ impl<const D: usize> Evolution for MotionHistory<'_, D> {
             let value = self.value_in(after)?;
             let at = ControlValues::new(&self.controls, step, None);
             let own = &mut slope[..value.values().len()];
-            self.criterion.add_slope(&at, &self.equations.assembler, &value, own)?;
+            self.criterion.add_slope(&at, &self.equations.assembler, std::slice::from_ref(&value), own)?;
             self.reverse_by(&self.interval(step)?, [before, after], &slope, gradient)
         };
         reverse().map_err(|why| why.at(step))
@@ -332,9 +343,9 @@ impl<const D: usize> Evolution for MotionHistory<'_, D> {
             self.slope_by_start(slope)
         };
         let slope = reverse().map_err(|why: HistoryFailure| why.at(0))?;
-        let count = self.space.unknowns();
-        self.controls.add_start(Start::Value, &slope[..count], gradient);
-        self.controls.add_start(Start::Rate, &slope[count..2 * count], gradient);
+        let (count, spaces) = (self.space.unknowns(), [&self.space]);
+        self.controls.add_start(Start::Value, &spaces, &slope[..count], gradient);
+        self.controls.add_start(Start::Rate, &spaces, &slope[count..2 * count], gradient);
         Ok(())
     }
 }

@@ -48,7 +48,7 @@ impl<H: ControlledEvolution<D>, const D: usize> ReadingsMap<H, D> {
         if step >= steps {
             return Err(HistoryFailure::ObservedLater { step, steps }.at(step));
         }
-        if !readings.fit(self.history.space()) {
+        if !readings.fit(self.history.spaces()[0]) {
             return Err(HistoryFailure::ObservedElsewhere { step }.at(step));
         }
         self.outputs.push(Output { name: name.to_owned(), step, readings });

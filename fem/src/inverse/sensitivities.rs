@@ -22,26 +22,37 @@ pub(super) fn is_tested<const D: usize>(rates: &Form<D>, name: &str) -> bool {
     rates.fields().iter().any(|field| field.name.strip_prefix(BY) == Some(name))
 }
 
-/// Assembles the rates of a step: adds those by the controls to the gradient, and gives that by the state before, on the space
-/// of the states. Rates by numbers are tested with `constants`.
+/// The names of the test functions of the derivatives by the states before, of a form with these unknowns: `before`, or of several unknowns
+/// `before_u` and so on.
+pub(super) fn names_before(unknowns: &[&str]) -> Vec<String> {
+    match unknowns {
+        [_] => vec![BEFORE.to_owned()],
+        _ => unknowns.iter().map(|unknown| format!("{BEFORE}_{unknown}")).collect(),
+    }
+}
+
+/// Assembles the rates of a step: adds those by the controls to the gradient, and gives those by the states before, one after the other.
+/// Rates by numbers are tested with `constants`.
 pub(super) fn add_sensitivities<const D: usize>(
     rates: &Form<D>,
     step: usize,
     (controls, remembers): (&Controls<D>, bool),
-    spaces: [&Arc<Space<D>>; 2],
+    (before, constants): (&[(String, &Arc<Space<D>>)], &Arc<Space<D>>),
     assembler: &Assembler<D>,
     gradient: &mut [f64],
 ) -> Result<Vec<f64>, HistoryFailure> {
-    let own = [Own { name: BEFORE, meaning: OF_BEFORE, wanted: Wanted::when(remembers) }];
-    let [by_before] = rows(rates, &own, step, controls, spaces, assembler, gradient)?;
-    Ok(by_before)
+    let wanted = Wanted::when(remembers);
+    let own = before.iter().map(|(name, space)| Own { name, meaning: OF_BEFORE, wanted, space });
+    let own: Vec<Own<'_, D>> = own.collect();
+    Ok(rows_of(rates, &own, step, controls, constants, assembler, gradient)?.concat())
 }
 
 /// A test function of a form of rates that belongs to no control, and why it is wanted, if it is.
-pub(super) struct Own {
-    pub name: &'static str,
+pub(super) struct Own<'a, const D: usize> {
+    pub name: &'a str,
     pub meaning: &'static str,
     pub wanted: Wanted,
+    pub space: &'a Arc<Space<D>>,
 }
 
 /// The use of a test function's row.
@@ -62,21 +73,35 @@ impl Wanted {
     }
 }
 
-/// Assembles a form of sensitivities. It adds the rows by the controls to the gradient, and returns those of its own test functions on the space of
-/// the states, zeros for one that is not wanted or missing.
+/// [`rows_of`] a known number of own test functions.
 pub(super) fn rows<const D: usize, const N: usize>(
     rates: &Form<D>,
-    own: &[Own; N],
+    own: &[Own<'_, D>; N],
     step: usize,
     controls: &Controls<D>,
-    [states, constants]: [&Arc<Space<D>>; 2],
+    constants: &Arc<Space<D>>,
     assembler: &Assembler<D>,
     gradient: &mut [f64],
 ) -> Result<[Vec<f64>; N], HistoryFailure> {
+    let mut found = rows_of(rates, own, step, controls, constants, assembler, gradient)?;
+    Ok(std::array::from_fn(|place| std::mem::take(&mut found[place])))
+}
+
+/// Assembles a form of sensitivities. It adds the rows by the controls to the gradient, and returns those of its own test functions on their
+/// spaces, zeros for one that is not wanted or missing.
+fn rows_of<const D: usize>(
+    rates: &Form<D>,
+    own: &[Own<'_, D>],
+    step: usize,
+    controls: &Controls<D>,
+    constants: &Arc<Space<D>>,
+    assembler: &Assembler<D>,
+    gradient: &mut [f64],
+) -> Result<Vec<Vec<f64>>, HistoryFailure> {
     let tests = tests(rates, controls, own)?;
     let place = |name: &str| own.iter().position(|own| own.name == name);
     let space_of = |name: &&'static str| match place(name) {
-        Some(_) => Some(states),
+        Some(place) => Some(own[place].space),
         None => controls.space_of_test(name, constants),
     };
     let spaces: Vec<&Arc<Space<D>>> = tests.iter().filter_map(space_of).collect();
@@ -84,7 +109,7 @@ pub(super) fn rows<const D: usize, const N: usize>(
     let left_out: Vec<usize> = (0..tests.len()).filter(|number| unread(tests[*number])).collect();
     let rows = assembler.residual_without(rates, &spaces, &left_out)?;
     let mut rest = &rows[..];
-    let mut own_rows = [(); N].map(|()| vec![0.0; states.unknowns()]);
+    let mut own_rows: Vec<Vec<f64>> = own.iter().map(|own| vec![0.0; own.space.unknowns()]).collect();
     for (name, space) in tests.iter().zip(&spaces) {
         let (row, others) = rest.split_at(space.unknowns());
         match place(name) {
@@ -100,7 +125,7 @@ pub(super) fn rows<const D: usize, const N: usize>(
 fn tests<const D: usize>(
     rates: &Form<D>,
     controls: &Controls<D>,
-    own: &[Own],
+    own: &[Own<'_, D>],
 ) -> Result<Vec<&'static str>, HistoryFailure> {
     let mut tests = vec![];
     let known = |name: &str| {

@@ -6,7 +6,7 @@ use super::error::HistoryFailure;
 use crate::assemble::{Assembler, BlockPattern, Outline, Parts, ValuesBefore};
 use crate::constraints::Constraints;
 use crate::contract::{Form, Source};
-use crate::field::Field;
+use crate::field::{Field, FieldView};
 use crate::instantiate::instantiate;
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::{
@@ -19,7 +19,7 @@ use crate::space::Space;
 pub(super) struct StepEquations<'a, const D: usize> {
     pub assembler: Assembler<D>,
     pub options: NewtonOptions,
-    space: Arc<Space<D>>,
+    spaces: Vec<Arc<Space<D>>>,
     solver: LentSolver<'a>,
     pattern: Option<Arc<BlockPattern<D>>>,
     memory: StepMemory,
@@ -40,17 +40,22 @@ pub(super) enum Solution {
 
 impl<'a, const D: usize> StepEquations<'a, D> {
     #[inline(never)]
-    pub fn new(space: &Arc<Space<D>>) -> Self {
+    pub fn new(spaces: &[&Arc<Space<D>>]) -> Self {
         StepEquations {
-            assembler: Assembler::new(space.mesh()),
+            assembler: Assembler::new(spaces[0].mesh()),
             options: NewtonOptions::default(),
-            space: Arc::clone(space),
+            spaces: spaces.iter().map(|space| Arc::clone(space)).collect(),
             solver: LentSolver::default(),
             pattern: None,
             memory: StepMemory::default(),
             constants: None,
             tangent_of: None,
         }
+    }
+
+    /// The spaces of the unknowns.
+    fn on(&self) -> Vec<&Arc<Space<D>>> {
+        self.spaces.iter().collect()
     }
 
     pub fn lend(&mut self, solver: &'a mut dyn LinearSolver) {
@@ -74,22 +79,22 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         if let Some(known) = &self.constants {
             return Ok(Arc::clone(known));
         }
-        Ok(Arc::clone(self.constants.insert(Space::discontinuous_scalar(self.space.mesh(), 0)?)))
+        Ok(Arc::clone(self.constants.insert(Space::discontinuous_scalar(self.spaces[0].mesh(), 0)?)))
     }
 
     /// The places of a tangent's entries at a state: those that are known, unless pairs of displaced surfaces have left them.
-    fn pattern(&mut self, form: &Form<D>, at: &Field<D>) -> Result<Arc<BlockPattern<D>>, HistoryFailure> {
-        let (outline, at) = (Outline::of(form, Parts::ALL), [at.view()]);
+    fn pattern(&mut self, form: &Form<D>, at: &[Field<D>]) -> Result<Arc<BlockPattern<D>>, HistoryFailure> {
+        let (outline, at) = (Outline::of(form, Parts::ALL), views(at));
         if let Some(known) = &self.pattern
             && known.covers(&outline, &at)?
         {
             return Ok(Arc::clone(known));
         }
-        let pattern = BlockPattern::at_iterate(&outline, &[&self.space], &at, &self.assembler)?;
+        let pattern = BlockPattern::at_iterate(&outline, &self.on(), &at, &self.assembler)?;
         Ok(Arc::clone(self.pattern.insert(Arc::new(pattern))))
     }
 
-    /// The solution of a form from a start.
+    /// The solution of a form from a start, a field for each unknown.
     ///
     /// # Errors
     /// A form that reads a history, and those of the solution.
@@ -98,28 +103,31 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         &mut self,
         number: Solution,
         form: Form<D>,
-        constraints: &Constraints<D>,
-        start: &Field<D>,
-    ) -> Result<Field<D>, HistoryFailure> {
+        constraints: &[Constraints<D>],
+        start: &[Field<D>],
+    ) -> Result<Vec<Field<D>>, HistoryFailure> {
         reads_no_history(&form)?;
         let (affine, pattern) = (form.is_affine(), self.pattern(&form, start)?);
         let (assembler, options) = (&self.assembler, self.options.clone());
+        let constraints = &constraints.iter().collect::<Vec<_>>();
+        let start = &start.iter().collect::<Vec<_>>();
         let owned = OwnedForm { form, assembler, pattern: &pattern, constraints, start, options };
         self.tangent_of = None;
-        let [solution] = solve_owned(owned, self.solver.get(), &mut self.memory)?.fields;
+        let solution = solve_owned(owned, self.solver.get(), &mut self.memory)?.fields;
         // Of an affine form it is the tangent wherever; Newton's method has that of an iterate.
         self.tangent_of = affine.then_some(number);
         Ok(solution)
     }
 
-    /// The tangent of a form at a field.
+    /// The tangent of a form at fields.
     ///
     /// # Errors
     /// Those of the assembly.
-    pub fn tangent(&mut self, form: &Form<D>, at: &Field<D>) -> Result<BlockMatrix, HistoryFailure> {
+    pub fn tangent(&mut self, form: &Form<D>, at: &[Field<D>]) -> Result<BlockMatrix, HistoryFailure> {
         let pattern = self.pattern(form, at)?;
         let mut matrix = BlockMatrix::zero(pattern.sparsity());
-        let arguments = (&[at.view()][..], &[&self.space][..]);
+        let (at, spaces) = (views(at), self.on());
+        let arguments = (&at[..], &spaces[..]);
         let vanish = ValuesBefore::Vanish;
         self.assembler.write_tangent(form, arguments, Parts::ALL, &pattern, &mut matrix, vanish)?;
         Ok(matrix)
@@ -134,10 +142,10 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         &mut self,
         number: Solution,
         form: &Form<D>,
-        constraints: &Constraints<D>,
-        solution: &Field<D>,
+        constraints: &[Constraints<D>],
+        solution: &[Field<D>],
         slope: &[f64],
-    ) -> Result<Field<D>, HistoryFailure> {
+    ) -> Result<Vec<Field<D>>, HistoryFailure> {
         self.linearised(number, form, constraints, solution, slope, Transpose::Yes)
     }
 
@@ -150,13 +158,14 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         &mut self,
         number: Solution,
         form: &Form<D>,
-        constraints: &Constraints<D>,
-        solution: &Field<D>,
+        constraints: &[Constraints<D>],
+        solution: &[Field<D>],
         load: &[f64],
         transpose: Transpose,
-    ) -> Result<Field<D>, HistoryFailure> {
+    ) -> Result<Vec<Field<D>>, HistoryFailure> {
         let load: Vec<f64> = load.iter().map(|load| -load).collect();
-        let mut elimination = Elimination::of(&[&constraints.homogeneous()])?;
+        let constraints: Vec<_> = constraints.iter().map(Constraints::homogeneous).collect();
+        let mut elimination = Elimination::of(&constraints.iter().collect::<Vec<_>>())?;
         let found = if self.tangent_of == Some(number) && self.solver.get().judges_equations() {
             let found = self.solver.get().solve_with(&elimination.reduce(&load)?, 0.0, transpose)?;
             elimination.extend_by_zero(&found.solution)?
@@ -171,10 +180,10 @@ impl<'a, const D: usize> StepEquations<'a, D> {
             self.tangent_of = Some(number);
             found
         };
-        Ok(Field::from_values(&self.space, found)?)
+        fields_on(&self.spaces, &found)
     }
 
-    /// Kᵀ p with the tangent K of a form at a solution.
+    /// Kᵀ p with the tangent K of a form with one unknown at a solution.
     ///
     /// # Errors
     /// Those of the assembly.
@@ -185,8 +194,26 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         at: &Field<D>,
         p: &Field<D>,
     ) -> Result<Vec<f64>, HistoryFailure> {
-        Ok(self.tangent(form, at)?.multiply_transposed(p.values())?)
+        Ok(self.tangent(form, std::slice::from_ref(at))?.multiply_transposed(p.values())?)
     }
+}
+
+fn views<const D: usize>(fields: &[Field<D>]) -> Vec<FieldView<'_, D>> {
+    fields.iter().map(Field::view).collect()
+}
+
+/// Values of all unknowns, one after the other, as a field on each space.
+pub(super) fn fields_on<const D: usize>(
+    spaces: &[Arc<Space<D>>],
+    values: &[f64],
+) -> Result<Vec<Field<D>>, HistoryFailure> {
+    let mut rest = values;
+    let field = |space: &Arc<Space<D>>| {
+        let (own, others) = rest.split_at(space.unknowns());
+        rest = others;
+        Ok(Field::from_values(space, own.to_vec())?)
+    };
+    spaces.iter().map(field).collect()
 }
 
 /// Refuses forms of values at quadrature points that steps would write.

@@ -1,8 +1,11 @@
 //! Histories with the changes of their states along a direction of the controls: the sweep of second order.
 
+use std::sync::Arc;
+
 use super::controls::{Controls, Start};
 use super::error::{HistoryError, HistoryFailure};
 use super::evolution::{ControlledEvolution, Evolution};
+use crate::space::Space;
 
 /// An evolution whose criterion has a second derivative by its states.
 pub(super) trait CurvedCriterion<const D: usize>: ControlledEvolution<D> {
@@ -62,6 +65,10 @@ pub(super) fn halves(pair: &[f64]) -> [&[f64]; 2] {
     pair.split_at(pair.len() / 2).into()
 }
 
+fn count_of<const D: usize>(spaces: &[&Arc<Space<D>>]) -> usize {
+    spaces.iter().map(|space| space.unknowns()).sum()
+}
+
 fn halves_mut(pair: &mut [f64]) -> [&mut [f64]; 2] {
     pair.split_at_mut(pair.len() / 2).into()
 }
@@ -97,7 +104,7 @@ impl<H: Linearised<D>, const D: usize> Evolution for Changing<'_, H, D> {
         mut slope: Vec<f64>,
         gradient: &mut [f64],
     ) -> Result<Vec<f64>, HistoryError> {
-        let count = self.history.space().unknowns();
+        let count = count_of(&self.history.spaces());
         let [of_state, of_change] = halves_mut(&mut slope);
         let pair = halves(after).map(|half| &half[..count]);
         let (pairs, gradients) = ([before, after], halves_mut(gradient));
@@ -117,11 +124,12 @@ impl<H: Linearised<D>, const D: usize> Evolution for Changing<'_, H, D> {
             .history
             .reverse_start_along(&self.along, start, slope, halves_mut(gradient))
             .map_err(|why| why.at(0))?;
-        let (controls, count) = (self.history.controls(), self.history.space().unknowns());
+        let (controls, spaces) = (self.history.controls(), self.history.spaces());
+        let count = count_of(&spaces);
         for (slope, gradient) in halves(&slope).into_iter().zip(halves_mut(gradient)) {
-            controls.add_start(Start::Value, &slope[..count], gradient);
+            controls.add_start(Start::Value, &spaces, &slope[..count], gradient);
             if let Some(by_rate) = slope.get(count..2 * count) {
-                controls.add_start(Start::Rate, by_rate, gradient);
+                controls.add_start(Start::Rate, &spaces, by_rate, gradient);
             }
         }
         Ok(())

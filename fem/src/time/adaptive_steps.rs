@@ -37,7 +37,8 @@ const CRUMB: f64 = 1e-9;
 
 impl AdaptiveSteps {
     /// Steps of at most `largest` \[time\] that begin with it, each with an error of at most `tolerance` \[value\] at each node, as the
-    /// scheme estimates it; [`Scheme::error_factor`](super::Scheme::error_factor) says which do. Other schemes react to failed steps only.
+    /// scheme estimates it; [`Scheme::error_factor`](super::Scheme::error_factor) says which do. Other schemes react to failed steps only. Of a coupled form the
+    /// error is that of the first unknown.
     ///
     /// # Errors
     /// [`StepFailure::StepSize`], [`StepFailure::Tolerance`] for what is no positive number.

@@ -12,14 +12,15 @@ use super::step::State;
 use crate::field::{Field, FieldError};
 use crate::instantiate::instantiate;
 use crate::output::write_whole;
+use crate::solve::PerUnknown;
 use crate::space::Space;
 
 /// The states that a scheme reads, newest first, and the number of steps that led to them: what
 /// [`TimeLoop::checkpoint`](super::TimeLoop::checkpoint) gives and [`TimeLoop::resumed`](super::TimeLoop::resumed) takes.
 #[derive(Clone, Debug)]
 pub struct Checkpoint<const D: usize> {
-    /// Newest first.
-    pub states: Vec<State<D>>,
+    /// Newest first, each with the states of all unknowns.
+    pub states: Vec<Vec<State<D>>>,
     /// Steps taken.
     pub steps: usize,
 }
@@ -62,7 +63,7 @@ impl<const D: usize> Checkpoint<D> {
     #[inline(never)]
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {
         let mut text = String::new();
-        for state in &self.states {
+        for state in self.states.iter().flatten() {
             let _ = writeln!(text, "{:e}", state.time);
             for field in [&state.value, &state.rate, &state.second_rate] {
                 for value in field.values() {
@@ -70,19 +71,27 @@ impl<const D: usize> Checkpoint<D> {
                 }
             }
         }
-        let space = self.states.first().map_or(0, |state| fingerprint(state.value.space()));
+        let spaces = self.states.iter().take(1).flatten().map(|state| state.value.space());
+        let space = fingerprint(&spaces.collect::<Vec<_>>());
         let sum = hash(text.bytes());
         let (steps, count) = (self.steps, self.states.len());
         Ok(write_whole(path, |file| write!(file, "{TITLE}\n{steps}\n{count}\n{space}\n{sum}\n{text}"))?)
     }
 
-    /// The checkpoint in the file, on the space on which it was written; `None` if there is no file.
+    /// The checkpoint in the file, on the space of the unknown, or on `[&first, &second]`, on which it was written; `None` if there is no
+    /// file.
     ///
     /// # Errors
     /// [`CheckpointError`], with the name of the file.
+    pub fn read<'s, const N: usize>(
+        path: impl AsRef<Path>,
+        spaces: impl PerUnknown<'s, Arc<Space<D>>, N>,
+    ) -> Result<Option<Self>, CheckpointError> {
+        Self::read_on(path.as_ref(), &spaces.per_unknown())
+    }
+
     #[inline(never)]
-    pub fn read(path: impl AsRef<Path>, space: &Arc<Space<D>>) -> Result<Option<Self>, CheckpointError> {
-        let path = path.as_ref();
+    fn read_on(path: &Path, spaces: &[&Arc<Space<D>>]) -> Result<Option<Self>, CheckpointError> {
         let text = match std::fs::read_to_string(path) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(error) => {
@@ -96,7 +105,7 @@ impl<const D: usize> Checkpoint<D> {
         }
         let steps = lines.number("the number of steps")?;
         let count: usize = lines.number("the number of states")?;
-        if lines.number::<u64>("the number of the space")? != fingerprint(space) {
+        if lines.number::<u64>("the number of the space")? != fingerprint(spaces) {
             return Err(CheckpointError::OtherSpace { path: path.to_owned() });
         }
         if lines.number::<u64>("the checksum")? != hash(lines.rest.bytes()) {
@@ -104,9 +113,14 @@ impl<const D: usize> Checkpoint<D> {
         }
         let mut states = vec![];
         for _ in 0..count {
-            let time = lines.number("a time")?;
-            let [value, rate, second_rate] = [lines.field(space)?, lines.field(space)?, lines.field(space)?];
-            states.push(State { time, value, rate, second_rate });
+            let mut of_unknowns = vec![];
+            for space in spaces {
+                let time = lines.number("a time")?;
+                let [value, rate, second_rate] =
+                    [lines.field(space)?, lines.field(space)?, lines.field(space)?];
+                of_unknowns.push(State { time, value, rate, second_rate });
+            }
+            states.push(of_unknowns);
         }
         Ok(Some(Checkpoint { states, steps }))
     }
@@ -143,10 +157,12 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// A number of a space's components and of the positions of its nodes.
-fn fingerprint<const D: usize>(space: &Arc<Space<D>>) -> u64 {
-    let coordinates = space.positions().iter().flatten().flat_map(|x| x.to_bits().to_le_bytes());
-    hash((space.components() as u64).to_le_bytes().into_iter().chain(coordinates))
+/// A number of the spaces' components and of the positions of their nodes.
+fn fingerprint<const D: usize>(spaces: &[&Arc<Space<D>>]) -> u64 {
+    hash(spaces.iter().flat_map(|space| {
+        let coordinates = space.positions().iter().flatten().flat_map(|x| x.to_bits().to_le_bytes());
+        (space.components() as u64).to_le_bytes().into_iter().chain(coordinates)
+    }))
 }
 
 /// The 64-bit hash of Fowler, Noll and Vo (1a): it tells damage, not malice.
@@ -154,4 +170,4 @@ fn hash(bytes: impl Iterator<Item = u8>) -> u64 {
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
-instantiate!(checkpoint: fingerprint::<D>);
+instantiate!(checkpoint: fingerprint::<D>, Checkpoint::<D>::read_on);

@@ -34,6 +34,22 @@ pub enum StepFailure {
     /// A scheme whose formulas read states that do not exist.
     #[error("the scheme reads {read} states, and there are {known} before the step")]
     MissingStates { read: usize, known: usize },
+    /// Schemes of unknowns that do not go together.
+    #[error(
+        "unknown {unknown} is integrated by {scheme} and the first one by {first}: they give loads at other times of a step or solve for something else"
+    )]
+    Schemes {
+        /// The number of the unknown.
+        unknown: usize,
+        scheme: String,
+        first: String,
+    },
+    /// A scheme for an unknown that does not exist.
+    #[error("a scheme was given for unknown {unknown}, counted from 0, of {count}")]
+    NoUnknown { unknown: usize, count: usize },
+    /// Constraints on a space on which no unknown is left without.
+    #[error("constraints were given for a space on which no unknown is left without")]
+    Unconstrained,
     /// The form does not fit, or could not be assembled.
     #[error(transparent)]
     Assembly(#[from] AssemblyError),

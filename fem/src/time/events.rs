@@ -57,7 +57,7 @@ pub struct Events<'a, const D: usize> {
     within: Option<f64>,
 }
 
-type NumberOf<'a, const D: usize> = Box<dyn Fn(&State<D>) -> Result<f64, NumberError> + 'a>;
+type NumberOf<'a, const D: usize> = Box<dyn Fn(&[State<D>]) -> Result<f64, NumberError> + 'a>;
 
 /// Reason why a state has no such number.
 pub type NumberError = Box<dyn std::error::Error + Send + Sync>;
@@ -102,8 +102,17 @@ impl<'a, const D: usize> Events<'a, D> {
         Events { watched: vec![], within: None }
     }
 
-    /// A further number of a state, which passes zero.
-    pub fn of(mut self, name: &str, number: impl Fn(&State<D>) -> Result<f64, NumberError> + 'a) -> Self {
+    /// A further number of the state of the first unknown, which passes zero.
+    pub fn of(self, name: &str, number: impl Fn(&State<D>) -> Result<f64, NumberError> + 'a) -> Self {
+        self.of_states(name, move |states| number(&states[0]))
+    }
+
+    /// A further number of the states of all unknowns.
+    pub fn of_states(
+        mut self,
+        name: &str,
+        number: impl Fn(&[State<D>]) -> Result<f64, NumberError> + 'a,
+    ) -> Self {
         self.watched.push((name.to_owned(), Box::new(number)));
         self
     }
@@ -204,9 +213,9 @@ impl<'a, const D: usize> Events<'a, D> {
     }
 
     fn values(&self, motion: &TimeLoop<'_, D>) -> Result<Values, StepError> {
-        let state = motion.state();
+        let (state, states) = (motion.state(), motion.states());
         let number = |(name, number): &(String, NumberOf<'a, D>)| {
-            let found = number(state).and_then(|value| match value.is_finite() {
+            let found = number(states).and_then(|value| match value.is_finite() {
                 true => Ok(value),
                 false => Err(format!("it is {value}").into()),
             });

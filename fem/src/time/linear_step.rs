@@ -13,12 +13,14 @@ use crate::instantiate::instantiate;
 use crate::linear_algebra::BlockMatrix;
 use crate::linear_algebra::equations::Equations;
 use crate::linear_algebra::vector::{add_scaled, largest};
-use crate::solve::{Elimination, LinearSolver};
+use crate::solve::{Elimination, LinearSolver, groups_of};
+use crate::space::Space;
 
 /// The matrix of steps with the same weights; the solver has its reduced form and the factor.
 #[derive(Debug)]
 pub(super) struct StepMatrix {
-    weights: [f64; 3],
+    /// Of each unknown.
+    weights: Vec<[f64; 3]>,
     free: Vec<usize>,
     matrix: BlockMatrix,
     /// Its lumped masses, where these are solved with.
@@ -62,38 +64,40 @@ pub(super) enum Check {
 /// The unknown that solves an affine form, from a guess that fulfils the constraints.
 #[inline(never)]
 pub(super) fn solve<const D: usize>(
-    (form, weights): (&Form<D>, [f64; 3]),
-    guess: &Field<D>,
+    (form, weights): (&Form<D>, &[[f64; 3]]),
+    guess: &[Field<D>],
     elimination: &mut Elimination,
     kept: &mut Option<StepMatrix>,
     means: &mut Means<'_, D>,
     check: Check,
 ) -> Result<LinearStep, StepFailure> {
-    let space = guess.space();
+    let spaces: Vec<&Arc<Space<D>>> = guess.iter().map(Field::space).collect();
+    let sizes: Vec<usize> = guess.iter().map(|field| field.values().len()).collect();
+    let guess: Vec<f64> = guess.iter().flat_map(|field| field.values()).copied().collect();
     let mut cost = StepCost::default();
     let residual_at = |values: &[f64], cost: &mut StepCost| {
         let begun = Instant::now();
-        let view = FieldView { space, values, finite: false };
-        let residual = means.assembler.residual_of(form, &[view], &[space], Parts::ALL);
+        let views = views(&spaces, values);
+        let residual = means.assembler.residual_of(form, &views, &spaces, Parts::ALL);
         cost.residuals += 1;
         cost.residual_seconds += begun.elapsed().as_secs_f64();
         residual
     };
-    let before = residual_at(guess.values(), &mut cost)?;
+    let before = residual_at(&guess, &mut cost)?;
     let load: Vec<f64> = elimination.reduce(&before)?.iter().map(|value| -value).collect();
     let known = kept.take().filter(|kept| kept.weights == weights && kept.free == elimination.free());
     // A relation may have other factors than before without another free unknown.
     let mut fresh = known.is_none() || !elimination.only_prescribes();
     let mut matrix = match known {
         Some(known) if !fresh => known,
-        _ => StepMatrix::assemble((form, weights), guess, elimination, means, &mut cost)?,
+        _ => StepMatrix::assemble((form, weights), (&spaces, &guess), elimination, means, &mut cost)?,
     };
     loop {
         let begun = Instant::now();
         let step = elimination.extend_by_zero(&means.solver.solve(&load, 0.0)?.solution)?;
         cost.solves += 1;
         cost.solve_seconds += begun.elapsed().as_secs_f64();
-        let mut unknown = guess.values().to_vec();
+        let mut unknown = guess.clone();
         add_scaled(&mut unknown, 1.0, &step);
         if check == Check::Nothing || matrix.lumped.is_some() {
             let residual = matrix.residual_after(&before, &step);
@@ -101,7 +105,8 @@ pub(super) fn solve<const D: usize>(
             return Ok(LinearStep { unknown, residual, cost });
         }
         let residual = residual_at(&unknown, &mut cost)?;
-        let Some(residual_of_row) = matrix.wrong_row(&residual, &load, &unknown, elimination)? else {
+        let Some(residual_of_row) = matrix.wrong_row(&residual, &load, (&unknown, &sizes), elimination)?
+        else {
             *kept = Some(matrix);
             return Ok(LinearStep { unknown, residual, cost });
         };
@@ -111,33 +116,46 @@ pub(super) fn solve<const D: usize>(
         if fresh {
             return Err(StepFailure::Inaccurate { residual: residual_of_row });
         }
-        matrix = StepMatrix::assemble((form, weights), guess, elimination, means, &mut cost)?;
+        matrix = StepMatrix::assemble((form, weights), (&spaces, &guess), elimination, means, &mut cost)?;
         fresh = true;
     }
+}
+
+/// The unknowns one after the other, as views on their spaces.
+fn views<'f, const D: usize>(spaces: &[&'f Arc<Space<D>>], values: &'f [f64]) -> Vec<FieldView<'f, D>> {
+    let mut rest = values;
+    let view = |space: &&'f Arc<Space<D>>| {
+        let (values, others) = rest.split_at(space.unknowns());
+        rest = others;
+        FieldView { space, values, finite: false }
+    };
+    spaces.iter().map(view).collect()
 }
 
 impl StepMatrix {
     /// Assembles the matrix and hands it to the solver.
     #[inline(never)]
     fn assemble<const D: usize>(
-        (form, weights): (&Form<D>, [f64; 3]),
-        at: &Field<D>,
+        (form, weights): (&Form<D>, &[[f64; 3]]),
+        (spaces, at): (&[&Arc<Space<D>>], &[f64]),
         elimination: &mut Elimination,
         means: &mut Means<'_, D>,
         cost: &mut StepCost,
     ) -> Result<Self, StepFailure> {
         let begun = Instant::now();
         let mut matrix = BlockMatrix::zero(means.pattern.sparsity());
-        let arguments = (&[at.view()][..], &[at.space()][..]);
+        let views = views(spaces, at);
+        let arguments = (&views[..], spaces);
         let (assembler, vanish) = (means.assembler, ValuesBefore::Vanish);
         assembler.write_tangent(form, arguments, Parts::ALL, means.pattern, &mut matrix, vanish)?;
         let lumped = match means.mass {
             Mass::Consistent => None,
             Mass::Lumped => Some(row_sums(&matrix)?),
         };
+        means.solver.set_local_unknowns(groups_of(spaces, elimination));
         means.solver.set_matrix(match &lumped {
             Some(masses) => diagonal(masses, elimination)?,
-            None if weights[..2] == [0.0; 2] => {
+            None if weights.iter().all(|weights| weights[..2] == [0.0; 2]) => {
                 with_inertia(elimination.reduce_matrix(&matrix)?, elimination)?
             }
             None => elimination.reduce_matrix(&matrix)?,
@@ -145,19 +163,24 @@ impl StepMatrix {
         cost.matrices += 1;
         cost.matrix_seconds += begun.elapsed().as_secs_f64();
         let (free, held) = (elimination.free().to_vec(), elimination.held());
-        Ok(StepMatrix { weights, free, matrix, lumped, held })
+        Ok(StepMatrix { weights: weights.to_vec(), free, matrix, lumped, held })
     }
 
-    /// The residual of the first equation that does not hold, each relative to its own terms with the largest value of the unknown: a
+    /// The residual of the first equation that does not hold, each relative to its own terms with the largest values of the unknowns: a
     /// stiff part hides no soft one.
     fn wrong_row(
         &self,
         residual: &[f64],
         load: &[f64],
-        found: &[f64],
+        (found, counts): (&[f64], &[usize]),
         elimination: &Elimination,
     ) -> Result<Option<f64>, StepFailure> {
-        let amplitudes = vec![largest(found); found.len()];
+        let (mut amplitudes, mut rest) = (Vec::with_capacity(found.len()), found);
+        for count in counts {
+            let (own, others) = rest.split_at(*count);
+            amplitudes.resize(amplitudes.len() + count, largest(own));
+            rest = others;
+        }
         let sizes = elimination.reduce_amounts(&self.matrix.products(&amplitudes)?.1)?;
         let rows = elimination.reduce(residual)?.into_iter().zip(load).zip(sizes);
         // A residual that is no number does not hold.

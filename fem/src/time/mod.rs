@@ -48,6 +48,7 @@ pub mod adaptive_steps;
 pub mod backward_differences;
 pub mod central_differences;
 pub mod checkpoint;
+pub(crate) mod conditions;
 mod error;
 pub mod events;
 pub mod generalised_alpha;

@@ -76,6 +76,34 @@ pub mod scalar {
     }
 }
 
+/// Value and rate of a scalar unknown next to a vector unknown, as temperature or pressure next to a displacement: the members of
+/// [`vector`], which serve the vector, and these. `&[Step; 2]` of a [coupled loop](super::TimeLoop::coupled), the vector first, is its data.
+#[forms(crate = crate)]
+pub mod vector_and_scalar {
+    /// Weights and known parts of a step of both unknowns.
+    #[includes(super::vector::Data)]
+    pub struct Data {
+        /// Weight of the unknown in the value \[1\].
+        pub scalar_value_weight: Param,
+        /// Weight of the unknown in the rate \[1/time\].
+        pub scalar_rate_weight: Param,
+        /// Known part of the value.
+        pub known_scalar_value: Given<Scalar>,
+        /// Known part of the rate.
+        pub known_scalar_rate: Given<Scalar>,
+    }
+
+    /// The value at which the scheme evaluates the form.
+    pub fn value(u: Scalar) -> Scalar {
+        scalar_value_weight * u + known_scalar_value
+    }
+
+    /// The rate of change there.
+    pub fn rate(u: Scalar) -> Scalar {
+        scalar_rate_weight * u + known_scalar_rate
+    }
+}
+
 /// Data of no step: for functionals of the same module, which read none.
 impl<const D: usize> Default for vector::Data<D> {
     fn default() -> Self {

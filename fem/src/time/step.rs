@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::operators::{scalar, vector};
+use super::operators::{scalar, vector, vector_and_scalar};
 use super::scheme::{Combination, Formulas};
 use super::step_cost::StepCost;
 use crate::contract::Given;
@@ -70,7 +70,7 @@ impl<const D: usize> Step<D> {
 
     /// The step to `end` by these formulas, with the states before it, newest first.
     #[inline(never)]
-    pub(super) fn new(states: &[State<D>], end: f64, formulas: &Formulas) -> Result<Self, FieldError> {
+    pub(super) fn new(states: &[&State<D>], end: f64, formulas: &Formulas) -> Result<Self, FieldError> {
         let before = states[0].clone();
         let [value, rate, second_rate] = &formulas.evaluated;
         Ok(Step {
@@ -87,7 +87,7 @@ impl<const D: usize> Step<D> {
 #[inline(never)]
 pub(super) fn known<const D: usize>(
     combination: &Combination,
-    states: &[State<D>],
+    states: &[&State<D>],
 ) -> Result<Field<D>, FieldError> {
     let mut terms = vec![];
     for (weights, state) in combination.states.iter().zip(states) {
@@ -111,6 +111,18 @@ impl<const D: usize> From<&Step<D>> for vector::Data<D> {
             .known_value(known_value)
             .known_rate(known_rate)
             .known_second_rate(known_second_rate)
+    }
+}
+
+impl<const D: usize> From<&[Step<D>; 2]> for vector_and_scalar::Data<D> {
+    fn from([first, second]: &[Step<D>; 2]) -> Self {
+        let [scalar_value_weight, scalar_rate_weight, _] = second.weights;
+        let [known_scalar_value, known_scalar_rate, _] = second.known.each_ref().map(Given::field);
+        vector_and_scalar::data_from(first)
+            .scalar_value_weight(scalar_value_weight)
+            .scalar_rate_weight(scalar_rate_weight)
+            .known_scalar_value(known_scalar_value)
+            .known_scalar_rate(known_scalar_rate)
     }
 }
 
@@ -144,10 +156,11 @@ pub struct Taken<const D: usize> {
     pub residual: Vec<f64>,
     /// Work of the step, part by part; none where Newton's method has solved it.
     pub cost: Option<StepCost>,
-    /// Estimate of the error that this step has added to the value, at the node where it is largest; none where the scheme has
-    /// no rule for it.
+    /// Estimate of the error that this step has added to the value of the first unknown, at the node where it is largest; none where
+    /// the scheme has no rule for it.
     pub error: Option<f64>,
-    pub(super) space: Arc<Space<D>>,
+    /// The space of each unknown.
+    pub(super) spaces: Vec<Arc<Space<D>>>,
 }
 
 impl<const D: usize> Taken<D> {
@@ -156,13 +169,24 @@ impl<const D: usize> Taken<D> {
         self.history.last().and_then(|step| step.active_points)
     }
 
-    /// The resultant of the forces by which the constraints hold the nodes of a region at the time at which the scheme evaluates
-    /// the form, one number per component, as [`Solved::reaction`](crate::solve::Solved::reaction) says.
+    /// [`Taken::reaction_of`] the first unknown.
     ///
     /// # Errors
     /// [`ReactionError::Region`].
     pub fn reaction(&self, region: &str) -> Result<Vec<f64>, ReactionError> {
-        resultant(&self.space, &self.residual, region)
+        self.reaction_of(0, region)
+    }
+
+    /// The resultant of the forces by which the constraints of an unknown hold the nodes of a region at the time at which the scheme
+    /// evaluates the form, one number per component, as [`Solved::reaction_of`](crate::solve::Solved::reaction_of) says.
+    ///
+    /// # Errors
+    /// [`ReactionError::Region`], [`ReactionError::Unknown`].
+    pub fn reaction_of(&self, unknown: usize, region: &str) -> Result<Vec<f64>, ReactionError> {
+        let count = self.spaces.len();
+        let space = self.spaces.get(unknown).ok_or(ReactionError::Unknown { number: unknown, count })?;
+        let offset = self.spaces[..unknown].iter().map(|space| space.unknowns()).sum::<usize>();
+        resultant(space, &self.residual[offset..], region)
     }
 }
 

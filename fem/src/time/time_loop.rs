@@ -1,10 +1,12 @@
 //! The loop over steps in time.
 
+use std::rc::Rc;
 use std::sync::Arc;
 use std::time::Instant;
 
 use super::central_differences::supports_stand;
 use super::checkpoint::Checkpoint;
+use super::conditions::Conditions;
 use super::error::{StepError, StepFailure};
 use super::linear_step::{Check, LinearStep, Means, StepMatrix, solve};
 use super::mass::Mass;
@@ -20,31 +22,34 @@ use crate::solve::{
     Elimination, LentSolver, LinearSolver, NewtonOptions, NewtonStep, OwnedForm, StepMemory, solve_owned,
 };
 
-/// A form of motion that is followed step by step, from a state, by a scheme.
+/// A form of motion that is followed step by step, from a state, by a scheme. Forms of up to four unknowns are
+/// [coupled](TimeLoop::coupled).
 ///
 /// All steps share one matrix pattern and its analysis. Where the form is affine, and in explicit steps, the matrix is assembled and
 /// factored again only when the step size changes.
 pub struct TimeLoop<'a, const D: usize> {
     form: FormOfStep<'a, D>,
-    scheme: Box<dyn Scheme + 'a>,
+    /// Of each unknown.
+    schemes: Vec<Rc<dyn Scheme + 'a>>,
     assembler: Assembler<D>,
-    constraints: ConstraintsAt<'a, D>,
+    /// An unknown that was given a scheme and does not exist.
+    no_unknown: Option<usize>,
+    constraints: Conditions<'a, f64, D>,
     solver: LentSolver<'a>,
     options: NewtonOptions,
     mass: Mass,
     constant_coefficients: bool,
-    /// Newest first.
-    states: Vec<State<D>>,
+    /// Newest first, each with the states of all unknowns.
+    states: Vec<Vec<State<D>>>,
     number: usize,
-    /// Whether the newest state has the second rate that belongs to it.
+    /// Whether the newest states have the second rates that belong to them.
     has_second_rate: bool,
     pattern: Option<Arc<BlockPattern<D>>>,
     memory: StepMemory,
     kept: Option<StepMatrix>,
 }
 
-type FormOfStep<'a, const D: usize> = Box<dyn Fn(&Step<D>) -> Form<D> + 'a>;
-type ConstraintsAt<'a, const D: usize> = Box<dyn Fn(f64) -> Result<Constraints<D>, ConstraintsError> + 'a>;
+type FormOfStep<'a, const D: usize> = Box<dyn Fn(&[Step<D>]) -> Form<D> + 'a>;
 
 /// With coefficients that are promised to be constant, every n steps the equations are assembled at the solution.
 const CHECKED_STEPS: usize = 32;
@@ -60,17 +65,82 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         scheme: impl Scheme + 'a,
         start: State<D>,
     ) -> Self {
-        Self::of(Box::new(move |step| form(step).into()), Box::new(scheme), start)
+        Self::coupled(move |[step]| form(step), scheme, [start])
+    }
+
+    /// A form of N unknowns, each from a state of its own, by one scheme. The form gets a step for each unknown, in the order of its
+    /// arguments; all steps have the same times. [`vector_and_scalar`](super::operators::vector_and_scalar) are the operators of a vector
+    /// and a scalar unknown.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # use forms_fem::time::{OneStepTheta, State, Step, TimeLoop};
+    /// // Squeezing water out of a porous body (Biot): displacement u and pressure p of the water.
+    /// #[forms(dimension = 2)]
+    /// mod porous {
+    ///     use forms_fem::time::operators::vector::{displacement, velocity};
+    ///     use forms_fem::time::operators::vector_and_scalar::value;
+    ///
+    ///     #[includes(forms_fem::time::operators::vector_and_scalar::Data)]
+    ///     pub struct Data {
+    ///         pub mu: Param,
+    ///         pub permeability: Param,
+    ///     }
+    ///     #[cells]
+    ///     pub struct Omega;
+    ///     #[facets]
+    ///     pub struct Top;
+    ///
+    ///     pub fn balance(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
+    ///         integral(Omega, 2 * mu * inner(eps(displacement(u)), eps(v)) - value(p) * div(v))
+    ///             + integral(Omega, div(velocity(u)) * q + permeability * dot(grad(value(p)), grad(q)))
+    ///             + integral(Top, dot(n, v))
+    ///     }
+    /// }
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let mesh = rectangle([0.0; 2], [0.1, 1.0], [1, 10], CellShape::Quadrilateral, 2)?;
+    /// let (displacements, pressures) = (Space::vector(&mesh, 2)?, Space::scalar(&mesh, 1)?);
+    /// let mut held = Constraints::new(&displacements);
+    /// held.fix("bottom", |_| [0.0; 2])?;
+    /// held.fix_component("left", 0, |_| 0.0)?;
+    /// held.fix_component("right", 0, |_| 0.0)?;
+    /// let mut drained = Constraints::new(&pressures);
+    /// drained.fix("top", |_| 0.0)?;
+    ///
+    /// let form = |steps: &[Step<2>; 2]| porous::Model::new(porous::data_from(steps).mu(1.0).permeability(1.0)).balance();
+    /// let start = [&displacements, &pressures].map(|space| State::at_rest(0.0, Field::zero(space)));
+    /// let mut squeezed =
+    ///     TimeLoop::coupled(form, OneStepTheta::implicit_euler(), start).constrained(&held).constrained(&drained);
+    /// for _ in 0..10 {
+    ///     squeezed.take(0.01)?;
+    /// }
+    /// let [u, p] = squeezed.states() else { unreachable!("two unknowns") };
+    /// println!("{:?} {:?}", u.value.evaluate(&[0.05, 1.0])?, p.value.evaluate(&[0.05, 0.0])?);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn coupled<F: Into<Form<D>>, const N: usize>(
+        form: impl Fn(&[Step<D>; N]) -> F + 'a,
+        scheme: impl Scheme + 'a,
+        start: [State<D>; N],
+    ) -> Self {
+        const { assert!(N > 0, "a motion has an unknown") };
+        let form: FormOfStep<'a, D> = Box::new(move |steps| match steps.first_chunk() {
+            Some(steps) => form(steps).into(),
+            None => unreachable!("there are as many steps as states"),
+        });
+        Self::of(form, Rc::new(scheme), start.into())
     }
 
     #[inline(never)]
-    fn of(form: FormOfStep<'a, D>, scheme: Box<dyn Scheme + 'a>, start: State<D>) -> Self {
-        let space = Arc::clone(start.value.space());
+    fn of(form: FormOfStep<'a, D>, scheme: Rc<dyn Scheme + 'a>, start: Vec<State<D>>) -> Self {
         TimeLoop {
             form,
-            scheme,
-            assembler: Assembler::new(space.mesh()),
-            constraints: Box::new(move |_| Ok(Constraints::new(&space))),
+            schemes: vec![scheme; start.len()],
+            no_unknown: None,
+            assembler: Assembler::new(start[0].value.space().mesh()),
+            constraints: Conditions::none(),
             solver: LentSolver::default(),
             options: NewtonOptions::default(),
             mass: Mass::Consistent,
@@ -84,18 +154,28 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         }
     }
 
-    /// Conditions that do not change.
+    /// Another scheme for one unknown, by its number. All schemes have to give loads at the same time of a step and to solve for the same:
+    /// a step that does not agree is an error.
+    pub fn scheme_of(mut self, unknown: usize, scheme: impl Scheme + 'a) -> Self {
+        match self.schemes.get_mut(unknown) {
+            Some(own) => *own = Rc::new(scheme),
+            None => self.no_unknown = Some(unknown),
+        }
+        self
+    }
+
+    /// Conditions that do not change, on one unknown: the first one on the constraints' space that has none yet.
     pub fn constrained(self, constraints: &Constraints<D>) -> Self {
         let constraints = constraints.clone();
         self.constrained_at(move |_| Ok(constraints.clone()))
     }
 
-    /// Conditions as a function of the time at the end of a step.
+    /// Conditions on one unknown as a function of the time at the end of a step.
     pub fn constrained_at(
         mut self,
         constraints: impl Fn(f64) -> Result<Constraints<D>, ConstraintsError> + 'a,
     ) -> Self {
-        self.constraints = Box::new(constraints);
+        self.constraints.push(constraints);
         self
     }
 
@@ -131,15 +211,22 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         self
     }
 
-    /// States before the first one, newest first, for schemes that read several.
+    /// States before the first one, newest first, for schemes that read several; of a coupled form all unknowns of a time, one after the
+    /// other.
     pub fn with_earlier(mut self, earlier: impl IntoIterator<Item = State<D>>) -> Self {
         self.states.truncate(1);
-        self.states.extend(earlier);
+        let (count, earlier) = (self.schemes.len(), earlier.into_iter().collect::<Vec<_>>());
+        self.states.extend(earlier.chunks_exact(count).map(<[_]>::to_vec));
         self
     }
 
-    /// The last state.
+    /// The last state, of the first unknown.
     pub fn state(&self) -> &State<D> {
+        &self.states[0][0]
+    }
+
+    /// The last states of all unknowns.
+    pub fn states(&self) -> &[State<D>] {
         &self.states[0]
     }
 
@@ -195,33 +282,33 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         if !(size > 0.0 && end.is_finite() && end > from) {
             return Err(StepFailure::StepSize(size));
         }
-        let constraints = (self.constraints)(end)?;
-        self.find_second_rate(&constraints)?;
-        let mut sizes = vec![size];
-        // Equal steps have equal weights, and one matrix, whatever the rounding of times.
-        let equal = |earlier: f64| (earlier - size).abs() <= SAME_SIZE * size;
-        let earlier = self.states.windows(2).map(|pair| pair[0].time - pair[1].time);
-        sizes.extend(earlier.map(|earlier| if equal(earlier) { size } else { earlier }));
-        if sizes.iter().any(|size| size.is_nan() || *size <= 0.0) {
-            let times = self.states.iter().map(|state| state.time).collect();
-            return Err(StepFailure::NotEarlier { times });
+        if let Some(unknown) = self.no_unknown {
+            return Err(StepFailure::NoUnknown { unknown, count: self.schemes.len() });
         }
-        let formulas = self.scheme.formulas(&sizes);
-        let read = formulas.states();
+        let constraints = self.constraints_at(end)?;
+        self.find_second_rates(&constraints)?;
+        let sizes = self.sizes(size)?;
+        let formulas: Vec<Formulas> = self.schemes.iter().map(|scheme| scheme.formulas(&sizes)).collect();
+        let solved_for = self.agreed_unknown(&formulas)?;
+        let read = formulas.iter().map(Formulas::states).max().unwrap_or(0);
         if read > self.states.len() {
             return Err(StepFailure::MissingStates { read, known: self.states.len() });
         }
-        let step = Step::new(&self.states, end, &formulas)?;
-        let form = (self.form)(&step);
-        let (x, residual, history, cost) = match self.scheme.solved_for() {
+        let number = |(unknown, formulas)| Step::new(&self.states_of(unknown), end, formulas);
+        let steps: Vec<Step<D>> = formulas.iter().enumerate().map(number).collect::<Result<_, _>>()?;
+        let weights: Vec<[f64; 3]> = steps.iter().map(|step| step.weights).collect();
+        let form = (self.form)(&steps);
+        let (x, residual, history, cost) = match solved_for {
             SolvedFor::SecondRate => {
-                supports_stand(&step.known[0], &constraints)?;
-                let (x, residual, cost) =
-                    self.solve_affine(&form, step.weights, &constraints.homogeneous())?;
+                for (step, constraints) in steps.iter().zip(&constraints) {
+                    supports_stand(&step.known[0], constraints)?;
+                }
+                let homogeneous: Vec<_> = constraints.iter().map(Constraints::homogeneous).collect();
+                let (x, residual, cost) = self.solve_affine(&form, &weights, &homogeneous)?;
                 (x, residual, vec![], Some(cost))
             }
             SolvedFor::Value if form.is_affine() => {
-                let (x, residual, cost) = self.solve_affine(&form, step.weights, &constraints)?;
+                let (x, residual, cost) = self.solve_affine(&form, &weights, &constraints)?;
                 (x, residual, vec![], Some(cost))
             }
             SolvedFor::Value => {
@@ -229,10 +316,14 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
                 (x, residual, history, None)
             }
         };
-        let at_end = |which: usize| self.at_end(&formulas, which, &step, &x);
-        let state = State { time: end, value: at_end(0)?, rate: at_end(1)?, second_rate: at_end(2)? };
-        let error = self.scheme.error_factor().map(|factor| {
-            let ends = [&state, self.state()].map(|state| state.second_rate.values());
+        let mut states = vec![];
+        for (unknown, ((step, formulas), x)) in steps.iter().zip(&formulas).zip(&x).enumerate() {
+            let at_end = |which: usize| self.at_end(unknown, formulas, which, step, x);
+            let [value, rate, second_rate] = [at_end(0)?, at_end(1)?, at_end(2)?];
+            states.push(State { time: end, value, rate, second_rate });
+        }
+        let error = self.schemes[0].error_factor().map(|factor| {
+            let ends = [&states[0], self.state()].map(|state| state.second_rate.values());
             let changes = ends[0].iter().zip(ends[1]).map(|(after, before)| (after - before).abs());
             factor * size * size * changes.fold(0.0, f64::max)
         });
@@ -241,17 +332,61 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         {
             return Err(StepFailure::TooInexact { error, tolerance });
         }
-        let space = Arc::clone(x.space());
-        self.states.insert(0, state);
-        self.states.truncate(self.scheme.states().max(1));
+        let spaces = x.iter().map(|x| Arc::clone(x.space())).collect();
+        self.states.insert(0, states);
+        let kept = self.schemes.iter().map(|scheme| scheme.states()).max();
+        self.states.truncate(kept.unwrap_or(1).max(1));
         self.number += 1;
         let cost = cost.map(|cost| StepCost { seconds: begun.elapsed().as_secs_f64(), ..cost });
-        Ok(Taken { number: self.number - 1, from, to: end, history, residual, cost, error, space })
+        Ok(Taken { number: self.number - 1, from, to: end, history, residual, cost, error, spaces })
+    }
+
+    /// The states of an unknown, newest first.
+    fn states_of(&self, unknown: usize) -> Vec<&State<D>> {
+        self.states.iter().map(|states| &states[unknown]).collect()
+    }
+
+    /// The sizes of the step to be taken and of those that led to the states, newest first.
+    fn sizes(&self, size: f64) -> Result<Vec<f64>, StepFailure> {
+        let mut sizes = vec![size];
+        // Equal steps have equal weights, and one matrix, whatever the rounding of times.
+        let equal = |earlier: f64| (earlier - size).abs() <= SAME_SIZE * size;
+        let earlier = self.states.windows(2).map(|pair| pair[0][0].time - pair[1][0].time);
+        sizes.extend(earlier.map(|earlier| if equal(earlier) { size } else { earlier }));
+        let differ = |states: &Vec<State<D>>| states.iter().any(|state| state.time != states[0].time);
+        if sizes.iter().any(|size| size.is_nan() || *size <= 0.0) || self.states.iter().any(differ) {
+            let times = self.states.iter().flatten().map(|state| state.time).collect();
+            return Err(StepFailure::NotEarlier { times });
+        }
+        Ok(sizes)
+    }
+
+    /// The meaning of the unknowns, on which all schemes have to agree, as on the time of loads.
+    fn agreed_unknown(&self, formulas: &[Formulas]) -> Result<SolvedFor, StepFailure> {
+        let solved_for = self.schemes[0].solved_for();
+        let agree = |(scheme, own): (&Rc<dyn Scheme + 'a>, &Formulas)| {
+            scheme.solved_for() == solved_for && own.load_at == formulas[0].load_at
+        };
+        match self.schemes.iter().zip(formulas).position(|both| !agree(both)) {
+            None => Ok(solved_for),
+            Some(unknown) => Err(StepFailure::Schemes {
+                unknown,
+                scheme: format!("{:?}", self.schemes[unknown]),
+                first: format!("{:?}", self.schemes[0]),
+            }),
+        }
+    }
+
+    /// The conditions of each unknown at a time.
+    fn constraints_at(&self, end: f64) -> Result<Vec<Constraints<D>>, StepFailure> {
+        let spaces: Vec<_> = self.states().iter().map(|state| state.value.space()).collect();
+        self.constraints.at(end, &spaces)?.ok_or(StepFailure::Unconstrained)
     }
 
     /// Value, rate or second rate at the end of a step, with the step's unknown x.
     fn at_end(
         &self,
+        unknown: usize,
         formulas: &Formulas,
         which: usize,
         step: &Step<D>,
@@ -265,7 +400,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         // Where a form is evaluated at the end of the step, its known part is that.
         let known = match *combination == formulas.evaluated[which] {
             true => step.known[which].clone(),
-            false => known(combination, &self.states)?,
+            false => known(combination, &self.states_of(unknown))?,
         };
         Ok(match combination.unknown {
             0.0 => known,
@@ -273,37 +408,53 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         })
     }
 
-    /// The second rate of the first state, in agreement with the form there.
-    fn find_second_rate(&mut self, constraints: &Constraints<D>) -> Result<(), StepFailure> {
-        if self.has_second_rate || !self.scheme.reads_second_rates() {
+    /// The second rates of the first states, in agreement with the form there.
+    fn find_second_rates(&mut self, constraints: &[Constraints<D>]) -> Result<(), StepFailure> {
+        if self.has_second_rate || !self.schemes.iter().any(|scheme| scheme.reads_second_rates()) {
             return Ok(());
         }
-        let state = self.state().clone();
-        let zero = Field::zero(state.value.space());
-        let step = Step {
-            end: state.time,
-            time: state.time,
-            weights: [0.0, 0.0, 1.0],
-            known: [state.value.clone(), state.rate.clone(), zero],
-            before: state,
-        };
-        let form = (self.form)(&step);
-        let mut conditions = constraints.homogeneous();
-        let (second_rate, ..) = match self.solve_affine(&form, step.weights, &conditions) {
+        let mut conditions: Vec<_> = constraints.iter().map(Constraints::homogeneous).collect();
+        let mut steps = vec![];
+        for ((state, scheme), conditions) in self.states[0].iter().zip(&self.schemes).zip(&mut conditions) {
+            let second_rate = f64::from(u8::from(scheme.reads_second_rates()));
+            if second_rate == 0.0 {
+                // Without a second rate.
+                *conditions = Constraints::new(state.value.space());
+                hold(conditions, 0..state.value.values().len())?;
+            }
+            let zero = Field::zero(state.value.space());
+            steps.push(Step {
+                end: state.time,
+                time: state.time,
+                weights: [0.0, 0.0, second_rate],
+                known: [state.value.clone(), state.rate.clone(), zero],
+                before: state.clone(),
+            });
+        }
+        let weights: Vec<[f64; 3]> = steps.iter().map(|step| step.weights).collect();
+        let form = (self.form)(&steps);
+        let (second_rates, ..) = match self.solve_affine(&form, &weights, &conditions) {
             // What has no inertia follows the others, and has no acceleration of its own.
             Err(StepFailure::Massless { unknowns })
-                if self.scheme.solved_for() == SolvedFor::Value
-                    && self.scheme.formulas(&[1.0]).second_rates_are_for_inertia() =>
+                if self.schemes.iter().all(|scheme| {
+                    scheme.solved_for() == SolvedFor::Value
+                        && scheme.formulas(&[1.0]).second_rates_are_for_inertia()
+                }) =>
             {
-                let components = step.known[0].space().components();
-                for unknown in unknowns {
-                    conditions.fix_node(unknown / components, unknown % components, 0.0)?;
+                let mut from = 0;
+                for (conditions, step) in conditions.iter_mut().zip(&steps) {
+                    let to = from + step.known[0].values().len();
+                    let own = unknowns.iter().filter(|unknown| (from..to).contains(*unknown));
+                    hold(conditions, own.map(|unknown| unknown - from))?;
+                    from = to;
                 }
-                self.solve_affine(&form, step.weights, &conditions)?
+                self.solve_affine(&form, &weights, &conditions)?
             }
             found => found?,
         };
-        self.states[0].second_rate = second_rate;
+        for (state, second_rate) in self.states[0].iter_mut().zip(second_rates) {
+            state.second_rate = second_rate;
+        }
         self.has_second_rate = true;
         Ok(())
     }
@@ -312,29 +463,30 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         if let Some(known) = &self.pattern {
             return Ok(Arc::clone(known));
         }
-        let space = self.states[0].value.space();
+        let spaces: Vec<_> = self.states[0].iter().map(|state| state.value.space()).collect();
         let outline = Outline::of(form, Parts::ALL);
-        let pattern = Arc::new(BlockPattern::for_cells_of(&outline, &[space], &[space], &self.assembler)?);
+        let pattern = Arc::new(BlockPattern::for_cells_of(&outline, &spaces, &spaces, &self.assembler)?);
         Ok(Arc::clone(self.pattern.insert(pattern)))
     }
 
     fn solve_affine(
         &mut self,
         form: &Form<D>,
-        weights: [f64; 3],
-        constraints: &Constraints<D>,
-    ) -> Result<(Field<D>, Vec<f64>, StepCost), StepFailure> {
+        weights: &[[f64; 3]],
+        constraints: &[Constraints<D>],
+    ) -> Result<(Vec<Field<D>>, Vec<f64>, StepCost), StepFailure> {
         let pattern = self.pattern(form)?;
-        let state = &self.states[0];
-        let mut elimination = Elimination::of(&[constraints])?;
+        let mut elimination = Elimination::of(&constraints.iter().collect::<Vec<_>>())?;
         // From zero where masses are lumped: the form's residual knows the consistent ones.
-        let of_second_rate = weights[0] == 0.0;
-        let mut guess = match of_second_rate {
-            true => vec![0.0; state.value.values().len()],
-            false => state.value.values().to_vec(),
-        };
-        elimination.impose(&mut guess)?;
-        let guess = Field::from_values(state.value.space(), guess)?;
+        let of_second_rate = weights.iter().all(|weights| weights[0] == 0.0);
+        let guess = self.states[0].iter().map(|state| match of_second_rate {
+            true => Field::zero(state.value.space()),
+            false => state.value.clone(),
+        });
+        let guess: Vec<Field<D>> = guess.collect();
+        let mut values: Vec<f64> = guess.iter().flat_map(Field::values).copied().collect();
+        elimination.impose(&mut values)?;
+        let guess = on_spaces(&guess, &values)?;
         let check = match (self.constant_coefficients, self.number % CHECKED_STEPS) {
             (false, _) => Check::Equations,
             (true, 0) => Check::Promise,
@@ -348,31 +500,52 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         };
         let LinearStep { unknown, residual, cost } =
             solve((form, weights), &guess, &mut elimination, &mut self.kept, &mut means, check)?;
-        Ok((Field::from_values(guess.space(), unknown)?, residual, cost))
+        Ok((on_spaces(&guess, &unknown)?, residual, cost))
     }
 
     fn solve_nonlinear(
         &mut self,
         form: Form<D>,
         size: f64,
-        constraints: &Constraints<D>,
-    ) -> Result<(Field<D>, Vec<f64>, Vec<NewtonStep>), StepFailure> {
+        constraints: &[Constraints<D>],
+    ) -> Result<(Vec<Field<D>>, Vec<f64>, Vec<NewtonStep>), StepFailure> {
         let pattern = self.pattern(&form)?;
         self.kept = None;
-        let state = &self.states[0];
-        let start = Field::combination(&[(1.0, &state.value), (size, &state.rate)])?;
+        let predicted = |state: &State<D>| Field::combination(&[(1.0, &state.value), (size, &state.rate)]);
+        let start: Vec<Field<D>> = self.states[0].iter().map(predicted).collect::<Result<_, _>>()?;
         let owned = OwnedForm {
             form,
             assembler: &self.assembler,
             pattern: &pattern,
-            constraints,
-            start: &start,
+            constraints: &constraints.iter().collect::<Vec<_>>(),
+            start: &start.iter().collect::<Vec<_>>(),
             options: self.options.clone(),
         };
         let solved = solve_owned(owned, self.solver.get(), &mut self.memory)?;
-        let [value] = solved.fields;
-        Ok((value, solved.residual, solved.history))
+        Ok((solved.fields, solved.residual, solved.history))
     }
+}
+
+/// Values one after the other as fields on the spaces of others.
+fn on_spaces<const D: usize>(fields: &[Field<D>], values: &[f64]) -> Result<Vec<Field<D>>, StepFailure> {
+    let mut rest = values;
+    let field = |like: &Field<D>| {
+        let (own, others) = rest.split_at(like.values().len());
+        rest = others;
+        Ok(Field::from_values(like.space(), own.to_vec())?)
+    };
+    fields.iter().map(field).collect()
+}
+
+/// Prescribes zero for unknowns.
+fn hold<const D: usize>(
+    conditions: &mut Constraints<D>,
+    unknowns: impl IntoIterator<Item = usize>,
+) -> Result<(), ConstraintsError> {
+    let components = conditions.space().components();
+    unknowns.into_iter().try_for_each(|unknown| {
+        conditions.fix_node(unknown / components, unknown % components, 0.0).map(|_| ())
+    })
 }
 
 instantiate!(time_loop: TimeLoop::<D>::of, TimeLoop::<D>::take);

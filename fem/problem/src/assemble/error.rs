@@ -55,6 +55,14 @@ pub enum AssemblyError {
         /// The reason.
         source: CommunicationError,
     },
+    /// More unknowns than steps in time or of a history take.
+    #[error("`{form}` has more than {most} unknowns: a step takes no more")]
+    TooManyUnknowns {
+        /// The form.
+        form: &'static str,
+        /// The largest number.
+        most: usize,
+    },
     /// Kernels for instructions that this machine does not have.
     #[error(
         "form `{form}`: this program's kernels were compiled for {compiled}, which this machine does not have: build it here, \

@@ -203,7 +203,7 @@ impl<'a, const D: usize, const N: usize> Eigenproblem<'a, D, N> {
         if self.positive == Positive::First {
             second.values_mut().iter_mut().for_each(|entry| *entry = -*entry);
         }
-        let groups = groups_of(&self.stiffness.system.spaces, &elimination);
+        let groups = groups_of(&self.stiffness.system.spaces.each_ref(), &elimination);
         let left = LeftPencil::of(&first, &second, &groups)?;
         self.local_unknowns = left.as_ref().map(LeftPencil::counts);
         let matrices = left.as_ref().map_or((&first, &second), |left| (&left.first, &left.second));

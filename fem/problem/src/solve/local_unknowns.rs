@@ -8,7 +8,8 @@ mod tests;
 use std::sync::Arc;
 use std::time::Instant;
 
-pub(in crate::solve) use of_spaces::groups_of;
+#[doc(hidden)]
+pub use of_spaces::groups_of;
 pub(in crate::solve) use pencils::LeftPencil;
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};

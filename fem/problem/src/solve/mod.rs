@@ -54,6 +54,8 @@ pub use load_steps::{
     CommittingSteps, Extrapolate, Increment, LoadPath, LoadStep, LoadStepError, LoadSteps, StepStart,
 };
 pub use local_unknowns::LocalUnknowns;
+#[doc(hidden)]
+pub use local_unknowns::groups_of;
 pub use lu_solver::LuSolver;
 pub use multigrid_solver::{MultigridSolver, MultigridSolverOptions, MultigridSolverReport};
 pub use newton::{
@@ -64,7 +66,7 @@ pub use newton::{
 };
 pub use per_unknown::PerUnknown;
 #[doc(hidden)]
-pub use problem::{OwnedForm, StepMemory, solve_owned};
+pub use problem::{OwnedForm, SolvedForm, StepMemory, solve_owned};
 pub use problem::{PositivityError, Problem, SolveError};
 pub use rigid_loads::{RigidLoadError, RigidLoads};
 pub use solved::{ReactionError, Solved};

@@ -337,32 +337,58 @@ pub struct OwnedForm<'a, const D: usize> {
     pub form: Form<D>,
     pub assembler: &'a Assembler<D>,
     pub pattern: &'a Arc<BlockPattern<D>>,
-    pub constraints: &'a Constraints<D>,
-    pub start: &'a Field<D>,
+    /// Conditions, for each unknown.
+    pub constraints: &'a [&'a Constraints<D>],
+    /// The first iterate, a field for each unknown.
+    pub start: &'a [&'a Field<D>],
     pub options: NewtonOptions,
 }
 
-/// The solution of a form, for callers that make one form after the other.
+/// The solution of an [`OwnedForm`].
+#[doc(hidden)]
+pub struct SolvedForm<const D: usize> {
+    pub fields: Vec<Field<D>>,
+    pub residual: Vec<f64>,
+    pub history: Vec<NewtonStep>,
+}
+
+/// The solution of a form with up to four unknowns, for callers that make one form after the other.
 ///
 /// # Errors
-/// As [`Problem::solve`].
+/// As [`Problem::solve`]; [`AssemblyError::TooManyUnknowns`].
 #[doc(hidden)]
 pub fn solve_owned<const D: usize>(
     owned: OwnedForm<'_, D>,
     solver: &mut dyn LinearSolver,
     memory: &mut StepMemory,
-) -> Result<Solved<D>, SolveError> {
-    let OwnedForm { form, assembler, pattern, constraints, start, options } = owned;
-    let mut problem: Problem<'_, D, 1> = Problem::on_spaces(form, [start.space()]);
+) -> Result<SolvedForm<D>, SolveError> {
+    match *owned.start {
+        [one] => solve_on([one], owned, solver, memory),
+        [one, two] => solve_on([one, two], owned, solver, memory),
+        [one, two, three] => solve_on([one, two, three], owned, solver, memory),
+        [one, two, three, four] => solve_on([one, two, three, four], owned, solver, memory),
+        _ => Err(AssemblyError::TooManyUnknowns { form: owned.form.name(), most: 4 }.into()),
+    }
+}
+
+fn solve_on<const D: usize, const N: usize>(
+    start: [&Field<D>; N],
+    owned: OwnedForm<'_, D>,
+    solver: &mut dyn LinearSolver,
+    memory: &mut StepMemory,
+) -> Result<SolvedForm<D>, SolveError> {
+    let OwnedForm { form, assembler, pattern, constraints, options, .. } = owned;
+    let mut problem: Problem<'_, D, N> = Problem::on_spaces(form, start.map(Field::space));
     problem.system.assembler = Cow::Borrowed(assembler);
     problem.system.pattern = OnceCell::from(Arc::clone(pattern));
-    problem.constraints.push(Cow::Borrowed(constraints));
-    problem.start = Some([start]);
+    problem.constraints.extend(constraints.iter().map(|constraints| Cow::Borrowed(*constraints)));
+    problem.start = Some(start);
     problem.solver = Solver::Lent(solver);
     problem.options = options;
     problem.memory = std::mem::take(memory);
     let solved = problem.solve();
     let matrix = problem.assembled.take().map(Assembled::into_matrix);
     *memory = StepMemory { matrix, ..problem.memory };
-    solved
+    let Solved { fields, residual, history, .. } = solved?;
+    Ok(SolvedForm { fields: fields.into(), residual, history })
 }

@@ -69,17 +69,23 @@ impl<const D: usize> LoadHistory<'_, D> {
         action: &mut [f64],
     ) -> Result<[Vec<f64>; 3], HistoryFailure> {
         let along = ControlValues::new(along, step, None);
-        let at = ControlValues::new(&self.controls, step, Some(before));
+        let at = ControlValues::new(&self.controls, step, Some(std::slice::from_ref(before)));
         let form =
             self.second_sensitivities.as_ref().ok_or(HistoryFailure::Missing("second_sensitivities"))?;
         let form = form(&at, &SecondOrderState { u, p, du, dbefore, dp, along })?;
+        let (constants, space) = (self.equations.constants()?, &self.spaces[0]);
+        let before = Wanted::when(self.remembers());
         let own = [
-            Own { name: STATE, meaning: "the derivative by the state changes", wanted: Wanted::Yes },
-            Own { name: BEFORE, meaning: OF_BEFORE, wanted: Wanted::when(self.remembers()) },
-            Own { name: ADJOINT, meaning: "the equations of the step change", wanted: Wanted::Yes },
+            Own { name: STATE, meaning: "the derivative by the state changes", wanted: Wanted::Yes, space },
+            Own { name: BEFORE, meaning: OF_BEFORE, wanted: before, space },
+            Own { name: ADJOINT, meaning: "the equations of the step change", wanted: Wanted::Yes, space },
         ];
-        let spaces = [&self.space, &self.equations.constants()?];
-        rows(&form, &own, step, &self.controls, spaces, &self.equations.assembler, action)
+        rows(&form, &own, step, &self.controls, &constants, &self.equations.assembler, action)
+    }
+
+    /// The values of the only unknown as a field.
+    fn only(&self, values: &[f64]) -> Result<Field<D>, HistoryFailure> {
+        Ok(Field::from_values(&self.spaces[0], values.to_vec())?)
     }
 
     /// x with R_u x = −load or R_uᵀ x = −load.
@@ -90,16 +96,21 @@ impl<const D: usize> LoadHistory<'_, D> {
         load: &[f64],
         transpose: Transpose,
     ) -> Result<Field<D>, HistoryFailure> {
-        let form = self.form(&ControlValues::new(&self.controls, step, Some(before)))?;
-        let constraints = (self.constraints)(step)?;
-        self.equations.linearised(Solution::Step(step), &form, &constraints, u, load, transpose)
+        let form =
+            self.form(&ControlValues::new(&self.controls, step, Some(std::slice::from_ref(before))))?;
+        let (constraints, at) = (self.conditions(step)?, std::slice::from_ref(u));
+        let found = self.equations.linearised(Solution::Step(step), &form, &constraints, at, load, transpose);
+        Ok(found?.swap_remove(0))
     }
 }
 
 impl<const D: usize> Linearised<D> for LoadHistory<'_, D> {
     fn start_along(&mut self, along: &Controls<D>) -> Result<Vec<f64>, HistoryFailure> {
-        let count = self.space.unknowns();
-        Ok([&self.controls, along].map(|controls| controls.start_values(Start::Value, count)).concat())
+        let spaces = self.unknowns_on();
+        if spaces.len() > 1 {
+            return Err(HistoryFailure::SecondOrderOfSeveral { count: spaces.len() });
+        }
+        Ok([&self.controls, along].map(|controls| controls.start_values(Start::Value, &spaces)).concat())
     }
 
     fn advance_along(
@@ -110,9 +121,9 @@ impl<const D: usize> Linearised<D> for LoadHistory<'_, D> {
     ) -> Result<Vec<f64>, HistoryFailure> {
         let [before, change] = halves(before);
         let mut after = self.try_advance(step, before)?;
-        let zero = Field::zero(&self.space);
-        let (before, dbefore) = (self.field(before)?, self.field(change)?);
-        let u = self.field(&after)?;
+        let zero = Field::zero(&self.spaces[0]);
+        let (before, dbefore) = (self.only(before)?, self.only(change)?);
+        let u = self.only(&after)?;
         let mut unused = vec![0.0; self.control_count()];
         let states = [&u, &zero, &zero, &dbefore, &zero];
         let [_, _, load] = self.second_rows(along, step, &before, states, &mut unused)?;
@@ -129,17 +140,18 @@ impl<const D: usize> Linearised<D> for LoadHistory<'_, D> {
         [gradient, action]: [&mut [f64]; 2],
     ) -> Result<Vec<f64>, HistoryFailure> {
         let ([before, dbefore], [u, du]) = (halves(before), halves(after));
-        let [before, dbefore, u, du] = [before, dbefore, u, du].map(|values| self.field(values));
+        let [before, dbefore, u, du] = [before, dbefore, u, du].map(|values| self.only(values));
         let (before, dbefore, u, du) = (before?, dbefore?, u?, du?);
         let p = self.linearised(step, [&before, &u], slope, Transpose::Yes)?;
-        let at = ControlValues::new(&self.controls, step, Some(&before));
-        let rates =
-            self.sensitivities.as_ref().ok_or(HistoryFailure::Missing("sensitivities"))?(&at, &u, &p)?;
-        let spaces = [&self.space, &self.equations.constants()?];
-        let controls = (&self.controls, self.remembers());
+        let constants = self.equations.constants()?;
+        let at = ControlValues::new(&self.controls, step, Some(std::slice::from_ref(&before)));
+        let rates = self.sensitivities.as_ref().ok_or(HistoryFailure::Missing("sensitivities"))?;
+        let rates = rates(&at, std::slice::from_ref(&u), std::slice::from_ref(&p))?;
+        let tests = [(BEFORE.to_owned(), &self.spaces[0])];
+        let (controls, assembler) = ((&self.controls, self.remembers()), &self.equations.assembler);
         let mut by_before =
-            add_sensitivities(&rates, step, controls, spaces, &self.equations.assembler, gradient)?;
-        let zero = Field::zero(&self.space);
+            add_sensitivities(&rates, step, controls, (&tests, &constants), assembler, gradient)?;
+        let zero = Field::zero(&self.spaces[0]);
         let mut unused = vec![0.0; action.len()];
         // Without a change of p first, which is found from it.
         let states = [&u, &p, &du, &dbefore, &zero];

@@ -36,7 +36,7 @@ impl<const D: usize> MotionHistory<'_, D> {
         let step = interval.step_from(&self.space, start)?;
         let form = self.form(&interval, &step)?;
         reads_no_history(&form)?;
-        let matrix = self.equations.tangent(&form, &Field::zero(&self.space))?;
+        let matrix = self.equations.tangent(&form, &[Field::zero(&self.space)])?;
         Ok(row_sums(&matrix)?)
     }
 

@@ -30,7 +30,14 @@ impl<const D: usize> MotionHistory<'_, D> {
         }
         let Some(masses) = interval.masses(before) else {
             let form = self.form(interval, &step)?;
-            let adjoint = self.equations.adjoint(interval.solution, &form, &conditions, &unknown, &load)?;
+            let mut adjoint = self.equations.adjoint(
+                interval.solution,
+                &form,
+                &[conditions],
+                std::slice::from_ref(&unknown),
+                &load,
+            )?;
+            let adjoint = adjoint.swap_remove(0);
             self.add_derivatives((interval, &step), [&unknown, &adjoint], gradient, &mut by_before)?;
             return Ok(by_before);
         };
@@ -57,14 +64,14 @@ impl<const D: usize> MotionHistory<'_, D> {
         let read = interval.formulas.evaluated.each_ref().map(reads_states);
         let of_operator = |place: usize| {
             let wanted = if read[place] { Wanted::IfTested } else { Wanted::No };
-            Own { name: OPERATORS[place], meaning: "", wanted }
+            Own { name: OPERATORS[place], meaning: "", wanted, space: &self.space }
         };
         let [value, rate, second_rate] = [0, 1, 2].map(of_operator);
-        let own = [value, rate, second_rate, Own { name: BEFORE, meaning: OF_BEFORE, wanted }];
-        let spaces = [&self.space, &self.equations.constants()?];
-        let assembler = &self.equations.assembler;
+        let own =
+            [value, rate, second_rate, Own { name: BEFORE, meaning: OF_BEFORE, wanted, space: &self.space }];
+        let (constants, assembler) = (self.equations.constants()?, &self.equations.assembler);
         let [given @ .., before] =
-            rows(&rates, &own, interval.step(), &self.controls, spaces, assembler, gradient)?;
+            rows(&rates, &own, interval.step(), &self.controls, &constants, assembler, gradient)?;
         add_scaled(&mut by_before[..interval.unknowns], 1.0, &before);
         let tested = OPERATORS.map(|name| is_tested(&rates, name));
         let (by_rows, by_tangents): (Vec<usize>, Vec<usize>) =

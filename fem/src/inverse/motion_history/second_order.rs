@@ -83,16 +83,18 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
             name,
             meaning: "the derivative by what is evaluated changes",
             wanted: Wanted::IfTested,
+            space: &self.space,
         });
         for (place, own) in own.iter_mut().enumerate() {
             let untested = !is_tested(&second, own.name);
             own.wanted = Wanted::when(untested && self.reads(interval, step, u, place)?);
         }
-        let adjoint = Own { name: ADJOINT, meaning: "the equations of the step change", wanted: Wanted::Yes };
+        let meaning = "the equations of the step change";
+        let adjoint = Own { name: ADJOINT, meaning, wanted: Wanted::Yes, space: &self.space };
         let [value, rate, second_rate] = own;
-        let spaces = [&self.space, &self.equations.constants()?];
+        let constants = self.equations.constants()?;
         let own = [value, rate, second_rate, adjoint];
-        rows(&second, &own, interval.step(), &self.controls, spaces, &self.equations.assembler, action)
+        rows(&second, &own, interval.step(), &self.controls, &constants, &self.equations.assembler, action)
     }
 
     /// Whether the form depends on value, rate or second rate: whether another known part gives another residual.
@@ -125,7 +127,9 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         transpose: Transpose,
     ) -> Result<Field<D>, HistoryFailure> {
         let (form, conditions) = (self.form(interval, step)?, self.conditions(interval)?);
-        self.equations.linearised(interval.solution, &form, &conditions, unknown, load, transpose)
+        let at = std::slice::from_ref(unknown);
+        let found = self.equations.linearised(interval.solution, &form, &[conditions], at, load, transpose);
+        Ok(found?.swap_remove(0))
     }
 
     #[inline(never)]

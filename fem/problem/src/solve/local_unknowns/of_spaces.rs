@@ -17,10 +17,7 @@ fn local_nodes<const D: usize>(space: &Space<D>) -> Vec<(Owner, &[u32])> {
 }
 
 /// The groups of free unknowns of a problem on some spaces that live in one cell or facet each.
-pub(in crate::solve) fn groups_of<const D: usize>(
-    spaces: &[Arc<Space<D>>],
-    elimination: &Elimination,
-) -> Groups {
+pub fn groups_of<const D: usize>(spaces: &[&Arc<Space<D>>], elimination: &Elimination) -> Groups {
     let mut groups = Groups::default();
     let mut homes: BTreeMap<Owner, Vec<u32>> = BTreeMap::new();
     let mut numbers = vec![];

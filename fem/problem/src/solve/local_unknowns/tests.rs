@@ -90,7 +90,7 @@ fn check<const N: usize>(
         );
     let mut elimination = Elimination::of(&free.each_ref()).unwrap();
     let reduced = elimination.reduce_matrix(&matrix).unwrap();
-    let groups = groups_of(&spaces.map(Arc::clone), &elimination);
+    let groups = groups_of(&spaces, &elimination);
     let b: Vec<f64> = (0..reduced.rows()).map(|k| (k as f64 * 0.7).sin()).collect();
     lu.set_matrix(reduced.clone()).unwrap();
     for transpose in [Transpose::No, Transpose::Yes] {

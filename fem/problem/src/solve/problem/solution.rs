@@ -118,7 +118,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         let constraints = constraints.each_ref().map(|one| &**one);
         self.agree_on_problem(&constraints)?;
         let mut elimination = Elimination::of(&constraints).map_err(NewtonFailure::Mismatch)?;
-        solver.set_local_unknowns(groups_of(&self.system.spaces, &elimination));
+        solver.set_local_unknowns(groups_of(&self.system.spaces.each_ref(), &elimination));
         if self.system.form.is_affine() && self.bounds.is_empty() && self.positive.is_empty() {
             elimination = elimination.with_restriction(self.memory.restriction.take());
             self.repel(&elimination, &vec![0.0; self.system.unknowns()])?;
