@@ -33,14 +33,12 @@ mod cantilever {
         let young = 0.001 + 0.999 * pow(density, 3);
         young / (1 - 0.3 * 0.3) * (0.7 * eps(u) + 0.3 * tr(eps(u)) * I)
     }
+    #[controls(density)]
     pub fn balance(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         integral(Omega, inner(stress(u), eps(v))) - integral(Right, dot(traction, v))
     }
     pub fn compliance(u: Unknown<Vector>) -> Energy {
         integral(Right, dot(traction, u))
-    }
-    pub fn sensitivities(u: State<Vector>, p: State<Vector>, by_density: Test<Scalar>) -> Form {
-        derivative(balance(u, p), density, by_density)
     }
 }
 
@@ -55,11 +53,9 @@ mod filter {
     #[cells]
     pub struct Omega;
 
+    #[controls(density)]
     pub fn smoothing(s: Unknown<Scalar>, w: Test<Scalar>) -> Form {
         integral(Omega, sqr(radius) * dot(grad(s), grad(w)) + (s - density) * w)
-    }
-    pub fn sensitivities(s: State<Scalar>, p: State<Scalar>, by_density: Test<Scalar>) -> Form {
-        derivative(smoothing(s, p), density, by_density)
     }
 }
 
@@ -107,7 +103,7 @@ impl<'a> Filtered<'a> {
 
     fn pulled_back(&mut self, smooth: &Field<2>, slope: &[f64]) -> Result<Vec<f64>, HistoryFailure> {
         let adjoint = self.solve(slope)?;
-        let rates = smoothing(Given::constant(0.0)).sensitivities(smooth, &adjoint);
+        let rates = smoothing(Given::constant(0.0)).smoothing_sensitivities(smooth, &adjoint);
         Ok(self.assembler.residual(&rates, &[], &[&self.cells])?)
     }
 }
@@ -164,7 +160,7 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let half = Field::interpolate(&smooth, |_| PART)?;
     let behind = LoadHistory::new(&displacements, 1, Controls::new().field("density", &half))
         .step(|at| Ok(model(at.field("density")?).balance()))
-        .sensitivities(|at, u, p| Ok(model(at.field("density")?).sensitivities(u, p)))
+        .sensitivities(|at, u, p| Ok(model(at.field("density")?).balance_sensitivities(u, p)))
         .criterion(|at| Ok(model(at.field("density")?).compliance()))
         .assembler(&assembler)
         .constrained(&held);

@@ -29,6 +29,7 @@ mod conduction {
         least + (1 - least) * pow(density, 3)
     }
 
+    #[controls(density)]
     pub fn balance(T: Unknown<Scalar>, v: Test<Scalar>) -> Form {
         integral(Omega, conductivity() * dot(grad(T), grad(v))) - integral(Right, flux * v)
     }
@@ -36,10 +37,6 @@ mod conduction {
     /// ∫ q T.
     pub fn compliance(T: Unknown<Scalar>) -> Energy {
         integral(Right, flux * T)
-    }
-
-    pub fn sensitivities(T: State<Scalar>, p: State<Scalar>, by_density: Test<Scalar>) -> Form {
-        derivative(balance(T, p), density, by_density)
     }
 }
 
@@ -79,7 +76,7 @@ impl Slab {
         LoadHistory::new(&self.temperatures, 1, controls)
             .step(|at| Ok(self.model(at.field("density")?).balance()))
             .sensitivities(|at, temperature, p| {
-                Ok(self.model(at.field("density")?).sensitivities(temperature, p))
+                Ok(self.model(at.field("density")?).balance_sensitivities(temperature, p))
             })
             .constrained(&self.held)
     }

@@ -25,6 +25,7 @@ mod swinging {
     #[facets]
     pub struct Right;
 
+    #[controls(density, stiffness, pull, motion(value, rate, second_rate))]
     pub fn motion(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         let w = displacement(u);
         let rate = velocity(u);
@@ -35,26 +36,6 @@ mod swinging {
 
     pub fn misfit(u: Unknown<Vector>) -> Energy {
         integral(Omega, pow(u[1] - 0.1 * x[0], 4) + sqr(u[0]))
-    }
-
-    /// By the controls, and by what is known before the step.
-    pub fn sensitivities(
-        u: State<Vector>,
-        p: State<Vector>,
-        by_value: Test<Vector>,
-        by_rate: Test<Vector>,
-        by_second_rate: Test<Vector>,
-        by_density: Test<Scalar>,
-        by_stiffness: Test<Scalar>,
-        by_pull: Test<Scalar>,
-    ) -> Form {
-        let work = motion(u, p);
-        derivative(work, density, by_density)
-            + derivative(work, stiffness, by_stiffness)
-            + derivative(work, pull, by_pull)
-            + derivative(work, known_value, by_value)
-            + derivative(work, known_rate, by_rate)
-            + derivative(work, known_second_rate, by_second_rate)
     }
 }
 
@@ -105,7 +86,7 @@ pub fn costs(cells: usize, steps: usize, out: &mut StandardOutput) -> Result<(),
         let mut history = MotionHistory::new(&space, (steps, size), scheme, controls.clone())
             .mass(mass)
             .motion(|during| Ok(model(during)?.motion()))
-            .sensitivities(|during, u, p| Ok(model(during)?.sensitivities(u, p)))
+            .sensitivities(|during, u, p| Ok(model(during)?.motion_sensitivities(u, p)))
             .criterion(|_| Ok(criterion.misfit()))
             .constrained(&held);
         let m = history.start();

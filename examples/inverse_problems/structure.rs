@@ -34,6 +34,7 @@ mod solid {
         young / (1 + poisson) * (eps(u) + poisson / (1 - 2 * poisson) * tr(eps(u)) * I)
     }
 
+    #[controls(density)]
     pub fn balance(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         integral(Omega, inner(stress(u), eps(v))) - integral(Right, dot(traction, v))
     }
@@ -41,10 +42,6 @@ mod solid {
     /// F·u.
     pub fn compliance(u: Unknown<Vector>) -> Energy {
         integral(Right, dot(traction, u))
-    }
-
-    pub fn sensitivities(u: State<Vector>, p: State<Vector>, by_density: Test<Scalar>) -> Form {
-        derivative(balance(u, p), density, by_density)
     }
 }
 
@@ -110,7 +107,7 @@ impl Cantilever {
         let controls = Controls::new().field("density", &half);
         Ok(LoadHistory::new(&self.displacements, 1, controls)
             .step(|at| Ok(self.model(at.field("density")?).balance()))
-            .sensitivities(|at, u, p| Ok(self.model(at.field("density")?).sensitivities(u, p)))
+            .sensitivities(|at, u, p| Ok(self.model(at.field("density")?).balance_sensitivities(u, p)))
             .criterion(|at| Ok(self.model(at.field("density")?).compliance()))
             .with_cost_of_controls(|densities| {
                 let count = densities.len() as f64;

@@ -249,7 +249,7 @@ fn what_does_not_fit_is_named() {
         assert!(found.contains(expected), "{found}");
     }
     let body = Body::new([2, 1]);
-    let mut moving = body.history((STEPS, 0.04), CentralDifferences).constrained_at(|time| {
+    let mut moving = body.free_history((STEPS, 0.04), CentralDifferences).constrained_at(|time| {
         let mut moving = Constraints::new(&body.space);
         moving.fix("left", |_| [time, 0.0])?;
         Ok(moving)

@@ -268,7 +268,8 @@ fn gradients_beside_differences() {
     let direction = body.direction(1.0);
     for (tangents, given) in motions(&body).into_iter().zip(motions(&body)) {
         let ((name, mut tangents), (_, given)) = (tangents, given);
-        let mut given = given.sensitivities(|during, u, p| Ok(swung(during, None)?.all_rates(u, p)));
+        let mut given =
+            given.sensitivities(|during, u, p| Ok(swung(during, None)?.motion_sensitivities(u, p)));
         let m = tangents.start();
         let (all, few) = (tangents.gradient(&m).unwrap(), given.gradient(&m).unwrap());
         let largest = all.gradient.iter().fold(0.0_f64, |largest, slope| largest.max(slope.abs()));

@@ -1,5 +1,4 @@
 //! Hessians of load histories: Taylor tests of order three, symmetry, differences of gradients, checkpointing; what is missing is named.
-#![allow(clippy::too_many_arguments, reason = "constructors of second rates take six states")]
 
 use forms_fem::inverse::{
     ControlError, ControlValues, Controls, LoadHistory, Observations, ReducedProblem, SecondOrderState,
@@ -13,13 +12,11 @@ mod creep {
         pub conductivity: Param,
         pub load: Param,
         pub stiffness: Given<Scalar>,
-        pub d_conductivity: Param,
-        pub d_load: Param,
-        pub d_stiffness: Given<Scalar>,
     }
     #[cells]
     pub struct Omega;
 
+    #[controls(conductivity, load, stiffness, criterion = misfit, order = 2)]
     pub fn step(u: Unknown<Scalar>, v: Test<Scalar>, before: State<Scalar>) -> Form {
         integral(
             Omega,
@@ -31,53 +28,6 @@ mod creep {
     /// It reads a control.
     pub fn misfit(u: Unknown<Scalar>) -> Energy {
         integral(Omega, conductivity * pow(u - x[0], 4) + sqr(u))
-    }
-    pub fn sensitivities(
-        u: State<Scalar>,
-        before: State<Scalar>,
-        p: State<Scalar>,
-        by_before: Test<Scalar>,
-        by_conductivity: Test<Scalar>,
-        by_load: Test<Scalar>,
-        by_stiffness: Test<Scalar>,
-    ) -> Form {
-        let work = step(u, p, before);
-        derivative(work, before, by_before)
-            + derivative(work, conductivity, by_conductivity)
-            + derivative(work, load, by_load)
-            + derivative(work, stiffness, by_stiffness)
-            + derivative(misfit(u), conductivity, by_conductivity)
-    }
-    pub fn second_sensitivities(
-        u: State<Scalar>,
-        before: State<Scalar>,
-        p: State<Scalar>,
-        du: State<Scalar>,
-        dbefore: State<Scalar>,
-        dp: State<Scalar>,
-        by_state: Test<Scalar>,
-        by_before: Test<Scalar>,
-        by_adjoint: Test<Scalar>,
-        by_conductivity: Test<Scalar>,
-        by_load: Test<Scalar>,
-        by_stiffness: Test<Scalar>,
-    ) -> Form {
-        let work = step(u, p, before);
-        let slope = derivative(work, u, by_state)
-            + derivative(work, before, by_before)
-            + derivative(work, p, by_adjoint)
-            + derivative(work, conductivity, by_conductivity)
-            + derivative(work, load, by_load)
-            + derivative(work, stiffness, by_stiffness);
-        let of_criterion = derivative(misfit(u), conductivity, by_conductivity);
-        derivative(slope, u, du)
-            + derivative(slope, before, dbefore)
-            + derivative(slope, p, dp)
-            + derivative(slope, conductivity, d_conductivity)
-            + derivative(slope, load, d_load)
-            + derivative(slope, stiffness, d_stiffness)
-            + derivative(of_criterion, u, du)
-            + derivative(derivative(misfit(u), u, by_state), conductivity, d_conductivity)
     }
 }
 
@@ -124,10 +74,10 @@ fn history(parts: &Parts) -> LoadHistory<'static, 2> {
     let observed = Observations::new(&parts.space).at_point(&[0.7, 0.4], &[0.1], 2.0).unwrap();
     LoadHistory::new(&parts.space, STEPS, parts.controls.clone())
         .step(|at| Ok(crept(at, None)?.step(at.before()?)))
-        .sensitivities(|at, u, p| Ok(crept(at, None)?.sensitivities(u, at.before()?, p)))
+        .sensitivities(|at, u, p| Ok(crept(at, None)?.step_sensitivities(u, at.before()?, p)))
         .second_sensitivities(|at, states: &SecondOrderState<2>| {
             let &SecondOrderState { u, p, du, dbefore, dp, along } = states;
-            Ok(crept(at, Some(&along))?.second_sensitivities(u, at.before()?, p, du, dbefore, dp))
+            Ok(crept(at, Some(&along))?.step_second_sensitivities(u, at.before()?, p, du, dbefore, dp))
         })
         .criterion(|at| Ok(crept(at, None)?.misfit()))
         .observed(2, observed)
@@ -204,17 +154,17 @@ fn what_second_derivatives_lack_is_told_by_name() {
     let bare = || {
         LoadHistory::new(&parts.space, STEPS, parts.controls.clone())
             .step(|at| Ok(crept(at, None)?.step(at.before()?)))
-            .sensitivities(|at, u, p| Ok(crept(at, None)?.sensitivities(u, at.before()?, p)))
+            .sensitivities(|at, u, p| Ok(crept(at, None)?.step_sensitivities(u, at.before()?, p)))
             .criterion(|at| Ok(crept(at, None)?.misfit()))
     };
     assert!(told(bare()).contains("the history has no second_sensitivities"), "{}", told(bare()));
     let first_again = || {
         bare().second_sensitivities(|at, states| {
-            Ok(crept(at, None)?.sensitivities(states.u, at.before()?, states.p))
+            Ok(crept(at, None)?.step_sensitivities(states.u, at.before()?, states.p))
         })
     };
     assert!(
-        told(first_again()).contains("`sensitivities` has no test function `by_state`"),
+        told(first_again()).contains("`step_sensitivities` has no test function `by_state`"),
         "{}",
         told(first_again())
     );
@@ -224,7 +174,7 @@ fn what_second_derivatives_lack_is_told_by_name() {
     let uncurved = bare()
         .second_sensitivities(|at, states: &SecondOrderState<2>| {
             let &SecondOrderState { u, p, du, dbefore, dp, along } = states;
-            Ok(crept(at, Some(&along))?.second_sensitivities(u, at.before()?, p, du, dbefore, dp))
+            Ok(crept(at, Some(&along))?.step_second_sensitivities(u, at.before()?, p, du, dbefore, dp))
         })
         .with_cost_of_controls(|m| (0.0, vec![0.0; m.len()]));
     assert!(told(uncurved).contains("with_curvature_of_controls"));

@@ -1,6 +1,5 @@
 //! A body that swings: damped, hardening springs in it, clamped at the left, pulled at the right; by density, stiffness of each cell, a load per
 //! step, displacement and velocity at the start. What tests of histories of motions share.
-#![allow(clippy::too_many_arguments, reason = "constructors of second rates take six states")]
 
 use forms_fem::inverse::{
     ControlError, Controls, MotionHistory, Observations, SecondOrderMotion, StepContext, StepSizes,
@@ -17,15 +16,13 @@ pub mod swinging {
         pub density: Param,
         pub stiffness: Given<Scalar>,
         pub pull: Param,
-        pub d_density: Param,
-        pub d_stiffness: Given<Scalar>,
-        pub d_pull: Param,
     }
     #[cells]
     pub struct Omega;
     #[facets]
     pub struct Right;
 
+    #[controls(density, stiffness, pull, motion(value, rate, second_rate), order = 2)]
     pub fn motion(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         let w = displacement(u);
         let rate = velocity(u);
@@ -40,6 +37,7 @@ pub mod swinging {
     pub fn misfit(u: Unknown<Vector>) -> Energy {
         integral(Omega, pow(u[1] - 0.1 * x[0], 4) + sqr(u[0]))
     }
+    /// Without the derivatives by what is known before the step, which are tangents then.
     pub fn sensitivities(
         u: State<Vector>,
         p: State<Vector>,
@@ -51,54 +49,6 @@ pub mod swinging {
         derivative(work, density, by_density)
             + derivative(work, stiffness, by_stiffness)
             + derivative(work, pull, by_pull)
-    }
-    /// With the derivatives by what is known before the step, which are tangents otherwise.
-    pub fn all_rates(
-        u: State<Vector>,
-        p: State<Vector>,
-        by_value: Test<Vector>,
-        by_rate: Test<Vector>,
-        by_second_rate: Test<Vector>,
-        by_density: Test<Scalar>,
-        by_stiffness: Test<Scalar>,
-        by_pull: Test<Scalar>,
-    ) -> Form {
-        let work = motion(u, p);
-        sensitivities(u, p, by_density, by_stiffness, by_pull)
-            + derivative(work, known_value, by_value)
-            + derivative(work, known_rate, by_rate)
-            + derivative(work, known_second_rate, by_second_rate)
-    }
-    pub fn second_sensitivities(
-        u: State<Vector>,
-        p: State<Vector>,
-        dvalue: State<Vector>,
-        drate: State<Vector>,
-        dsecond_rate: State<Vector>,
-        dp: State<Vector>,
-        by_value: Test<Vector>,
-        by_rate: Test<Vector>,
-        by_second_rate: Test<Vector>,
-        by_adjoint: Test<Vector>,
-        by_density: Test<Scalar>,
-        by_stiffness: Test<Scalar>,
-        by_pull: Test<Scalar>,
-    ) -> Form {
-        let work = motion(u, p);
-        let slope = derivative(work, known_value, by_value)
-            + derivative(work, known_rate, by_rate)
-            + derivative(work, known_second_rate, by_second_rate)
-            + derivative(work, p, by_adjoint)
-            + derivative(work, density, by_density)
-            + derivative(work, stiffness, by_stiffness)
-            + derivative(work, pull, by_pull);
-        derivative(slope, known_value, dvalue)
-            + derivative(slope, known_rate, drate)
-            + derivative(slope, known_second_rate, dsecond_rate)
-            + derivative(slope, p, dp)
-            + derivative(slope, density, d_density)
-            + derivative(slope, stiffness, d_stiffness)
-            + derivative(slope, pull, d_pull)
     }
 }
 
@@ -165,6 +115,15 @@ impl Body {
         sizes: impl Into<StepSizes>,
         scheme: impl Scheme + 'a,
     ) -> MotionHistory<'a, 2> {
+        self.free_history(sizes, scheme).constrained(&self.held)
+    }
+
+    /// The same, which nothing holds.
+    pub fn free_history<'a>(
+        &'a self,
+        sizes: impl Into<StepSizes>,
+        scheme: impl Scheme + 'a,
+    ) -> MotionHistory<'a, 2> {
         let observed = Observations::new(&self.space).at_point(&[0.7, 0.2], &[0.0, 0.1], 2.0).unwrap();
         MotionHistory::new(&self.space, sizes, scheme, self.controls.clone())
             .motion(|during| Ok(swung(during, None)?.motion()))
@@ -172,7 +131,14 @@ impl Body {
             .second_sensitivities(|during, states| {
                 let [dvalue, drate, dsecond_rate] = states.changes;
                 let (u, p, dp) = (states.u, states.p, states.dp);
-                Ok(swung(during, Some(states))?.second_sensitivities(u, p, dvalue, drate, dsecond_rate, dp))
+                Ok(swung(during, Some(states))?.motion_second_sensitivities(
+                    u,
+                    p,
+                    dvalue,
+                    drate,
+                    dsecond_rate,
+                    dp,
+                ))
             })
             .criterion(|_| Ok(self.criterion.misfit()))
             .observed(2, observed)
@@ -182,7 +148,6 @@ impl Body {
             .with_curvature_of_controls(|m, d| {
                 [vec![12.0 * m[0].powi(2) * d[0]], vec![0.0; m.len() - 1]].concat()
             })
-            .constrained(&self.held)
             .options(NewtonOptions { relative_tolerance: 1e-13, ..NewtonOptions::default() })
     }
 

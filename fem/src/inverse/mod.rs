@@ -27,24 +27,15 @@
 //!     #[cells]
 //!     pub struct Omega;
 //!
-//!     /// Each step goes on from the one before.
+//!     /// Each step goes on from the one before. The attribute writes `step_sensitivities`, the derivatives of a step's work by the state
+//!     /// before and by each control.
+//!     #[controls(conductivity)]
 //!     pub fn step(u: Unknown<Scalar>, v: Test<Scalar>, before: State<Scalar>) -> Form {
 //!         integral(Omega, (u - before) * v + conductivity * (1 + sqr(u)) * dot(grad(u), grad(v)) - source * v)
 //!     }
 //!     /// What is summed over the steps.
 //!     pub fn misfit(u: Unknown<Scalar>) -> Energy {
 //!         integral(Omega, sqr(u - x[0]) / 2)
-//!     }
-//!     /// The derivatives of a step's work by the state before, and by each control.
-//!     pub fn sensitivities(
-//!         u: State<Scalar>,
-//!         before: State<Scalar>,
-//!         p: State<Scalar>,
-//!         by_before: Test<Scalar>,
-//!         by_conductivity: Test<Scalar>,
-//!     ) -> Form {
-//!         let work = step(u, p, before);
-//!         derivative(work, before, by_before) + derivative(work, conductivity, by_conductivity)
 //!     }
 //! }
 //!
@@ -57,7 +48,7 @@
 //! let model = |conductivity| creep::Model::new(creep::data().conductivity(conductivity).source(1.0));
 //! let mut history = LoadHistory::new(&space, 10, controls)
 //!     .step(|at| Ok(model(at.number("conductivity")?).step(at.before()?)))
-//!     .sensitivities(|at, u, p| Ok(model(at.number("conductivity")?).sensitivities(u, at.before()?, p)))
+//!     .sensitivities(|at, u, p| Ok(model(at.number("conductivity")?).step_sensitivities(u, at.before()?, p)))
 //!     .criterion(|at| Ok(model(at.number("conductivity")?).misfit()))
 //!     .constrained(&held);
 //! let (value, gradient) = history.value_and_gradient(&[0.3])?;

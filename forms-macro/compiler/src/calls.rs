@@ -10,7 +10,7 @@ use crate::dump::Dump;
 use crate::emit::names::allow;
 use crate::options::Options;
 use crate::parse::attributes::outer;
-use crate::parse::{nesting, parse, raw};
+use crate::parse::{controls, nesting, parse, raw};
 use crate::reuse::names::Import;
 use crate::reuse::{self, State, Subject, import, uses};
 use crate::show::formulas as formulas_of;
@@ -23,7 +23,8 @@ pub fn forms(attribute: TokenStream, item: TokenStream) -> TokenStream {
 
 fn begun(attribute: TokenStream, item: TokenStream) -> syn::Result<TokenStream> {
     nesting::check(item.clone())?;
-    let item: ItemMod = syn::parse2(raw::plain(item))?;
+    let mut item: ItemMod = syn::parse2(raw::plain(item))?;
+    let errors = controls::expand(&mut item);
     let options: Options = syn::parse2(attribute)?;
     let (attributes, visibility, name) =
         (item.attrs.iter().cloned().map(outer), item.vis.clone(), item.ident.clone());
@@ -34,6 +35,7 @@ fn begun(attribute: TokenStream, item: TokenStream) -> syn::Result<TokenStream> 
         #(#attributes)*
         #allow
         #visibility mod #name {
+            #errors
             #content
         }
     })
@@ -62,7 +64,8 @@ pub fn resume_forms(input: TokenStream) -> TokenStream {
 /// Attributes or an item that are no forms module.
 pub fn dump(attribute: TokenStream, item: TokenStream, request: &str) -> syn::Result<String> {
     let options: Options = syn::parse2(attribute)?;
-    let item: ItemMod = syn::parse2(item)?;
+    let mut item: ItemMod = syn::parse2(item)?;
+    controls::expand(&mut item);
     let mut dump = Dump::new(request);
     let unit = Unit { options: &options, item, diagnostics: Diagnostics::default(), dump: &mut dump };
     unit.compile(vec![]);
@@ -76,7 +79,8 @@ pub fn dump(attribute: TokenStream, item: TokenStream, request: &str) -> syn::Re
 /// Attributes or an item that are no forms module, a module with imports, or one with mistakes.
 pub fn mathml(attribute: TokenStream, item: TokenStream) -> syn::Result<Vec<(String, String)>> {
     let options: Options = syn::parse2(attribute)?;
-    let item: ItemMod = syn::parse2(raw::plain(item))?;
+    let mut item: ItemMod = syn::parse2(raw::plain(item))?;
+    controls::expand(&mut item);
     let (imports, mut diagnostics) = read_uses(&item);
     if let Some(import) = imports.first() {
         return Err(syn::Error::new(

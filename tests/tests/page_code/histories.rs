@@ -12,16 +12,11 @@ mod first_derivatives {
         #[cells]
         pub struct Omega;
 
+        #[controls(conductivity)]
         pub fn step(u: Unknown<Scalar>, v: Test<Scalar>, before: State<Scalar>) -> Form {
             integral(Omega, (u - before) * v + conductivity * (1 + sqr(u)) * dot(grad(u), grad(v)) - source * v)
         }
         pub fn misfit(u: Unknown<Scalar>) -> Energy { integral(Omega, sqr(u - x[0]) / 2) }
-
-        pub fn sensitivities(u: State<Scalar>, before: State<Scalar>, p: State<Scalar>,
-                     by_before: Test<Scalar>, by_conductivity: Test<Scalar>) -> Form {
-            let work = step(u, p, before);
-            derivative(work, before, by_before) + derivative(work, conductivity, by_conductivity)
-        }
     }
 
     pub fn gradient(space: Arc<Space<2>>, held: Constraints<2>) -> Result<Vec<f64>, Failure> {
@@ -29,7 +24,7 @@ mod first_derivatives {
         let model = |conductivity| creep::Model::new(creep::data().conductivity(conductivity).source(1.0));
         let mut history = LoadHistory::new(&space, 10, controls)
             .step(|at| Ok(model(at.number("conductivity")?).step(at.before()?)))
-            .sensitivities(|at, u, p| Ok(model(at.number("conductivity")?).sensitivities(u, at.before()?, p)))
+            .sensitivities(|at, u, p| Ok(model(at.number("conductivity")?).step_sensitivities(u, at.before()?, p)))
             .criterion(|at| Ok(model(at.number("conductivity")?).misfit()))
             .constrained(&held);
         let (value, gradient) = history.value_and_gradient(&[0.3])?;
@@ -46,43 +41,20 @@ mod second_derivatives {
         pub struct Data {
             pub conductivity: Param,
             pub source: Param,
-            #[default(0)]
-            pub d_conductivity: Param,
         }
         #[cells]
         pub struct Omega;
 
+        #[controls(conductivity, order = 2)]
         pub fn step(u: Unknown<Scalar>, v: Test<Scalar>, before: State<Scalar>) -> Form {
             integral(Omega, (u - before) * v + conductivity * (1 + sqr(u)) * dot(grad(u), grad(v)) - source * v)
-        }
-        pub fn second_sensitivities(
-            u: State<Scalar>,
-            before: State<Scalar>,
-            p: State<Scalar>,
-            du: State<Scalar>,
-            dbefore: State<Scalar>,
-            dp: State<Scalar>,
-            by_state: Test<Scalar>,
-            by_before: Test<Scalar>,
-            by_adjoint: Test<Scalar>,
-            by_conductivity: Test<Scalar>,
-        ) -> Form {
-            let work = step(u, p, before);
-            let slope = derivative(work, u, by_state)
-                + derivative(work, before, by_before)
-                + derivative(work, p, by_adjoint)
-                + derivative(work, conductivity, by_conductivity);
-            derivative(slope, u, du)
-                + derivative(slope, before, dbefore)
-                + derivative(slope, p, dp)
-                + derivative(slope, conductivity, d_conductivity)
         }
     }
 
     pub fn hessian(history: LoadHistory<'_, 2>, (m, d): ([f64; 1], [f64; 1])) -> Result<[Vec<f64>; 2], Failure> {
         let mut history = history.second_sensitivities(|at, s| {
             let data = creep::data().conductivity(at.number("conductivity")?).source(1.0).d_conductivity(s.along.number("conductivity")?);
-            Ok(creep::Model::new(data).second_sensitivities(s.u, at.before()?, s.p, s.du, s.dbefore, s.dp))
+            Ok(creep::Model::new(data).step_second_sensitivities(s.u, at.before()?, s.p, s.du, s.dbefore, s.dp))
         });
         let found = history.hessian(&m, &d)?;
         let [gradient, hessian] = second_order_taylor_test(&mut history, &m, &d, 0.1)?;

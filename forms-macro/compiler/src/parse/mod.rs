@@ -1,6 +1,7 @@
 //! Stage 1: Rust tokens (`syn::ItemMod`) → [`syntax::Module`]. Knows Rust's grammar and no mathematics.
 
 pub mod attributes;
+pub mod controls;
 pub mod declared_type;
 mod expression;
 mod external;
