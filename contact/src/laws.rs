@@ -20,6 +20,7 @@
 //! | [`capsule`] | Nitsche's method, θ = 0, with a round obstacle that moves and turns | finite, neo-Hooke |
 //! | [`analytic_obstacle`] | Nitsche's method, every θ, or penalty, with an obstacle given by its signed distance, that moves and turns | small |
 //! | [`cohesive`] | two bodies that are glued together and separate, at pairs of fixed points | small |
+//! | [`cut_nitsche`] | Nitsche's method, every θ, without friction, on a body that is cut by a level set function | small |
 //! | [`wear`] | Nitsche's method, every θ, on a flat, with Archard's wear | small |
 //! | [`contact_heat`] | heat across two bodies' contact and from their friction, for a known displacement | small |
 //! | [`proximal_obstacle`], [`proximal_membrane`] | proximal Galerkin, without friction | small |
@@ -35,6 +36,7 @@ pub mod averaged_nitsche;
 pub mod capsule;
 pub mod cohesive;
 pub mod contact_heat;
+pub mod cut_nitsche;
 pub mod finite_nitsche;
 pub mod frictional_penalty;
 pub mod mean_penalty_bodies;

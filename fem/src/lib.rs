@@ -62,7 +62,7 @@ pub mod verification;
 
 #[doc(inline)]
 pub use forms_problem::{
-    assemble, bounds, constraints, contract, dimension, element, field, forms, history, lanes, language,
+    assemble, bounds, constraints, contract, cut, dimension, element, field, forms, history, lanes, language,
     linear_algebra, locate, mesh, movement, norms, output, pairs, prelude, quadrature, solve, space, threads,
 };
 

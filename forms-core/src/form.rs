@@ -18,12 +18,14 @@ pub enum Entity {
     InteriorFacets,
     /// Exterior facets, each point of them with a point opposite to it: contact pairs.
     Pairs,
+    /// Where a level set function vanishes, inside cells: the boundary of a body that is cut from a mesh.
+    Interface,
 }
 
 /// A region of integration: declared in the module, bound by the user to a name of the mesh.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Region {
-    /// Cells, exterior or interior facets.
+    /// Cells, exterior or interior facets, pairs, or the zeros of a level set function in some cells.
     pub entity: Entity,
     /// The name declared in the forms module (`GammaC`).
     pub symbol: &'static str,

@@ -304,6 +304,9 @@ pub trait LinearKernel<const D: usize>: Clone + Send + Sync + 'static {
     /// It is an integral over contact pairs that an unknown displaces: backends may run it on numbers with derivatives along the motion of
     /// its points.
     const SLIDES: bool = false;
+    /// A level set function may move its points (`#[forms(level_set_derivatives)]`): backends may run it on numbers with derivatives by
+    /// the function's values.
+    const MOVED_BY_LEVEL_SET: bool = false;
     /// Constants of the cell.
     type Cell<L: Lane>: Copy;
     /// Coefficients of the test function's value and gradient, weight included.

@@ -53,14 +53,15 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
         ContactProblem { law, ..self.clone() }
     }
 
-    /// The pattern that all states share, from the first use on; none where contact pairs decide what is coupled.
+    /// The pattern that all states share, from the first use on; none where contact pairs or interior facets couple cells.
     pub(crate) fn pattern(&self) -> Result<Option<&Arc<BlockPattern<D>>>, AssemblyError> {
         if let Some(known) = self.pattern.get() {
             return Ok(known.as_ref());
         }
         let direct = self.law.direct();
-        let on_pairs = direct.inputs().regions.iter().any(|region| region.entity == Entity::Pairs);
-        let pattern = if on_pairs {
+        // Those of spaces couple the nodes of each cell and no others.
+        let across = |entity: Entity| matches!(entity, Entity::Pairs | Entity::InteriorFacets);
+        let pattern = if direct.inputs().regions.iter().any(|region| across(region.entity)) {
             None
         } else {
             let pattern = self.assembler.pattern_of_spaces(&[&self.space], &[&self.space]);

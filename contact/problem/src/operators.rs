@@ -25,6 +25,7 @@
 //! A material that varies declares `lambda: Given<Scalar>` itself; that wins.
 
 mod cavities;
+mod cut_bodies;
 mod interfaces;
 mod materials;
 mod mean_gaps;
@@ -35,6 +36,7 @@ mod two_sides;
 mod work;
 
 pub use cavities::cavity;
+pub use cut_bodies::{ghost_penalty, weak_dirichlet};
 pub use interfaces::{cohesion, friction, obstacle, rigid_flat, signed_distance};
 pub use materials::{linear_elastic, neo_hookean, st_venant_kirchhoff, strains};
 pub use mean_gaps::mean_sliding;

@@ -146,7 +146,7 @@ impl<const D: usize> PointStorage<D> {
                     number(&mut entities[*cell as usize], *cell);
                 }
             }
-            Entity::Facets | Entity::InteriorFacets | Entity::Pairs => {
+            Entity::Facets | Entity::InteriorFacets | Entity::Pairs | Entity::Interface => {
                 entities = vec![NONE; mesh.cell_count() * facets];
                 for facet in mesh.facet_region(region)? {
                     let place = facet.cell as usize * facets + usize::from(facet.local);
@@ -220,7 +220,7 @@ impl<const D: usize> Snapshot<'_, D> {
         let storage = self.storage;
         let index = match (storage.entity, facet) {
             (Entity::Cells, None) => storage.entities.get(cell as usize),
-            (Entity::Facets | Entity::InteriorFacets | Entity::Pairs, Some(local)) => {
+            (Entity::Facets | Entity::InteriorFacets | Entity::Pairs | Entity::Interface, Some(local)) => {
                 storage.entities.get(cell as usize * storage.mesh.most_facets() + usize::from(local))
             }
             _ => None,

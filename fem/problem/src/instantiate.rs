@@ -51,6 +51,12 @@ where
             Self::bounds(),
             Self::constraints(),
             Self::continuation(),
+            Self::cut(),
+            Self::cut_body(),
+            Self::cut_derivative(),
+            Self::cut_groups(),
+            Self::cut_holding(),
+            Self::cut_parts(),
             Self::derived(),
             Self::eigenproblem(),
             Self::elimination(),
@@ -108,6 +114,7 @@ where
             Self::element_vectors::<L>(),
             Self::matrices::<L>(),
             Self::segments::<L>(),
+            Self::slopes::<L>(),
         ]
     }
 }

@@ -13,6 +13,7 @@ pub mod bounds;
 pub mod coincident;
 pub mod constraints;
 pub mod contract;
+pub mod cut;
 pub mod dimension;
 pub mod field;
 pub mod history;

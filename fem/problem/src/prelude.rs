@@ -8,6 +8,7 @@ pub use crate::constraints::Constraints;
 pub use crate::contract::{
     Energy, Entity, Expression, Form, Functional, Given, History, Pairing, Real, Table,
 };
+pub use crate::cut::Cut;
 pub use crate::dimension::{Dim, Dimension};
 pub use crate::element::CellShape;
 pub use crate::element::Elements;

@@ -111,8 +111,8 @@ impl Unit<'_> {
             used.map(|region| module.regions[region].name.clone()).collect()
         });
         let errors = diagnostics.into_tokens();
-        let Options { dimensions, backend, products, .. } = options;
-        let code = emit(&module, dimensions, optimised, &formulas, backend, *products);
+        let Options { dimensions, backend, products, points, .. } = options;
+        let code = emit(&module, dimensions, optimised, &formulas, backend, (*products, *points));
         let names: Vec<String> = module.functions.iter().map(|function| function.name.to_string()).collect();
         dump.emitted(&names, &options.dimensions, &code);
         let tracker = dump::tracker();

@@ -47,8 +47,13 @@ struct RegionEntry {
 }
 
 /// The words for regions: as a type, as a function in `integral`, as the marker of a declaration.
-const REGIONS: &[(&str, &str)] =
-    &[("Cells", "cells"), ("Facets", "facets"), ("InteriorFacets", "interior_facets"), ("Pairs", "pairs")];
+const REGIONS: &[(&str, &str)] = &[
+    ("Cells", "cells"),
+    ("Facets", "facets"),
+    ("InteriorFacets", "interior_facets"),
+    ("Pairs", "pairs"),
+    ("Interface", "interface"),
+];
 
 impl Parse for OneForm {
     fn parse(input: ParseStream) -> syn::Result<Self> {
@@ -75,7 +80,7 @@ impl Parse for OneForm {
                 continue;
             }
             let name: Ident = input.parse()?;
-            if name == "matrix_free" && !input.peek(Token![:]) {
+            if (name == "matrix_free" || name == "level_set_derivatives") && !input.peek(Token![:]) {
                 options.extend(quote! { #name, });
                 continue;
             }

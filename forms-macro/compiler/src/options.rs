@@ -1,4 +1,5 @@
-//! The options of `#[forms(..)]` and `form!`: the dimension, products without a matrix, and the crate that has the contract.
+//! The options of `#[forms(..)]` and `form!`: the dimension, products without a matrix, derivatives by a level set function, and the crate that
+//! has the contract.
 
 use proc_macro2::TokenStream;
 use quote::ToTokens;
@@ -14,7 +15,16 @@ pub enum Products {
     MatrixFree,
 }
 
-/// `#[forms(dimension = 3, matrix_free, crate = my_backend)]`
+/// Kernels for derivatives by the points of integrals.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Points {
+    /// None.
+    Held,
+    /// Those of a body that is cut by a level set function.
+    MovedByLevelSet,
+}
+
+/// `#[forms(dimension = 3, matrix_free, level_set_derivatives, crate = my_backend)]`
 pub struct Options {
     /// The dimensions for which forms are compiled.
     pub dimensions: Vec<usize>,
@@ -22,6 +32,8 @@ pub struct Options {
     pub backend: Path,
     /// The way to products of the tangent with a vector.
     pub products: Products,
+    /// Derivatives by points.
+    pub points: Points,
     written: TokenStream,
 }
 
@@ -32,6 +44,7 @@ impl Parse for Options {
             dimensions: vec![2, 3],
             backend: syn::parse_quote!(::forms_fem),
             products: Products::ByMatrices,
+            points: Points::Held,
             written,
         };
         while !input.is_empty() {
@@ -41,8 +54,11 @@ impl Parse for Options {
                 options.backend = rooted(input.call(Path::parse_mod_style)?);
             } else {
                 let name: Ident = input.parse()?;
-                if name == "matrix_free" {
-                    options.products = Products::MatrixFree;
+                if name == "matrix_free" || name == "level_set_derivatives" {
+                    match name == "matrix_free" {
+                        true => options.products = Products::MatrixFree,
+                        false => options.points = Points::MovedByLevelSet,
+                    }
                     if !input.is_empty() {
                         input.parse::<Token![,]>()?;
                     }
@@ -50,7 +66,7 @@ impl Parse for Options {
                 }
                 if name != "dimension" {
                     let message = format!(
-                        "unknown option `{name}`\nhelp: the options are `dimension = 2`, `dimension = 3`, `matrix_free` and `crate = path`"
+                        "unknown option `{name}`\nhelp: the options are `dimension = 2`, `dimension = 3`, `matrix_free`, `level_set_derivatives` and `crate = path`"
                     );
                     return Err(syn::Error::new(name.span(), message));
                 }

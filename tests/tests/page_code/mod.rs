@@ -7,6 +7,7 @@ mod adaptivity;
 mod bounds;
 mod branches;
 mod contact;
+mod cut;
 mod dynamics;
 mod histories;
 mod language;
@@ -18,13 +19,14 @@ mod smooth;
 mod tresca;
 
 /// The pages with blocks in Rust, and what compiles them elsewhere.
-const PAGES: [(&str, Option<&str>); 17] = [
+const PAGES: [(&str, Option<&str>); 18] = [
     ("adaptivity", None),
     ("bounds", None),
     ("coming_from", Some("the documentation tests of this crate")),
     ("contact_between_bodies", None),
     ("contact_with_adjoint", Some("the program of that name")),
     ("continuation", None),
+    ("cut_domains", None),
     ("eigenproblems", None),
     ("friction", None),
     ("inverse_problems", None),
@@ -58,6 +60,7 @@ fn every_block_of_a_page_is_compiled() {
         include_str!("bounds.rs"),
         include_str!("branches.rs"),
         include_str!("contact.rs"),
+        include_str!("cut.rs"),
         include_str!("dynamics.rs"),
         include_str!("histories.rs"),
         include_str!("language.rs"),

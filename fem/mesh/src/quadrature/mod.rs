@@ -216,6 +216,18 @@ impl<const D: usize> Quadrature<D> {
         }
     }
 
+    /// The degree of its rules, for parts of cells and facets that have rules of their own; `estimated` is that of
+    /// [`Quadrature::Estimated`]. None where points are given explicitly.
+    #[doc(hidden)]
+    pub fn degree(&self, estimated: usize) -> Option<usize> {
+        match self {
+            Quadrature::Degree(degree) => Some(*degree),
+            Quadrature::Estimated => Some(estimated),
+            Quadrature::Explicit { .. } => None,
+            Quadrature::Split { whole, .. } => whole.degree(estimated),
+        }
+    }
+
     /// The rule on the cells of one of a mesh's shapes.
     ///
     /// # Errors

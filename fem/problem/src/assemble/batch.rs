@@ -7,6 +7,7 @@ pub(super) mod basis_in_lanes;
 mod buffers;
 mod cell_map;
 mod checks;
+mod cut;
 mod fields;
 mod means;
 mod pairs;
@@ -20,7 +21,7 @@ use self::side::SideTables;
 
 use super::AssemblyError;
 use super::binding::Binding;
-use super::groups::Group;
+use super::groups::{Group, OwnPoints};
 use crate::lanes::{SharedWork, SimdLane, WIDEST};
 use crate::mesh::Mesh;
 
@@ -255,8 +256,10 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
     #[inline(always)]
     fn point_here(&mut self, requirements: &Requirements, q: usize) -> Result<(), AssemblyError> {
         let group = self.group;
-        if let Some(pairs) = &group.pairs {
-            return self.pair_point(requirements, q, pairs);
+        match &group.own {
+            None => {}
+            Some(OwnPoints::Pairs(pairs)) => return self.pair_point(requirements, q, pairs),
+            Some(OwnPoints::Cut(cut)) => return self.cut_point(requirements, q, cut),
         }
         let reads_position = requirements.position || self.two_sided() || self.reads_functions(requirements);
         // In place: with what contact pairs have, the geometry is too long to be handed on as a copy.

@@ -20,6 +20,7 @@ use self::owned_cells::OwnedCells;
 use super::kernels::VectorKernel;
 use super::{Assembler, AssemblyError};
 use crate::contract::Function;
+use crate::cut::Cut;
 use crate::element::{Element, Elements, Lagrange, PerShape};
 use crate::field::{Field, FieldView};
 use crate::history::{PointStorage, Snapshot, degree_of};
@@ -86,6 +87,8 @@ pub(super) struct Binding<'a, const D: usize> {
     pub regions: &'a [Region],
     /// The cells whose integrals are wanted, where they are not all.
     pub owned: Option<&'a OwnedCells>,
+    /// The body that is cut from the mesh.
+    pub cut: Option<&'a Cut<D>>,
     /// The search for contact pairs, and its threads; none where cells are listed.
     pub searches: Option<(&'a KnownPairs<D>, Threads)>,
     /// Pairs that one of the form's integrals asked for: others have the same.
@@ -165,6 +168,7 @@ impl<'a, const D: usize> Binding<'a, D> {
     #[inline(never)]
     pub fn assembled_by(mut self, assembler: &'a Assembler<D>) -> Self {
         self.owned = assembler.owned.as_deref();
+        self.cut = assembler.cut.as_deref();
         self.searches = Some((&assembler.known_pairs, assembler.threads));
         self.instructions = assembler.instructions;
         self
@@ -218,6 +222,7 @@ impl<'a, const D: usize> Binding<'a, D> {
             elements: List::Own(vec![]),
             regions,
             owned: None,
+            cut: None,
             searches: None,
             found: Mutex::default(),
             means: &[],
@@ -374,7 +379,7 @@ impl<'a, const D: usize> Binding<'a, D> {
     /// Those of the region.
     #[inline(never)]
     pub fn entities(&self, region: usize) -> Result<Entities<'a>, AssemblyError> {
-        let all = Entities::of(self.mesh, self.name, &self.regions[region])?;
+        let all = Entities::inside(self.cut, self.mesh, self.name, &self.regions[region])?;
         Ok(OwnedCells::among(self.owned, all))
     }
 
@@ -435,6 +440,12 @@ impl<'a, const D: usize> Binding<'a, D> {
             displacement.map(|fields| self.displacement(fields)).transpose().map_err(refused)?;
         let pairs = known.find(self.mesh, pairing, quadrature, degree, displacement.as_ref(), threads);
         let pairs = pairs.map_err(refused)?;
+        if let Some(cut) = self.cut {
+            cut.check_pairs(&pairs).map_err(|source| {
+                let place = format!("the pairs `{}` ({})", region.symbol, region.name);
+                AssemblyError::Cut { form: self.name, place, source }
+            })?;
+        }
         lock().push(Found { region: number, displacement: fields, degree, pairs: Arc::clone(&pairs) });
         Ok(pairs)
     }

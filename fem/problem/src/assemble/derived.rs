@@ -17,6 +17,7 @@ use crate::assemble::groups::facet_groups::facet_groups;
 use crate::assemble::groups::means::FurtherTables;
 use crate::assemble::groups::pair_groups::groups_of;
 use crate::contract::Expression;
+use crate::cut::CutError;
 use crate::element::CellShape;
 use crate::field::Field;
 use crate::history::HistoryMismatch;
@@ -119,6 +120,10 @@ impl<const D: usize> Assembler<D> {
         degree: usize,
     ) -> Result<Found<D>, AssemblyError> {
         let form = expression.name();
+        if self.cut.is_some() || entity == Entity::Interface {
+            let (what, place) = ("a list of values at quadrature points", format!("\"{region}\""));
+            return Err(AssemblyError::Cut { form, place, source: CutError::Refused { what } });
+        }
         let missing = |source: MeshError| AssemblyError::Region { form, symbol: "derived field", source };
         let quadrature = |source| AssemblyError::Quadrature { form, source };
         let degree = self.history_degree(expression)?.unwrap_or(degree);
@@ -136,7 +141,7 @@ impl<const D: usize> Assembler<D> {
                 })
             }
             // Pairs are no named facets: an error that names `at_pairs`.
-            Entity::Facets | Entity::InteriorFacets | Entity::Pairs => {
+            Entity::Facets | Entity::InteriorFacets | Entity::Pairs | Entity::Interface => {
                 let facets = self.facets(form, entity, region)?;
                 let shape = self.mesh.shape_of_facets();
                 let rule = self.quadrature.facet_reference_rule(shape, degree).map_err(quadrature)?;

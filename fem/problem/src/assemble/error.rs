@@ -9,6 +9,7 @@ use crate::element::Elements;
 use crate::space::Scope;
 
 use crate::constraints::ConstraintsError;
+use crate::cut::CutError;
 use crate::history::HistoryMismatch;
 use crate::linear_algebra::LinearAlgebraError;
 use crate::mesh::MeshError;
@@ -30,6 +31,14 @@ pub enum AssemblyError {
         "`{form}` has no kernels for products without a matrix; write `#[forms(matrix_free)]` on its module"
     )]
     NoAction {
+        /// The form.
+        form: &'static str,
+    },
+    /// A derivative by a level set function of a form that has no kernels for it.
+    #[error(
+        "`{form}` has no kernels for derivatives by a level set function; write `#[forms(level_set_derivatives)]` on its module"
+    )]
+    NoLevelSetDerivative {
         /// The form.
         form: &'static str,
     },
@@ -103,6 +112,16 @@ pub enum AssemblyError {
         pairing: String,
         /// The reason.
         source: PairError,
+    },
+    /// A body that is cut from the mesh, or an integral over it.
+    #[error("form `{form}`, {place}: {source}")]
+    Cut {
+        /// The form or function.
+        form: &'static str,
+        /// The region.
+        place: String,
+        /// The reason.
+        source: CutError,
     },
     /// The opposite point of a place that has none.
     #[error("`{form}` reads the gap or an opposite point, but {place} consists of no contact pairs")]

@@ -2,6 +2,7 @@
 //! Cells group by their shape, facets by that and by their local number, because their points lie elsewhere in the reference cell; interior
 //! facets also by their local number on the other side, and by how the two sides are turned.
 
+pub(super) mod cut_groups;
 pub(super) mod degrees;
 pub(super) mod facet_groups;
 pub(super) mod means;
@@ -14,6 +15,7 @@ pub(super) mod split_facets;
 
 use forms_core::contract::{Entity, FieldSlot, Integral, Order, Requirements, Role, Side};
 
+use self::cut_groups::{CutTables, clipped_facets, inside_of_cells, interface_groups, refusals};
 use self::degrees::{Estimate, cells_by_degree, facets_by_degree};
 use self::facet_groups::facet_groups;
 use self::means::{FurtherTables, MeanTables};
@@ -26,7 +28,7 @@ use crate::assemble::element_loops::sum_factorisation::ProductTables;
 use crate::element::{CellShape, Tables};
 use crate::instantiate::instantiate;
 use crate::mesh::{Facet, Mesh};
-use crate::quadrature::{Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_rule};
+use crate::quadrature::{Piece, Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_rule};
 use crate::space::{Scope, Space};
 
 /// Entities with the same points in the reference cell.
@@ -36,11 +38,18 @@ pub(super) struct Group<const D: usize> {
     /// One side of cells and exterior facets, two of interior ones. Entry k of both sides' cells is one facet.
     pub sides: Vec<GroupSide<D>>,
     pub weights: Vec<f64>,
-    /// Points of contact pairs, which differ from entity to entity; the sides' tables are at one point then, and the
-    /// weights count points alone.
-    pub pairs: Option<PairTables<D>>,
+    /// Points that differ from entity to entity; the sides' tables are at one point then, and the weights count points only.
+    pub own: Option<OwnPoints<D>>,
     /// Means over own facets, of integrals of `means(..)`.
     pub means: Option<UnitMeans>,
+}
+
+/// Points that differ from entity to entity.
+pub(super) enum OwnPoints<const D: usize> {
+    /// Those of contact pairs, on two sides.
+    Pairs(PairTables<D>),
+    /// Those of pieces of cells, of facets or of an interface.
+    Cut(CutTables<D>),
 }
 
 /// The cells on one side of a group's facets, or a group's cells, with their tables.
@@ -109,11 +118,24 @@ impl<const D: usize> Group<D> {
         further: FurtherTables,
     ) -> Result<Self, QuadratureError> {
         let side = GroupSide::new(binding.mesh, &binding.elements, (shape, cells), places, further)?;
-        Ok(Group { place, sides: vec![side], weights, pairs: None, means: None })
+        Ok(Group { place, sides: vec![side], weights, own: None, means: None })
     }
 
     pub fn points(&self) -> usize {
         self.weights.len()
+    }
+
+    /// The points of contact pairs, if it consists of these.
+    pub fn pairs(&self) -> Option<&PairTables<D>> {
+        match &self.own {
+            Some(OwnPoints::Pairs(pairs)) => Some(pairs),
+            _ => None,
+        }
+    }
+
+    /// Whether its points are those of an interface inside cells.
+    pub fn is_on_interface(&self) -> bool {
+        matches!(&self.own, Some(OwnPoints::Cut(cut)) if cut.is_interface())
     }
 
     /// Number of cells or facets.
@@ -153,14 +175,14 @@ impl<const D: usize> Group<D> {
         let Some(region) = space.facet_region() else {
             let known = &self.sides[side];
             let at_points = space.element_of(known.shape).is_at_points();
-            let inside = known.facet.is_none() && self.pairs.is_none();
+            let inside = known.facet.is_none() && self.own.is_none();
             if at_points && !(inside && space.element_of(known.shape).node_points::<D>() == known.points) {
                 let (place, elements) = (self.place.clone(), space.elements().clone());
                 return Err(AssemblyError::OffItsPoints { form, field, place, elements });
             }
             return self.check_cells(form, field, space, side);
         };
-        let side = &self.sides[if self.pairs.is_some() { side } else { 0 }];
+        let side = &self.sides[if self.pairs().is_some() { side } else { 0 }];
         let local = side.facet.map(|(local, _)| local);
         if side.cells.iter().all(|cell| !space.nodes_at(*cell, local).is_empty()) {
             return Ok(());
@@ -317,6 +339,12 @@ pub(super) fn groups<const D: usize>(
         notices::tell_of_straight_facets(form, &place);
     }
     let failed = |source| AssemblyError::Quadrature { form, source };
+    if let Some(cut) = binding.cut {
+        refusals(binding, &place, cut, (quadrature, history.is_some()))?;
+    }
+    if region.entity == Entity::Interface {
+        return interface_groups(binding, integral, quadrature, &estimate, requirements);
+    }
     if region.entity == Entity::Pairs {
         let degree = estimate.on_pairs(mesh, region.pairing.as_ref());
         return match integral.means {
@@ -335,8 +363,17 @@ pub(super) fn groups<const D: usize>(
             for (shape, cells) in mesh.by_shape(mesh.walk_of_cells(&cells)) {
                 let parts =
                     cells_by_degree(binding, quadrature, &estimate, (shape, cells)).map_err(failed)?;
-                for part in parts {
-                    groups.push(group(shape, part).map_err(failed)?);
+                for (degree, cells) in parts {
+                    let Some(cut) = binding.cut else {
+                        groups.push(group(shape, (degree, cells)).map_err(failed)?);
+                        continue;
+                    };
+                    let (whole, cells) = cut.whole_cells(cells);
+                    if !whole.is_empty() {
+                        groups.push(group(shape, (degree, whole)).map_err(failed)?);
+                    }
+                    let entry = (shape, quadrature, degree);
+                    groups.extend(inside_of_cells(binding, &place, (cut, &cells), entry, requirements)?);
                 }
             }
             Ok(groups)
@@ -352,20 +389,25 @@ pub(super) fn groups<const D: usize>(
                     Ok(groups.into_iter().map(|(group, _)| group).collect::<Vec<_>>())
                 };
                 // A history has values at the points of the whole facet.
-                let (Entities::Facets(listed), Quadrature::Split { facets: split, .. }, None) =
-                    (&facets, quadrature, history)
-                else {
+                let pieces = |facet: &Facet| match (binding.cut, quadrature) {
+                    (Some(cut), _) => cut.pieces_of_facet(*facet),
+                    (None, Quadrature::Split { facets, .. }) => facets.pieces(*facet).map(<[Piece]>::to_vec),
+                    (None, _) => None,
+                };
+                let split = binding.cut.is_some() || matches!(quadrature, Quadrature::Split { .. });
+                let (Entities::Facets(listed), true, None) = (&facets, split, history) else {
                     groups.extend(grouped(&facets, &rule)?);
                     continue;
                 };
-                let (cut, whole): (Vec<Facet>, Vec<Facet>) =
-                    listed.iter().partition(|facet| split.pieces(**facet).is_some());
-                groups.extend(grouped(&Entities::Facets(whole.into()), &rule)?);
-                for facet in &cut {
-                    let pieces = split.pieces(*facet).unwrap_or_default();
-                    let rule = quadrature.rule_on_pieces(shape, degree, pieces).map_err(failed)?;
-                    groups.extend(grouped(&Entities::Facets(std::slice::from_ref(facet).into()), &rule)?);
+                let (mut whole, mut clipped) = (vec![], vec![]);
+                for facet in &**listed {
+                    match pieces(facet) {
+                        None => whole.push(*facet),
+                        Some(pieces) => clipped.push((*facet, pieces)),
+                    }
                 }
+                groups.extend(grouped(&Entities::Facets(whole.into()), &rule)?);
+                groups.extend(clipped_facets(binding, &place, &clipped, (quadrature, degree), requirements)?);
             }
             Ok(groups)
         }

@@ -143,6 +143,22 @@ impl<const D: usize> VectorKernel<D> {
     }
 }
 
+impl<const D: usize> VectorKernel<D> {
+    /// See [`ElementVectors::compute_slopes`].
+    pub(in crate::assemble) fn compute_slopes(
+        &self,
+        task: &ElementVectors<D>,
+        set: InstructionSet,
+        entities: Range<usize>,
+        deliver: Deliver,
+    ) -> Result<(), AssemblyError> {
+        let compute = |deliver: Deliver| {
+            self.calls.compute_slopes(task, &self.constants, set, entities.clone(), deliver)
+        };
+        if self.factor == 1.0 { compute(deliver) } else { scaled(self.factor, deliver, &compute) }
+    }
+}
+
 impl<const D: usize> MatrixKernel<D> {
     /// Constants of the kernel.
     pub fn constants(&self) -> BilinearConstants {
@@ -208,6 +224,15 @@ trait VectorCalls<const D: usize>: Send + Sync {
         entities: Range<usize>,
         deliver: Deliver,
     ) -> Result<(), AssemblyError>;
+
+    fn compute_slopes(
+        &self,
+        task: &ElementVectors<D>,
+        constants: &LinearConstants,
+        set: InstructionSet,
+        entities: Range<usize>,
+        deliver: Deliver,
+    ) -> Result<(), AssemblyError>;
 }
 
 impl<K: LinearKernel<D>, const D: usize> VectorCalls<D> for K {
@@ -235,6 +260,21 @@ impl<K: LinearKernel<D>, const D: usize> VectorCalls<D> for K {
             return task.compute_by_ends((self, constants), set, entities, deliver);
         }
         Ok(())
+    }
+
+    fn compute_slopes(
+        &self,
+        task: &ElementVectors<D>,
+        constants: &LinearConstants,
+        set: InstructionSet,
+        entities: Range<usize>,
+        deliver: Deliver,
+    ) -> Result<(), AssemblyError> {
+        // Others neither.
+        if const { K::MOVED_BY_LEVEL_SET } {
+            return task.compute_slopes((self, constants), set, entities, deliver);
+        }
+        Err(AssemblyError::NoLevelSetDerivative { form: task.binding.name })
     }
 }
 

@@ -163,7 +163,7 @@ impl<const D: usize> TangentIntegrals<'_, D> {
             constants.requirements,
             &of_argument,
         )? {
-            let (Some(pairs), Some(means)) = (&group.pairs, &group.means) else { continue };
+            let (Some(pairs), Some(means)) = (group.pairs(), &group.means) else { continue };
             let side = group.side(form, side)?;
             group.check_support(form, self.binding.name_of(role), space, side)?;
             let own = group.side(form, Side::This)?;

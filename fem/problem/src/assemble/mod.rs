@@ -3,8 +3,8 @@
 //! ```text
 //! binding   a form's data against a mesh: regions, fields, parameters checked. Inside: entities (a region's cells or
 //!           facets), owned_cells (an assembler of some of the cells), outline (a form without its type), pair_histories, means
-//! groups    a region as groups of entities with common tables. Inside: facets, contact pairs (whose points differ from
-//!           entity to entity), facets that are split at zeros, means over cells and over own facets, degrees of rules
+//! groups    a region as groups of entities with common tables. Inside: facets, contact pairs and pieces of cut cells and facets
+//!           (whose points differ from entity to entity), facets that are split at zeros, means over cells and over own facets, degrees of rules
 //! batch     geometry, basis functions and fields at the points of some cells, one per lane
 //! element_loops   what a kernel gives for each entity of a range, as matrices and vectors; its node_pairs, reference_tensor and
 //!           sum_factorisation: three ways
@@ -28,6 +28,8 @@ mod action;
 mod batch;
 mod binding;
 mod block_pattern;
+mod cut_bodies;
+mod cut_derivative;
 mod derived;
 mod element_kernel;
 mod element_loops;
@@ -69,6 +71,7 @@ pub use tangent::ValuesBefore;
 use self::binding::Binding;
 use self::binding::owned_cells::OwnedCells;
 use crate::contract::Function;
+use crate::cut::Cut;
 use crate::field::FieldView;
 use crate::lanes::InstructionSet;
 use crate::mesh::Mesh;
@@ -88,6 +91,8 @@ pub struct Assembler<const D: usize> {
     threads: Threads,
     /// The cells whose integrals are assembled, where they are not all.
     owned: Option<Arc<OwnedCells>>,
+    /// The body that is cut from the mesh, where it is not all of it.
+    cut: Option<Arc<Cut<D>>>,
     /// Contact pairs that were searched for; copies share them.
     known_pairs: Arc<KnownPairs<D>>,
 }
@@ -158,6 +163,7 @@ impl<const D: usize> Assembler<D> {
             instructions: InstructionSet::best(),
             threads: Threads::all(),
             owned: None,
+            cut: None,
             known_pairs: Arc::default(),
         }
     }

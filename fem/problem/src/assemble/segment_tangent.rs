@@ -135,7 +135,7 @@ impl<const D: usize> Motion<'_, D> {
         let [height, width] = [constants.components, D];
         for group in groups(binding, integral, quadrature, &degrees, constants.requirements, &arguments)? {
             let side = group.side(form, integral.test_side)?;
-            let Some(pairs) = &group.pairs else { continue };
+            let Some(pairs) = group.pairs() else { continue };
             let vectors = self.vectors_by_ends(&group, side, element)?;
             let [reading, _] = Reading::of_arguments(constants.requirements);
             let nodes = group.sides[side].elements[element].nodes;

@@ -307,7 +307,7 @@ impl<const D: usize> TangentIntegrals<'_, D> {
                         trials: at(trial, 1),
                         blocks,
                         block: height * width,
-                        map: match (pattern.map(integral.test, integral.trial), &group.pairs) {
+                        map: match (pattern.map(integral.test, integral.trial), group.pairs()) {
                             (Some(map), _) if one_sided => BlockPlaces::OfCells(map),
                             (Some(map), Some(pairs)) => {
                                 let sides = [integral.test_side, integral.trial_side];

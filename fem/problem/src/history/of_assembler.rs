@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::contract::Expression;
+use crate::cut::CutError;
 use forms_core::contract::{Entity, History, Pairing, QuadratureValues, Source};
 use forms_core::source::FieldValue;
 
@@ -66,6 +67,10 @@ impl<const D: usize> Assembler<D> {
         degree: usize,
         initial: V,
     ) -> Result<History<V, D>, AssemblyError> {
+        if entity == Entity::Interface || self.cut().is_some() {
+            let source = CutError::Refused { what: "a history" };
+            return Err(AssemblyError::Cut { form: NEW, place: format!("\"{region}\""), source });
+        }
         if entity == Entity::Pairs {
             let (pairing, source) = (region.to_owned(), PairError::History);
             return Err(AssemblyError::Pairs { form: NEW, symbol: "of it", pairing, source });

@@ -19,7 +19,7 @@ pub(super) fn rule_points<const D: usize>(
                 let rule = quadrature.rule_on_cells(&mesh.shapes(), shape, degree)?;
                 (rule.points, rule.weights)
             }
-            Entity::Facets | Entity::InteriorFacets | Entity::Pairs => {
+            Entity::Facets | Entity::InteriorFacets | Entity::Pairs | Entity::Interface => {
                 let rule = quadrature.facet_rule(shape, 0, degree)?;
                 (rule.points, rule.weights)
             }

@@ -1,4 +1,4 @@
-//! Quantities that exist on a region: the normal on facets only, two sides on interior facets and contact pairs only, the
+//! Quantities that exist on a region: the normal on facets and interfaces only, two sides on interior facets and contact pairs only, the
 //! opposite point on pairs only; and where there are two sides, what needs one.
 
 use crate::diagnostics::Diagnostics;
@@ -27,7 +27,18 @@ pub fn check_existence(arena: &Arena, density: Tensor, region: &Region, diagnost
                 );
                 continue;
             }
-            (Operator::Restrict(..) | Operator::Opposite(..), Entity::Cells | Entity::Facets) => {
+            (Operator::Geometry(Geometry::FacetArea), Entity::Interface) => {
+                diagnostics.error_with_help(
+                    arena.span(node),
+                    format!("the area of a facet does not exist on an interface, and `{name}` is one"),
+                    "write the size of the cell, `h` or `cell_volume`",
+                );
+                continue;
+            }
+            (
+                Operator::Restrict(..) | Operator::Opposite(..),
+                Entity::Cells | Entity::Facets | Entity::Interface,
+            ) => {
                 diagnostics.error_with_help(
                     arena.span(node),
                     format!(
@@ -43,7 +54,7 @@ pub fn check_existence(arena: &Arena, density: Tensor, region: &Region, diagnost
         diagnostics.error_with_help(
             arena.span(node),
             format!("{what} does not exist inside cells, and `{name}` consists of cells"),
-            "integrate this over a region declared `#[facets]`",
+            "integrate this over a region declared `#[facets]` or `#[interface]`",
         );
     }
 }

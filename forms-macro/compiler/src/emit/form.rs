@@ -10,7 +10,7 @@ use super::names::{has_tangent, own, snake_case, stored_argument, stored_argumen
 use super::placeholder::placeholder;
 use crate::check::field_members;
 use crate::optimise::Optimised;
-use crate::options::Products;
+use crate::options::{Points, Products};
 use crate::parse::syntax::*;
 use crate::rustc_arguments;
 use crate::show::Shown;
@@ -23,7 +23,7 @@ pub fn emit_function(
     dimensions: &[usize],
     optimised: Vec<Optimised>,
     formula: Option<&Shown>,
-    products: Products,
+    derived: (Products, Points),
 ) -> TokenStream {
     let Function { attributes, visibility, name, .. } = function;
     let complete = optimised.len() == dimensions.len();
@@ -38,7 +38,7 @@ pub fn emit_function(
         let found =
             optimised.iter_mut().find(|one| one.as_ref().is_some_and(|one| one.dimension == *dimension));
         let found = found.and_then(Option::take);
-        integrals.extend(emit_integrals(module, function, *dimension, found, &used, products));
+        integrals.extend(emit_integrals(module, function, *dimension, found, &used, derived));
     }
     let own_inputs = own("inputs");
     let page = formula.map(|shown| formula::page(shown, module, function));

@@ -11,7 +11,7 @@ use crate::check::fields_of;
 use crate::optimise::degree::Degree;
 use crate::optimise::linear::SidedField;
 use crate::optimise::{Dependence, Description, Optimised};
-use crate::options::Products;
+use crate::options::{Points, Products};
 use crate::parse::syntax::*;
 use crate::rustc_arguments;
 use crate::tensor::{FieldInfo, FieldRole};
@@ -23,7 +23,7 @@ pub fn emit_integrals(
     dimension: usize,
     optimised: Option<Optimised>,
     used: &[usize],
-    products: Products,
+    (products, points): (Products, Points),
 ) -> TokenStream {
     let kernels_name = format_ident!("kernels_{dimension}");
     let mut kernels = TokenStream::new();
@@ -39,6 +39,7 @@ pub fn emit_integrals(
             externals: &externals,
             dimension,
             holds_points: false,
+            points,
         };
         if products == Products::ByMatrices {
             optimised.action.clear();
@@ -125,7 +126,11 @@ impl Lists {
                 let unknown = |field: &usize| matches!(writer.fields[*field].role, FieldRole::Unknown(_));
                 // Products without a matrix are derivatives already.
                 let slides = prefix != "Action" && displaced.into_iter().any(unknown);
-                let motion = if slides { Motion::Slides } else { Motion::Fixed };
+                let motion = match (slides, writer.points) {
+                    (true, _) => Motion::Slides,
+                    (false, Points::MovedByLevelSet) if prefix == "Residual" => Motion::ByLevelSet,
+                    (false, _) => Motion::Fixed,
+                };
                 writer.holds_points = integral.description.holds_points;
                 kernels.extend(writer.linear(&kernel, integral.test.field, &integral.flux, motion));
                 let arguments = [argument(integral.test, writer.fields), NO_ARGUMENT];

@@ -11,6 +11,7 @@ use crate::optimise::plan::BilinearPlan;
 use crate::optimise::scalar::{Argument, Derivative, Graph, Node, Scalar};
 use crate::optimise::straight_line::{Code, Level, Value};
 use crate::optimise::{BilinearIntegral, varies_over_cell};
+use crate::options::Points;
 use crate::tensor::{FieldInfo, Geometry};
 
 /// `contract::Operations`.
@@ -30,11 +31,14 @@ struct PointFunction {
     operations: usize,
 }
 
-/// Whether an unknown moves the points of an integral.
+/// Movement of the points of an integral.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
     Fixed,
+    /// An unknown displaces them.
     Slides,
+    /// A level set function cuts the body.
+    ByLevelSet,
 }
 
 /// Writes the kernels of one function in one dimension.
@@ -45,6 +49,8 @@ pub struct KernelWriter<'a> {
     pub dimension: usize,
     /// Of the integral that is written: `contract::Requirements::holds_points`.
     pub holds_points: bool,
+    /// Whether kernels for derivatives by points are wanted.
+    pub points: Points,
 }
 
 impl KernelWriter<'_> {
@@ -80,7 +86,11 @@ impl KernelWriter<'_> {
         let (cell_count, point_count) = (cell.values.len(), point.values.len());
         let requirements = &layout.requirements;
         let operations = operations([point_function.operations, test_body.operations, 0, 0, 0]);
-        let slides = (motion == Motion::Slides).then(|| quote! { const SLIDES: bool = true; });
+        let motion = match motion {
+            Motion::Fixed => None,
+            Motion::Slides => Some(quote! { const SLIDES: bool = true; }),
+            Motion::ByLevelSet => Some(quote! { const MOVED_BY_LEVEL_SET: bool = true; }),
+        };
 
         quote! {
             #structure
@@ -88,7 +98,7 @@ impl KernelWriter<'_> {
                 const REQUIREMENTS: contract::Requirements = #requirements;
                 const TEST_COMPONENTS: usize = #components;
                 const OPERATIONS: contract::Operations = #operations;
-                #slides
+                #motion
                 type Cell<L: Lane> = [L; #cell_count];
                 type Flux<L: Lane> = [L; #point_count];
                 type Block<L: Lane> = [L; #components];

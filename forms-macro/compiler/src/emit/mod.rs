@@ -23,7 +23,7 @@ use quote::quote;
 use self::model::Bound;
 use crate::check::{is_building_block, is_reserved};
 use crate::optimise::Optimised;
-use crate::options::Products;
+use crate::options::{Points, Products};
 use crate::parse::syntax::*;
 use crate::reuse::import::imported_path;
 use crate::show::Shown;
@@ -37,7 +37,7 @@ pub fn emit(
     optimised: Vec<Optimised>,
     formulas: &[Option<Shown>],
     backend: &syn::Path,
-    products: Products,
+    derived: (Products, Points),
 ) -> TokenStream {
     let data = module.data.as_ref().map(|data| data::emit_data(data, module));
     // A name declared twice, or one that belongs to the emitted code, has been reported: the first counts.
@@ -59,7 +59,7 @@ pub fn emit(
                 bound.push(Bound { function, regions: named_regions::regions_named(module, function) });
             }
             let formula = formulas.get(index).and_then(Option::as_ref);
-            form::emit_function(module, function, dimensions, optimised, formula, products)
+            form::emit_function(module, function, dimensions, optimised, formula, derived)
         })
         .collect();
     let unread = module.mistaken.iter().filter_map(|mistaken| match mistaken {
@@ -113,6 +113,7 @@ fn emit_region(region: &Region) -> TokenStream {
         Entity::Cells => quote! { Cells },
         Entity::Facets => quote! { Facets },
         Entity::InteriorFacets => quote! { InteriorFacets },
+        Entity::Interface => quote! { Interface },
         Entity::Pairs => {
             return quote! {
                 #(#attributes)*

@@ -106,6 +106,7 @@ fn emit_regions(regions: &[Region], members: &[Ident]) -> TokenStream {
         .iter()
         .map(|region| match region.entity {
             Entity::Cells if one_of(Entity::Cells) => "all".to_owned(),
+            Entity::Interface if one_of(Entity::Interface) => "all".to_owned(),
             Entity::InteriorFacets if one_of(Entity::InteriorFacets) => "interior".to_owned(),
             _ => snake_case(&region.name),
         })
@@ -150,8 +151,8 @@ fn emit_regions(regions: &[Region], members: &[Ident]) -> TokenStream {
         }
     });
     quote! {
-        /// The module's regions by their names in a mesh. A single region of cells is `"all"`, a single one of interior facets
-        /// `"interior"`, every other one goes by its own name in snake case, unless another is given.
+        /// The module's regions by their names in a mesh. A single region of cells or of an interface is `"all"`, a single one of
+        /// interior facets `"interior"`, every other one goes by its own name in snake case, unless another is given.
         #[derive(::core::clone::Clone, ::core::fmt::Debug)]
         pub struct Regions {
             #(#declared),*

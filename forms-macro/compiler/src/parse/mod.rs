@@ -84,11 +84,11 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
                 let (message, help) = match markers.is_empty() {
                     true => (
                         format!("the region `{}` does not say what it consists of", item.ident),
-                        "write `#[cells]`, `#[facets]`, `#[interior_facets]` or `#[pairs]` before the struct",
+                        "write `#[cells]`, `#[facets]`, `#[interior_facets]`, `#[pairs]` or `#[interface]` before the struct",
                     ),
                     false => (
                         format!("the region `{}` has {} markers", item.ident, markers.len()),
-                        "a region consists of one kind: keep one of `#[cells]`, `#[facets]`, `#[interior_facets]`, `#[pairs]`",
+                        "a region consists of one kind: keep one of `#[cells]`, `#[facets]`, `#[interior_facets]`, `#[pairs]`, `#[interface]`",
                     ),
                 };
                 diagnostics.error_with_help(SourceSpan::of(&item.ident), message, help);

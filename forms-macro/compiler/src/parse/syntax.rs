@@ -130,15 +130,18 @@ pub enum Entity {
     InteriorFacets,
     /// Exterior facets, each point with one opposite to it.
     Pairs,
+    /// The zeros of a level set function inside cells.
+    Interface,
 }
 
 impl Entity {
     /// The marker before a region's struct.
-    pub const MARKERS: [(&'static str, Entity); 4] = [
+    pub const MARKERS: [(&'static str, Entity); 5] = [
         ("cells", Entity::Cells),
         ("facets", Entity::Facets),
         ("interior_facets", Entity::InteriorFacets),
         ("pairs", Entity::Pairs),
+        ("interface", Entity::Interface),
     ];
 
     /// Are there two cells at each of its points?
@@ -153,6 +156,7 @@ impl Entity {
             Entity::Facets => "exterior facets",
             Entity::InteriorFacets => "interior facets",
             Entity::Pairs => "contact pairs",
+            Entity::Interface => "the points of an interface",
         }
     }
 }

@@ -54,7 +54,7 @@ impl Evaluator<'_> {
         match entity {
             Entity::Cells => determinant(&gradient, dimension),
             // Nanson's formula.
-            Entity::Facets | Entity::InteriorFacets | Entity::Pairs => {
+            Entity::Facets | Entity::InteriorFacets | Entity::Pairs | Entity::Interface => {
                 length(&matrix_product(&cofactor(&gradient, dimension), &around.normal[0], dimension))
             }
         }

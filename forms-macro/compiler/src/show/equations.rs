@@ -243,7 +243,7 @@ fn integrals(reader: &Reader, terms: &[Term]) -> Formula {
         let region = &reader.module.regions[term.region];
         let measure = match region.entity {
             Entity::Cells => Measure::Dx,
-            Entity::Facets | Entity::Pairs => Measure::Ds,
+            Entity::Facets | Entity::Pairs | Entity::Interface => Measure::Ds,
             Entity::InteriorFacets => Measure::InteriorDs,
         };
         let (minus, density) = match reader.read(term.density) {

@@ -139,7 +139,10 @@ impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
             }
         }
         let needs_facet = requirements.normal || requirements.facet_area || requirements.curvature;
-        if needs_facet && group.sides[0].facet.is_none() {
+        // Points of an interface have a normal; no facet has an area there.
+        let on_surface =
+            group.sides[0].facet.is_some() || (group.is_on_interface() && !requirements.facet_area);
+        if needs_facet && !on_surface {
             return Err(AssemblyError::NeedsFacet { form });
         }
         if requirements.opposite_diameter || requirements.opposite_volume {
@@ -150,7 +153,7 @@ impl<L: SimdLane, const D: usize> BatchBuffers<L, D> {
             || requirements.opposite_position
             || requirements.opposite_normal
             || requirements.opposite_shape_operator;
-        if needs_pairs && group.pairs.is_none() {
+        if needs_pairs && group.pairs().is_none() {
             return Err(AssemblyError::NeedsPairs { form, place: group.place.clone() });
         }
         self.fields.resize(requirements.field_length, zero);

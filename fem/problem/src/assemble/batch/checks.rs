@@ -7,6 +7,8 @@ use std::ops::Range;
 
 use super::{Batch, Cells};
 use crate::assemble::AssemblyError;
+use crate::assemble::groups::OwnPoints;
+use crate::assemble::groups::cut_groups::CutTables;
 use crate::assemble::groups::pair_groups::PairTables;
 use crate::instantiate::instantiate;
 use crate::lanes::{SimdLane, WIDEST};
@@ -38,9 +40,16 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
     #[inline(never)]
     fn find_weight(&self, mesh: &Mesh<D>, range: Range<usize>) -> Result<(), AssemblyError> {
         for index in range {
-            if let Some(pairs) = &self.group.pairs {
-                self.find_in_pairs(mesh, index, pairs)?;
-                continue;
+            match &self.group.own {
+                None => {}
+                Some(OwnPoints::Pairs(pairs)) => {
+                    self.find_in_pairs(mesh, index, pairs)?;
+                    continue;
+                }
+                Some(OwnPoints::Cut(cut)) => {
+                    self.find_in_pieces(mesh, index, cut)?;
+                    continue;
+                }
             }
             for side in &self.group.sides {
                 let cell = side.cells[index] as usize;
@@ -74,6 +83,16 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                 let (position, jacobian) = mesh.map(cell, &reference);
                 self.check_map(cell, &position, &jacobian)?;
             }
+        }
+        Ok(())
+    }
+
+    /// The same among the points of pieces of a cell.
+    fn find_in_pieces(&self, mesh: &Mesh<D>, index: usize, cut: &CutTables<D>) -> Result<(), AssemblyError> {
+        let cell = self.group.sides[0].cells[index] as usize;
+        for point in cut.points_of(index) {
+            let (position, jacobian) = mesh.map(cell, &point);
+            self.check_map(cell, &position, &jacobian)?;
         }
         Ok(())
     }

@@ -29,13 +29,13 @@ impl<L, const D: usize> Default for PairBuffers<L, D> {
     }
 }
 
-/// A point of a facet, seen from its cell.
-struct FacetPoint<L, const D: usize> {
-    position: [L; D],
-    /// Surface element and outward unit normal.
-    element: L,
-    normal: [L; D],
-    curvature: L,
+/// A point of a facet, or inside a cell, seen from the cell.
+pub(super) struct FacetPoint<L, const D: usize> {
+    pub position: [L; D],
+    /// Surface element and outward unit normal; zero inside a cell.
+    pub element: L,
+    pub normal: [L; D],
+    pub curvature: L,
     /// ∇n along the facet.
     shape_operator: [[L; D]; D],
 }
@@ -79,8 +79,9 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
             }
             Some(L::gather::<D>(normals, &later))
         };
-        let this = self.facet_point(requirements, 0, &own, pairs, None);
-        let other = self.facet_point(requirements, 1, &opposite, pairs, rigid);
+        let lanes = [0, 1].map(|side: usize| (&pairs.geometry[side], &pairs.elements[side][..]));
+        let this = self.facet_point(requirements, 0, &own, lanes[0], None);
+        let other = self.facet_point(requirements, 1, &opposite, lanes[1], rigid);
         self.buffers.geometry = PointGeometry {
             weight: weight * this.element,
             position: this.position,
@@ -97,14 +98,14 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         self.evaluate_fields(requirements, q, &this.position, &other.position)
     }
 
-    /// Geometry and basis functions on one side; the normal of a rigid surface is none of its cell's facets'.
+    /// Geometry and basis functions on one side, by the map's and the other elements' functions; the normal of a rigid surface is none of its cell's facets'.
     #[inline(always)]
-    fn facet_point(
+    pub(super) fn facet_point(
         &mut self,
         requirements: &Requirements,
         side: usize,
         reference: &[L; D],
-        pairs: &PairTables<D>,
+        (of_map, elements): (&LaneElement, &[LaneElement]),
         rigid_normal: Option<[L; D]>,
     ) -> FacetPoint<L, D> {
         let zero = L::splat(0.0);
@@ -122,7 +123,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         }
         // An affine map is known, except for the place of the point.
         if placed || second || !tables.affine {
-            evaluate(&pairs.geometry[side], reference, if second { 2 } else { 1 }, geometry);
+            evaluate(of_map, reference, if second { 2 } else { 1 }, geometry);
         }
         let mut position = [zero; D];
         if placed {
@@ -192,7 +193,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                 continue;
             }
             let order = if reads.hessian { 2 } else { usize::from(reads.gradient) };
-            evaluate(&pairs.elements[side][index], reference, order, basis);
+            evaluate(&elements[index], reference, order, basis);
             take_basis(buffers, tables, index, basis, &point.normal);
             if reads.hessian {
                 take_hessians(buffers, tables, index, basis, geometry);

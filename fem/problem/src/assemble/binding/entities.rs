@@ -6,6 +6,7 @@ use forms_core::contract::{Entity, Region};
 
 use super::pair_error;
 use crate::assemble::AssemblyError;
+use crate::cut::{CUT, Cut, CutError, CutSide, GHOST, INSIDE};
 use crate::instantiate::instantiate;
 use crate::mesh::{Facet, Mesh, MeshError};
 use crate::pairs::PairError;
@@ -30,10 +31,13 @@ impl<'a> Entities<'a> {
     ) -> Result<Self, AssemblyError> {
         let name = &region.name;
         let found = match region.entity {
-            Entity::Cells if mesh.rigid_surface(name).is_some() => {
+            Entity::Cells | Entity::Interface if mesh.rigid_surface(name).is_some() => {
                 Err(MeshError::NoBody { name: name.clone() })
             }
-            Entity::Cells => mesh.cell_region(name).map(|cells| Entities::Cells(cells.into())),
+            // All cells through which an interface may pass.
+            Entity::Cells | Entity::Interface => {
+                mesh.cell_region(name).map(|cells| Entities::Cells(cells.into()))
+            }
             Entity::Facets => mesh.facet_region(name).map(|facets| Entities::Facets(facets.into())),
             // Their facets follow from a search, not from a name: `Binding::pairs`.
             Entity::Pairs => return Err(pair_error(form, region, PairError::NoPairing)),
@@ -42,6 +46,64 @@ impl<'a> Entities<'a> {
             }
         };
         found.map_err(|source| AssemblyError::Region { form, symbol: region.symbol, source })
+    }
+
+    /// The entities of a form's region in a cut body: active cells, those with a part of an interface, exterior facets that are not outside, and
+    /// interior facets that are inside. The names that a cut gives are known.
+    ///
+    /// # Errors
+    /// As [`Entities::of`], and an interior facet through which the interface passes.
+    #[inline(never)]
+    pub fn inside<const D: usize>(
+        cut: Option<&Cut<D>>,
+        mesh: &'a Mesh<D>,
+        form: &'static str,
+        region: &Region,
+    ) -> Result<Self, AssemblyError> {
+        let Some(cut) = cut else { return Self::of(mesh, form, region) };
+        let known = match (region.entity, &region.name[..]) {
+            (Entity::Cells, CUT) => Some(Entities::Cells(cut.cut_cells().to_vec().into())),
+            (Entity::Cells, INSIDE) => Some(Entities::Cells(cut.inside_cells().to_vec().into())),
+            (Entity::InteriorFacets, GHOST) => {
+                Some(Entities::InteriorFacets(cut.ghost_facets().to_vec().into()))
+            }
+            _ => None,
+        };
+        if let Some(known) = known {
+            return Ok(known);
+        }
+        Ok(match Self::of(mesh, form, region)? {
+            Entities::Cells(cells) => {
+                let interface = region.entity == Entity::Interface;
+                let is_wanted = |cell: &u32| match cut.side_of_cell(*cell) {
+                    CutSide::Cut => true,
+                    CutSide::Inside => !interface,
+                    CutSide::Outside => false,
+                };
+                Entities::Cells(cells.iter().copied().filter(is_wanted).collect())
+            }
+            Entities::Facets(facets) => {
+                let is_wanted = |facet: &Facet| cut.side_of_facet(*facet) != CutSide::Outside;
+                Entities::Facets(facets.iter().copied().filter(is_wanted).collect())
+            }
+            Entities::InteriorFacets(facets) => {
+                let mut kept = Vec::new();
+                for sides in &*facets {
+                    match cut.side_of_facet(sides[0]) {
+                        CutSide::Inside => kept.push(*sides),
+                        CutSide::Outside => {}
+                        CutSide::Cut => {
+                            let place =
+                                format!("the interior facets `{}` (\"{}\")", region.symbol, region.name);
+                            let position = mesh.facet_centre(sides[0]).to_vec();
+                            let source = CutError::InteriorFacet { position };
+                            return Err(AssemblyError::Cut { form, place, source });
+                        }
+                    }
+                }
+                Entities::InteriorFacets(kept.into())
+            }
+        })
     }
 
     /// Number of cells or facets.
@@ -63,4 +125,4 @@ impl<'a> Entities<'a> {
     }
 }
 
-instantiate!(entities: Entities::of::<D>);
+instantiate!(entities: Entities::of::<D>, Entities::inside::<D>);

@@ -97,10 +97,11 @@ impl<const D: usize> Assembler<D> {
         Ok(Assembler { owned, ..self })
     }
 
-    /// The same on the cells of another assembler, if those are not all.
+    /// The same on the cells of another assembler, if those are not all, and in its cut body.
     pub(crate) fn on_cells_of(self, other: &Self) -> Self {
         let owned = other.owned.clone().or(self.owned);
-        Assembler { owned, ..self }
+        let cut = self.cut.or_else(|| other.cut.clone());
+        Assembler { owned, cut, ..self }
     }
 
     /// The same on all cells.

@@ -172,7 +172,12 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
         let MatrixBuffers { batch, blocks, directions, stages, tensor, moments, numbers, room } = buffers;
         if tensor.is_none() && !range.is_empty() {
             let side = &group.sides[task.sides[0]];
-            *tensor = Some(ReferenceTensor::new(kernel, side, task.elements, &group.weights, symmetric));
+            // Its sums over the points are the same for all cells.
+            let shared = group.own.is_none();
+            *tensor = Some(match shared {
+                true => ReferenceTensor::new(kernel, side, task.elements, &group.weights, symmetric),
+                false => None,
+            });
         }
         let tensor = tensor.as_ref().and_then(Option::as_ref);
         let grid = task.grid();

@@ -10,6 +10,7 @@ pub(super) mod sum_factorisation;
 
 pub(super) mod matrices;
 mod segments;
+mod slopes;
 pub(super) mod vectors;
 
 pub(super) use bilinear_calls::{BilinearCalls, Factors};

@@ -85,7 +85,7 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
     fn run(self) -> Self::Output {
         let Loops { task, kernel, calls, range, deliver } = self;
         let ElementVectors { group, side, element, .. } = *task;
-        let Some(pairs) = &group.pairs else { return Ok(()) };
+        let Some(pairs) = group.pairs() else { return Ok(()) };
         let motion = &pairs.group.motion;
         let (nodes, zero, one) = (task.nodes(), L::splat(0.0), L::splat(1.0));
         let size = nodes * kernel.components;

@@ -70,6 +70,12 @@ impl Estimate<'_> {
         self.on(mesh, simplex, (map == Map::Varying).then_some(geometry))
     }
 
+    /// The degree on the parts of an interface in cells of a shape.
+    pub fn on_interface<const D: usize>(&self, mesh: &Mesh<D>, shape: CellShape) -> usize {
+        let map = if mesh.is_affine_on(shape) { Map::Affine } else { Map::Varying };
+        self.on_facets(mesh, shape.is_simplex(), map)
+    }
+
     /// The degree on pairs, whose cells may have several shapes: the highest, with that of the measure where a facet of the
     /// surfaces is curved or skewed.
     #[inline(never)]

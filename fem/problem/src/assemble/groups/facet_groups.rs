@@ -104,7 +104,7 @@ pub(in crate::assemble) fn facet_groups<const D: usize>(
             sides.push(side_of_group(binding, cells, &side, rule, further)?);
         }
         Ok((
-            Group { place: place.to_owned(), sides, weights: rule.weights.clone(), pairs: None, means: None },
+            Group { place: place.to_owned(), sides, weights: rule.weights.clone(), own: None, means: None },
             indices,
         ))
     };

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use forms_core::contract::{Integral, Means, Requirements, Role, Term};
 
 use super::pair_groups::{PairTables, pair_groups};
-use super::{Group, GroupSide};
+use super::{Group, GroupSide, OwnPoints};
 use crate::assemble::AssemblyError;
 use crate::assemble::batch::Cells;
 use crate::assemble::binding::Binding;
@@ -69,7 +69,7 @@ pub(in crate::assemble) fn groups_with_means<const D: usize>(
     let most = most_weights(&groups, means.degree);
     for weight in 0..most {
         for group in &groups {
-            let Some(pairs) = &group.pairs else { continue };
+            let Some(pairs) = group.pairs() else { continue };
             let (shape, local) = pairs.group.sides[0];
             if weight >= weights_of(shape, local, means.degree) {
                 continue;
@@ -82,11 +82,11 @@ pub(in crate::assemble) fn groups_with_means<const D: usize>(
                 place: group.place.clone(),
                 sides: group.sides.iter().map(GroupSide::clone).collect(),
                 weights: group.weights.clone(),
-                pairs: Some(PairTables {
+                own: Some(OwnPoints::Pairs(PairTables {
                     group: weighted(&pairs.group, means.degree, weight),
                     geometry: pairs.geometry.clone(),
                     elements: pairs.elements.clone(),
-                }),
+                })),
                 means: Some(UnitMeans {
                     weight,
                     lists: read.iter().map(|(field, means)| (*field, values(means))).collect(),
@@ -99,7 +99,7 @@ pub(in crate::assemble) fn groups_with_means<const D: usize>(
 
 fn most_weights<const D: usize>(groups: &[Group<D>], degree: usize) -> usize {
     let of_group = |group: &Group<D>| {
-        let (shape, local) = group.pairs.as_ref()?.group.sides[0];
+        let (shape, local) = group.pairs()?.group.sides[0];
         Some(weights_of(shape, local, degree))
     };
     groups.iter().filter_map(of_group).max().unwrap_or(0)
@@ -124,7 +124,7 @@ pub(in crate::assemble) fn facet_means<const D: usize>(
     let whole = (quadrature, degree);
     let groups = groups_with_means(binding, (term.integral, means), whole, constants.requirements)?;
     let mut facets = HashMap::new();
-    let units = groups.iter().filter_map(|group| group.pairs.as_ref()).flat_map(|pairs| &pairs.group.facets);
+    let units = groups.iter().filter_map(|group| group.pairs()).flat_map(|pairs| &pairs.group.facets);
     for [own, _] in units {
         let next = facets.len();
         facets.entry(*own).or_insert(next);
@@ -133,7 +133,7 @@ pub(in crate::assemble) fn facet_means<const D: usize>(
     let (weights, length) = (weights.max().unwrap_or(1), constants.components);
     let mut values = vec![0.0; facets.len() * weights * length];
     for group in &groups {
-        let (Some(pairs), Some(means)) = (&group.pairs, &group.means) else { continue };
+        let (Some(pairs), Some(means)) = (group.pairs(), &group.means) else { continue };
         let task = ElementVectors {
             binding,
             group,

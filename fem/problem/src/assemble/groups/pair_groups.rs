@@ -7,7 +7,7 @@ use std::sync::Arc;
 use forms_core::contract::{Integral, Pairing, Requirements};
 
 use super::means::FurtherTables;
-use super::{Group, GroupSide, Places};
+use super::{Group, GroupSide, OwnPoints, Places};
 use crate::assemble::batch::basis_in_lanes::LaneElement;
 use crate::assemble::binding::{Binding, pair_error};
 use crate::assemble::{Assembler, AssemblyError};
@@ -118,7 +118,13 @@ pub(in crate::assemble) fn groups_of<const D: usize>(
             group.sides.map(|(shape, _)| LaneElement::new(&Element::Lagrange(mesh.element_of(shape)), None));
         let weights = vec![0.0; group.count];
         let tables = PairTables { group, geometry, elements };
-        groups.push(Group { place: place.to_owned(), sides, weights, pairs: Some(tables), means: None });
+        groups.push(Group {
+            place: place.to_owned(),
+            sides,
+            weights,
+            own: Some(OwnPoints::Pairs(tables)),
+            means: None,
+        });
     }
     Ok(groups)
 }

@@ -12,6 +12,7 @@ use crate::assemble::binding::outline::Coupling;
 use crate::assemble::binding::{Binding, pair_error};
 use crate::assemble::{Assembler, AssemblyError};
 use crate::contract::Function;
+use crate::cut::Cut;
 use crate::field::FieldView;
 use crate::instantiate::instantiate;
 use crate::mesh::{Facet, Mesh};
@@ -26,6 +27,8 @@ pub(in crate::assemble) struct PairSearch<const D: usize> {
     known: Arc<KnownPairs<D>>,
     quadrature: Quadrature<D>,
     threads: Threads,
+    /// The body that is cut from the mesh.
+    cut: Option<Arc<Cut<D>>>,
     /// The couplings of sliding pairs: those of some iterate, and of neighbours to which points may slide.
     sliding: Vec<SlidingCouplings>,
 }
@@ -41,7 +44,7 @@ struct SlidingCouplings {
 impl<const D: usize> Default for PairSearch<D> {
     fn default() -> Self {
         let (known, quadrature, threads) = (Arc::default(), Quadrature::Estimated, Threads::all());
-        PairSearch { known, quadrature, threads, sliding: vec![] }
+        PairSearch { known, quadrature, threads, cut: None, sliding: vec![] }
     }
 }
 
@@ -49,9 +52,9 @@ impl<const D: usize> PairSearch<D> {
     /// The search of an assembler.
     #[inline(never)]
     pub fn of(assembler: &Assembler<D>) -> Self {
-        let Assembler { known_pairs, quadrature, threads, .. } = assembler;
-        let known = Arc::clone(known_pairs);
-        PairSearch { known, quadrature: quadrature.clone(), threads: *threads, sliding: vec![] }
+        let Assembler { known_pairs, quadrature, threads, cut, .. } = assembler;
+        let (known, quadrature, cut) = (Arc::clone(known_pairs), quadrature.clone(), cut.clone());
+        PairSearch { known, quadrature, threads: *threads, cut, sliding: vec![] }
     }
 
     /// The cells or facets of a form's region; pairs count as facets with two sides.
@@ -68,7 +71,8 @@ impl<const D: usize> PairSearch<D> {
     ) -> Result<Entities<'a>, AssemblyError> {
         let (inputs, mesh) = (form.inputs(), &tests[0].mesh);
         if inputs.regions[coupling.region].entity != Entity::Pairs {
-            return Entities::of(mesh, form.name(), &inputs.regions[coupling.region]);
+            let region = &inputs.regions[coupling.region];
+            return Entities::inside(self.cut.as_deref(), mesh, form.name(), region);
         }
         let sliding = self.sliding.iter().find(|known| known.is_of(coupling));
         let facets = match sliding {

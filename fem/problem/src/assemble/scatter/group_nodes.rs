@@ -91,7 +91,7 @@ pub(in crate::assemble) fn seen_places<const D: usize>(
     space: &Space<D>,
     reading: Reading,
 ) -> Option<Vec<usize>> {
-    let pairs = group.pairs.as_ref()?;
+    let pairs = group.pairs()?;
     let rigid = side == 1 && !pairs.group.rigid_normals.is_empty();
     let (shape, (local, _)) = (group.sides[side].shape, group.sides[side].facet?);
     if rigid || reading == Reading::Derivatives || space.facet_region().is_some() {

@@ -142,7 +142,7 @@ fn add_region<const D: usize>(all: Fingerprint, region: &Region, mesh: &Mesh<D>)
     };
     let all = all.text(&region.name).text(&format!("{:?}", region.pairing));
     match region.entity {
-        Entity::Cells => all
+        Entity::Cells | Entity::Interface => all
             .numbers(mesh.cell_region(&region.name).unwrap_or_default().iter().map(|cell| u64::from(*cell))),
         Entity::Facets => facets(all, &region.name),
         Entity::InteriorFacets => all.numbers(

@@ -1,0 +1,92 @@
+//! Forms of bodies that are cut from a mesh: ghost penalties, and conditions on the boundary by Nitsche's method.
+
+use forms_fem::forms;
+
+/// Ghost penalties: with them bounds do not depend on how a mesh is cut. The stiffness of the material is the caller's factor, 2μ + λ in
+/// elasticity. Degrees 1 and 2.
+///
+/// ```
+/// # use forms_fem::prelude::*;
+/// #[forms]
+/// mod membrane {
+///     use forms_contact::operators::ghost_penalty::scalar_ghost;
+///
+///     #[includes(forms_contact::operators::ghost_penalty::Data)]
+///     pub struct Data {}
+///     #[cells]
+///     pub struct Omega;
+///     #[interior_facets]
+///     pub struct Ghost;
+///     pub fn stiffness(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+///         integral(Omega, dot(grad(u), grad(v))) + integral(Ghost, scalar_ghost(u, v))
+///     }
+/// }
+/// let mesh = rectangle([-1.0; 2], [1.0; 2], [8, 8], CellShape::Triangle, 1)?;
+/// let phi = Field::interpolate(&Space::scalar(&mesh, 1)?, |x| x[0].hypot(x[1]) - 0.7)?;
+/// let (disc, space) = (Assembler::new(&mesh).cut_by(&phi)?, Space::scalar(&mesh, 2)?);
+/// let form = membrane::stiffness(&membrane::data(), &membrane::Omega::on("all"), &membrane::Ghost::on("ghost"));
+/// let u = Field::interpolate(&space, |x| x[0] * x[1])?;
+/// let matrix = disc.tangent(&form, &[&u], &[&space])?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[forms]
+pub mod ghost_penalty {
+    /// The weights.
+    pub struct Data {
+        /// g₁, of jumps of the first derivatives.
+        #[doc(alias = "g₁")]
+        #[default(0.1)]
+        pub ghost_slopes: Param,
+        /// g₂, of jumps of the second ones; elements of degree 1 have none.
+        #[doc(alias = "g₂")]
+        #[default(0.01)]
+        pub ghost_bends: Param,
+    }
+
+    /// g₁ h ⟦∂u/∂n⟧⟦∂v/∂n⟧, for degree 1.
+    pub fn scalar_ghost_of_slopes(u: Scalar, v: Scalar) -> Scalar {
+        ghost_slopes * avg(h) * dot(jump(grad(u)), n) * dot(jump(grad(v)), n)
+    }
+
+    /// g₁ h ⟦∂u/∂n⟧⟦∂v/∂n⟧ + g₂ h³ ⟦∂²u/∂n²⟧⟦∂²v/∂n²⟧.
+    pub fn scalar_ghost(u: Scalar, v: Scalar) -> Scalar {
+        scalar_ghost_of_slopes(u, v)
+            + ghost_bends * pow(avg(h), 3) * dot(jump(hess(u)) * n, n) * dot(jump(hess(v)) * n, n)
+    }
+
+    /// g₁ h ⟦∂u/∂n⟧·⟦∂v/∂n⟧, for degree 1.
+    pub fn vector_ghost_of_slopes(u: Vector, v: Vector) -> Scalar {
+        ghost_slopes * avg(h) * dot(jump(grad(u)) * n, jump(grad(v)) * n)
+    }
+
+    /// ∂²w/∂n² of the jump of the second derivatives.
+    fn bend(w: Vector) -> Vector {
+        dot(jump(hess(w)), n) * n
+    }
+
+    /// g₁ h ⟦∂u/∂n⟧·⟦∂v/∂n⟧ + g₂ h³ ⟦∂²u/∂n²⟧·⟦∂²v/∂n²⟧.
+    pub fn vector_ghost(u: Vector, v: Vector) -> Scalar {
+        vector_ghost_of_slopes(u, v) + ghost_bends * pow(avg(h), 3) * dot(bend(u), bend(v))
+    }
+}
+
+/// Prescribed displacements by Nitsche's method, for any material whose traction is linear in the displacement.
+#[forms]
+pub mod weak_dirichlet {
+    pub use super::super::penalty::gamma;
+
+    /// The parameters of the method, and the displacement.
+    #[includes(super::super::penalty::Data, super::super::variant::Data)]
+    pub struct Data {
+        /// u_D, the displacement of the boundary \[length\].
+        #[doc(alias = "u_D")]
+        #[default(0)]
+        pub prescribed: Given<Vector>,
+    }
+
+    /// −σ(u)n·v − θ σ(v)n·(u − u_D) + γ (u − u_D)·v, with the tractions σ(u)n and σ(v)n.
+    pub fn dirichlet_density(traction_u: Vector, u: Vector, traction_v: Vector, v: Vector) -> Scalar {
+        let miss = u - prescribed;
+        -dot(traction_u, v) - theta * dot(traction_v, miss) + gamma() * dot(miss, v)
+    }
+}

@@ -1,0 +1,208 @@
+//! Derivatives by the level set function, compared with differences of what is assembled.
+
+use std::convert::Infallible;
+
+use forms_contact::laws::cut_nitsche;
+use forms_fem::prelude::*;
+use forms_fem::verification::{Sample, taylor};
+
+use crate::{level, square};
+
+#[forms(level_set_derivatives)]
+mod measures {
+    pub struct Data {
+        pub weight: Given<Scalar>,
+    }
+    #[cells]
+    pub struct Omega;
+    #[facets]
+    pub struct Outer;
+    #[interface]
+    pub struct Gamma;
+
+    pub fn volume(t: Test<Scalar>) -> Form {
+        integral(Omega, t)
+    }
+    pub fn length(t: Test<Scalar>) -> Form {
+        integral(Gamma, t)
+    }
+    /// With a field, its normal derivative, a function of position and a kink.
+    pub fn on_interface(u: State<Scalar>, t: Test<Scalar>) -> Form {
+        integral(Gamma, (sqr(dot(grad(u), n)) + u * x[1] * weight + pos_part(u - weight) * h) * t)
+    }
+    pub fn inside(u: State<Scalar>, t: Test<Scalar>) -> Form {
+        integral(Omega, (dot(grad(u), grad(u)) + u * weight * x[0] + sqr(neg_part(u))) * t)
+    }
+    pub fn on_facets(u: State<Scalar>, t: Test<Scalar>) -> Form {
+        integral(Outer, (sqr(u) * weight + dot(grad(u), n)) * t)
+    }
+}
+
+/// The extrapolated central difference of a function at zero.
+fn difference(f: impl Fn(f64) -> f64, step: f64) -> f64 {
+    let central = |step: f64| (f(step) - f(-step)) / (2.0 * step);
+    (4.0 * central(step) - central(2.0 * step)) / 3.0
+}
+
+fn moved<const D: usize>(phi: &Field<D>, direction: &Field<D>, step: f64) -> Field<D> {
+    let values = phi.values().iter().zip(direction.values()).map(|(phi, w)| phi + step * w);
+    Field::from_values(phi.space(), values.collect()).unwrap()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Each form's derivative along a direction and its difference.
+fn check<const D: usize>(mesh: &Mesh<D>, phi: &Field<D>, direction: &Field<D>, forms: &[Form<D>], step: f64) {
+    let one = Field::interpolate(&Space::discontinuous_scalar(mesh, 0).unwrap(), |_| 1.0).unwrap();
+    for form in forms {
+        let value = |step: f64| -> f64 {
+            let body = Assembler::new(mesh).cut_by(&moved(phi, direction, step)).unwrap();
+            body.linear_form(form, one.space()).unwrap().iter().sum()
+        };
+        let body = Assembler::new(mesh).cut_by(phi).unwrap();
+        let gradient = body.derivative_by_level_set(form, &[], &[&one]).unwrap();
+        let (found, expected) = (dot(&gradient, direction.values()), difference(value, step));
+        let miss = (found - expected).abs() / expected.abs();
+        println!("{}: {found:.12} difference {expected:.12}, apart {miss:.1e}", form.name());
+        assert!(expected.abs() > 1e-3 && miss < 1e-8, "{}: {found} is not {expected}", form.name());
+        // The same on other numbers of threads, to the last bit.
+        let three = body.with_threads(Threads::new(3));
+        assert_eq!(three.derivative_by_level_set(form, &[], &[&one]).unwrap(), gradient);
+    }
+}
+
+#[test]
+fn measures_and_functionals_have_exact_derivatives() {
+    for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
+        let mesh = rectangle([-1.0; 2], [1.0; 2], [9, 9], shape, 1).unwrap();
+        // Clipped by the square's sides.
+        let phi = level(&mesh, |x| (x[0] - 0.43).hypot(x[1] + 0.371) - 0.713);
+        let direction = level(&mesh, |x| 1.0 + (2.0 * x[0]).sin() * x[1]);
+        let u = Field::interpolate(&Space::scalar(&mesh, 2).unwrap(), |x| x[0] * x[1] + 0.4 * x[0] - 0.1)
+            .unwrap();
+        let weight = Given::function_with_gradient(|x: &[f64; 2]| 0.3 + x[0] * x[1], |x| [x[1], x[0]]);
+        let model = measures::Model::new(measures::data().weight(weight));
+        let model = measures::Model { regions: model.regions.outer("boundary"), ..model };
+        let forms =
+            [model.volume(), model.length(), model.on_interface(&u), model.inside(&u), model.on_facets(&u)];
+        check(&mesh, &phi, &direction, &forms, 1e-4);
+    }
+    let mesh = cuboid([-1.0; 3], [1.0; 3], [3; 3], CellShape::Tetrahedron, 1).unwrap();
+    let phi = level(&mesh, |x| ((x[0] - 0.43).powi(2) + (x[1] + 0.371).powi(2) + x[2] * x[2]).sqrt() - 0.81);
+    let direction = level(&mesh, |x| 1.0 + (2.0 * x[0]).sin() * x[1] + x[2]);
+    let u =
+        Field::interpolate(&Space::scalar(&mesh, 2).unwrap(), |x| x[0] * x[1] + 0.4 * x[2] - 0.1).unwrap();
+    let weight = Given::function_with_gradient(|x: &[f64; 3]| 0.3 + x[0] * x[1], |x| [x[1], x[0], 0.0]);
+    let model = measures::Model::new(measures::data().weight(weight));
+    let model = measures::Model { regions: model.regions.outer("boundary"), ..model };
+    let forms =
+        [model.volume(), model.length(), model.on_interface(&u), model.inside(&u), model.on_facets(&u)];
+    check(&mesh, &phi, &direction, &forms, 1e-4);
+}
+
+#[test]
+fn data_without_gradients_are_refused() {
+    let mesh = square(6);
+    let body = Assembler::new(&mesh).cut_by(&level(&mesh, |x| x[0].hypot(x[1]) - 0.71)).unwrap();
+    let model = measures::Model::new(measures::data().weight(|x: &[f64; 2]| x[0]));
+    let one = Field::interpolate(&Space::discontinuous_scalar(&mesh, 0).unwrap(), |_| 1.0).unwrap();
+    let u = Field::zero(one.space());
+    let error = body.derivative_by_level_set(&model.inside(&u), &[], &[&one]).unwrap_err().to_string();
+    assert!(error.contains("the derivative of `weight` in space is not known"), "{error}");
+    let form = form!(|t: Test<Scalar>| integral(cells("all"), t));
+    let error = body.derivative_by_level_set(&form, &[], &[&one]).unwrap_err().to_string();
+    assert!(error.contains("has no kernels for derivatives by a level set function"), "{error}");
+    let whole = Assembler::new(&mesh);
+    assert!(whole.derivative_by_level_set(&model.volume(), &[], &[&one]).is_err());
+}
+
+/// A disc that hangs at the clamped left part of a strip and is pressed onto an obstacle below.
+struct Pressed {
+    mesh: Mesh<2>,
+    space: Arc<Space<2>>,
+    law: cut_nitsche::Model<2>,
+}
+
+impl Pressed {
+    fn new(theta: f64, degree: usize) -> Self {
+        let mesh = square(10);
+        let space = Space::vector(&mesh, degree).unwrap();
+        let gap = Given::function_with_gradient(|x: &[f64; 2]| x[1] + 0.62, |_| [0.0, 1.0]);
+        let data = cut_nitsche::data()
+            .lambda(1.0)
+            .mu(1.0)
+            .gamma0(30.0 * (degree * degree) as f64)
+            .obstacle_normal([0.0, -1.0])
+            .gap(gap)
+            .theta(theta)
+            .body_force([0.0, -0.1])
+            .criterion_force([0.3, -1.0]);
+        let regions = cut_nitsche::regions().gamma_c("all").gamma_d("all").gamma_n("boundary");
+        Pressed { mesh, space, law: cut_nitsche::Model { data, regions } }
+    }
+
+    fn body(&self, phi: &Field<2>) -> (Assembler<2>, Constraints<2>) {
+        let body = Assembler::new(&self.mesh).cut_by(phi).unwrap();
+        let mut held = Constraints::new(&self.space);
+        held.fix("top", |_| [0.0, -0.05]).unwrap();
+        body.cut().unwrap().hold_outside(&mut held).unwrap();
+        (body, held)
+    }
+
+    fn solve(&self, phi: &Field<2>) -> (f64, Field<2>, Option<Vec<u32>>) {
+        let (body, held) = self.body(phi);
+        let options = NewtonOptions::default();
+        let problem = Problem::new(&self.law.direct(), &self.space).assembler(&body).constrained(&held);
+        let u = problem.options(options).solve().unwrap().into_field();
+        let criterion = body.functional(&self.law.criterion(&u)).unwrap();
+        let active = body.active_set(&self.law.direct(), &[&u]).unwrap();
+        (criterion, u, active)
+    }
+
+    fn gradient(&self, phi: &Field<2>, u: &Field<2>) -> Vec<f64> {
+        let (body, held) = self.body(phi);
+        let problem = Problem::new(&self.law.discrete_adjoint(u), &self.space).assembler(&body);
+        let p = problem.homogeneous(&held).solve().unwrap().into_field();
+        self.law.level_set_gradient(&body, u, &p).unwrap()
+    }
+}
+
+#[test]
+fn contact_criterion_has_an_exact_derivative() {
+    for (theta, degree) in [(-1.0, 1), (1.0, 1), (0.0, 2)] {
+        let problem = Pressed::new(theta, degree);
+        // A body below the top side whose lower end is round and presses.
+        let shape = |x: &[f64; 2]| {
+            let below = -0.613 + 0.3 * x[0] * x[0] - x[1];
+            below.max(x[0].abs() - 0.747)
+        };
+        let phi = level(&problem.mesh, shape);
+        let direction = level(&problem.mesh, |x| 0.5 + 0.4 * (2.0 * x[0] + x[1]).sin());
+        let (_, u, active) = problem.solve(&phi);
+        let (force, _) = problem.body(&phi);
+        assert!(force.functional(&problem.law.contact_force(&u)).unwrap() > 1e-3);
+        let slope = dot(&problem.gradient(&phi, &u), direction.values());
+        let expected = difference(
+            |step| {
+                let (criterion, _, there) = problem.solve(&moved(&phi, &direction, step));
+                assert!(there == active, "the active set changes");
+                criterion
+            },
+            2e-5,
+        );
+        let miss = (slope - expected).abs() / expected.abs();
+        println!("θ = {theta} P{degree}: {slope:.10} difference {expected:.10}, apart {miss:.1e}");
+        assert!(miss < 1e-7, "θ = {theta} P{degree}: {slope} is not {expected}");
+        let report = taylor(1e-3, &[slope], |step| -> Result<Sample, Infallible> {
+            let phi = moved(&phi, &direction, step);
+            let (value, _, active) = problem.solve(&phi);
+            let mut switches = active.unwrap_or_default();
+            switches.extend(problem.body(&phi).0.cut().unwrap().sides());
+            Ok(Sample { value: vec![value], active_set: Some(switches) })
+        });
+        let order = report.unwrap().second_order().unwrap();
+        assert!((order - 2.0).abs() < 0.05, "order {order}");
+    }
+}

@@ -1,0 +1,167 @@
+//! Derivatives of integrals over a cut body by the nodal values of its level set function: the points and weights move, the fields are fixed
+//! in space.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use forms_core::contract::{FieldSlot, Role, Term};
+
+use super::batch::Cells;
+use super::binding::{Binding, Values};
+use super::element_loops::vectors::ElementVectors;
+use super::groups::{Group, OwnPoints, groups};
+use super::kernels::VectorKernel;
+use super::{Assembler, AssemblyError};
+use crate::contract::{Form, Function};
+use crate::cut::{Cut, CutError};
+use crate::field::{Field, FieldView, views};
+use crate::instantiate::instantiate;
+use crate::space::Space;
+
+impl<const D: usize> Assembler<D> {
+    /// The derivative of R(u; p) by the values of the level set function that cuts the body: one entry per node of the function's space. u
+    /// are the form's unknowns, p fields in the place of its test functions; both keep their values on the background mesh.
+    ///
+    /// It is the exact derivative of what is assembled, with points and weights that move, also for integrands with kinks, as long as no node
+    /// changes sides. The derivative of a criterion J(u) at a solution of R(u; v) = 0 is that of J + R(u; p) with the adjoint state p of
+    /// `derivative(R(u, p), u, q) + derivative(J, u, q)`. A functional ∫ f is the form ∫ f t with t = 1. The module has the option
+    /// `#[forms(level_set_derivatives)]`.
+    ///
+    /// ```
+    /// use forms_fem::prelude::*;
+    ///
+    /// let mesh = rectangle([-1.0; 2], [1.0; 2], [16, 16], CellShape::Triangle, 1)?;
+    /// let space = Space::scalar(&mesh, 1)?;
+    /// let phi = Field::interpolate(&space, |x| x[0].hypot(x[1]) - 0.71)?;
+    /// let disc = Assembler::new(&mesh).cut_by(&phi)?;
+    /// let area = form!(|t: Test<Scalar>| integral(cells("all"), t), level_set_derivatives);
+    /// let one = Field::interpolate(&Space::discontinuous_scalar(&mesh, 0)?, |_| 1.0)?;
+    /// let slope = disc.derivative_by_level_set(&area, &[], &[&one])?;
+    /// // φ + t has the radius 0.71 − t.
+    /// let rate: f64 = slope.iter().sum();
+    /// assert!((rate + 2.0 * std::f64::consts::PI * 0.71).abs() < 0.02);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// An assembler that is on no cut body, a form whose module does not have the option, fields that do not fit, and data without a derivative in space: a
+    /// function of position without a gradient, or one written in Rust.
+    pub fn derivative_by_level_set(
+        &self,
+        form: &Form<D>,
+        unknowns: &[&Field<D>],
+        tests: &[&Field<D>],
+    ) -> Result<Vec<f64>, AssemblyError> {
+        self.derivative_by_cut(form, &views(unknowns), &views(tests))
+    }
+
+    #[inline(never)]
+    fn derivative_by_cut(
+        &self,
+        form: &Function<D>,
+        unknowns: &[FieldView<D>],
+        tests: &[FieldView<D>],
+    ) -> Result<Vec<f64>, AssemblyError> {
+        let refused =
+            |source| AssemblyError::Cut { form: form.name(), place: "its derivative".to_owned(), source };
+        let Some(cut) = self.cut.as_deref() else { return Err(refused(CutError::NoCut)) };
+        let mut binding = self.bind(form, unknowns)?;
+        let spaces: Vec<&Arc<Space<D>>> = tests.iter().map(|test| test.space).collect();
+        binding.check_tests(&spaces, &self.mesh)?;
+        let elements: Vec<usize> = spaces.iter().map(|space| binding.element(space)).collect();
+        let degrees = binding.degrees(&spaces);
+        let mut gradient = vec![0.0; cut.node_count()];
+        for term in form.residual() {
+            let (integral, constants) = (term.integral, term.kernel.constants());
+            let (test, element) = (&tests[integral.test], elements[integral.test]);
+            let arguments = [(Role::Test(integral.test), &**test.space)];
+            let found =
+                groups(&binding, integral, &self.quadrature, &degrees, constants.requirements, &arguments)?;
+            for mut group in found {
+                let side = group.side(form.name(), integral.test_side)?;
+                let name = binding.name_of(Role::Test(integral.test));
+                group.check_support(form.name(), name, test.space, side)?;
+                for vertex in 0..group.sides[side].shape.vertices() {
+                    let moved = match &mut group.own {
+                        Some(OwnPoints::Cut(points)) => {
+                            points.move_with(cut, &group.sides[0], vertex);
+                            true
+                        }
+                        // Whole cells and facets, and pairs, do not move.
+                        _ => false,
+                    };
+                    if moved {
+                        let moving = Moving { assembler: self, binding: &binding, term, element };
+                        moving.add(&group, (cut, vertex), test, &mut gradient)?;
+                    }
+                }
+            }
+        }
+        Ok(gradient)
+    }
+}
+
+/// One term on a group whose points move.
+struct Moving<'a, const D: usize> {
+    assembler: &'a Assembler<D>,
+    binding: &'a Binding<'a, D>,
+    term: &'a Term<VectorKernel<D>>,
+    /// That of the test function.
+    element: usize,
+}
+
+impl<const D: usize> Moving<'_, D> {
+    fn add(
+        &self,
+        group: &Group<D>,
+        (cut, vertex): (&Cut<D>, usize),
+        test: &FieldView<D>,
+        gradient: &mut [f64],
+    ) -> Result<(), AssemblyError> {
+        let Moving { assembler, binding, term, element } = *self;
+        let side = &group.sides[0];
+        let task = ElementVectors { binding, group, cells: Cells::Mesh(binding.mesh), side: 0, element };
+        let (local, components) = (side.facet.map(|(local, _)| local), term.kernel.constants().components);
+        let size = task.nodes() * components;
+        let count = group.entities();
+        let parts = assembler.threads.count().min(count.div_ceil(64)).max(1);
+        let parts = (0..parts).map(|part| part * count / parts..(part + 1) * count / parts).collect();
+        // Each cell's number is its own, so that threads do not show.
+        let found = assembler.threads.run(parts, |entities: Range<usize>| {
+            let mut numbers: Vec<f64> = Vec::with_capacity(entities.len());
+            term.kernel.compute_slopes(&task, assembler.instructions, entities, &mut |first, vectors| {
+                for (entity, vector) in vectors.chunks_exact(size).enumerate() {
+                    let nodes = test.space.nodes_at(side.cells[first + entity], local);
+                    let values = nodes.iter().flat_map(|node| {
+                        let start = *node as usize * components;
+                        &test.values[start..start + components]
+                    });
+                    numbers.push(vector.iter().zip(values).map(|(slope, value)| slope * value).sum());
+                }
+                Ok(())
+            })?;
+            Ok(numbers)
+        });
+        let parts: Vec<Vec<f64>> = found.into_iter().collect::<Result<_, AssemblyError>>()?;
+        for (cell, number) in side.cells.iter().zip(parts.iter().flatten()) {
+            if !number.is_finite() {
+                return Err(self.no_gradient(group));
+            }
+            gradient[cut.vertex_nodes(*cell)[vertex] as usize] += number;
+        }
+        Ok(())
+    }
+
+    #[cold]
+    fn no_gradient(&self, group: &Group<D>) -> AssemblyError {
+        let Moving { binding, term, .. } = *self;
+        let without = |slot: &&FieldSlot| matches!(binding.values[slot.field], Values::Function { .. });
+        let slots = term.kernel.constants().requirements.fields;
+        let field =
+            slots.iter().find(without).map_or("an external function", |slot| binding.fields[slot.field].name);
+        let source = CutError::NoGradient { field };
+        AssemblyError::Cut { form: binding.name, place: group.place.clone(), source }
+    }
+}
+
+instantiate!(cut_derivative: Assembler::<D>::derivative_by_cut);

@@ -1,0 +1,301 @@
+//! Pieces as groups: parts of cut cells inside a body, parts of its interface, and parts of exterior facets. Entities with equal numbers of
+//! points make a group.
+
+use std::collections::BTreeMap;
+
+use forms_core::contract::{Dual, Integral, Requirements};
+
+use super::degrees::Estimate;
+use super::means::FurtherTables;
+use super::{Group, GroupSide, OwnPoints, Places};
+use crate::assemble::AssemblyError;
+use crate::assemble::batch::basis_in_lanes::LaneElement;
+use crate::assemble::binding::Binding;
+use crate::assemble::binding::entities::Entities;
+use crate::cut::{Cut, CutError, CutSide, VertexValues};
+use crate::element::{CellShape, Element};
+use crate::instantiate::instantiate;
+use crate::mesh::Facet;
+use crate::quadrature::{Piece, Quadrature, QuadratureRule, cell_rule, facet_reference_rule, map_to_facet};
+
+/// Location of a group's pieces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::assemble) enum PieceKind {
+    Cell,
+    Facet,
+    Interface,
+}
+
+/// A rule on the simplices of a cell's dimension, or of a facet's.
+#[derive(Clone)]
+enum PieceRule<const D: usize> {
+    Cells(QuadratureRule<D>),
+    Facets(QuadratureRule<2>),
+}
+
+/// The points of a group's pieces, with the elements that are evaluated there.
+pub(in crate::assemble) struct CutTables<const D: usize> {
+    pub kind: PieceKind,
+    /// The rule on each piece, where a level set function cuts.
+    rule: Option<PieceRule<D>>,
+    /// Points of each entity.
+    pub count: usize,
+    /// Of each entity and point: reference coordinates in the cell, the weight in these coordinates or on the facet's own reference
+    /// cell, and of an interface its unit normal in reference coordinates.
+    pub points: Vec<f64>,
+    /// Their rates, where points move.
+    pub slopes: Vec<f64>,
+    pub geometry: LaneElement,
+    /// The binding's elements; of a space on facets, the traces that do not vanish.
+    pub elements: Vec<LaneElement>,
+}
+
+impl<const D: usize> CutTables<D> {
+    /// Numbers per point.
+    #[inline(always)]
+    pub fn stride(&self) -> usize {
+        match self.kind {
+            PieceKind::Cell | PieceKind::Facet => D + 1,
+            PieceKind::Interface => 2 * D + 1,
+        }
+    }
+
+    pub fn is_interface(&self) -> bool {
+        self.kind == PieceKind::Interface
+    }
+
+    /// Motion of all points as the value of a level set function grows at the vertex of this number of each cell.
+    pub fn move_with(&mut self, cut: &Cut<D>, side: &GroupSide<D>, vertex: usize) {
+        self.slopes.clear();
+        let local = side.facet.map(|(local, _)| local);
+        let mut points: Vec<Dual<f64>> = Vec::new();
+        for cell in &side.cells {
+            points.clear();
+            let values = VertexValues::new(cut, *cell, Some(vertex));
+            match (&self.rule, self.kind, local) {
+                (Some(PieceRule::Cells(rule)), PieceKind::Cell, _) => values.points_inside(rule, &mut points),
+                (Some(PieceRule::Facets(rule)), PieceKind::Interface, _) => {
+                    values.points_of_interface::<D>(rule, &mut points);
+                }
+                (Some(PieceRule::Facets(rule)), PieceKind::Facet, Some(local)) => {
+                    values.points_on_facet::<D>(local, rule, &mut points);
+                }
+                _ => {}
+            }
+            self.slopes.extend(points.iter().map(|number| number.derivative));
+        }
+        // What no rule moves must not pass for something that is held.
+        self.slopes.resize(self.points.len(), f64::NAN);
+    }
+
+    /// The points of an entity in the cell's reference coordinates.
+    pub fn points_of(&self, entity: usize) -> impl Iterator<Item = [f64; D]> {
+        let length = self.count * self.stride();
+        let own = self.points[entity * length..][..length].chunks(self.stride());
+        own.map(|point| std::array::from_fn(|k| point[k]))
+    }
+}
+
+/// Common properties of a group's entities: the cells' shape, the facet's local number, the points of each entity.
+type Key = (CellShape, Option<u8>, usize);
+
+/// Cells with the numbers of their points, in the order of the walk.
+type Entries = BTreeMap<Key, (Vec<u32>, Vec<f64>)>;
+
+fn add_entry(
+    entries: &mut Entries,
+    (shape, local): (CellShape, Option<u8>),
+    cell: u32,
+    stride: usize,
+    own: &[f64],
+) {
+    if !own.is_empty() {
+        let (cells, points) = entries.entry((shape, local, own.len() / stride)).or_default();
+        cells.push(cell);
+        points.extend_from_slice(own);
+    }
+}
+
+/// What integrals over a cut mesh do not have.
+///
+/// # Errors
+/// [`AssemblyError::Cut`].
+pub(in crate::assemble) fn refusals<const D: usize>(
+    binding: &Binding<D>,
+    place: &str,
+    cut: &Cut<D>,
+    (quadrature, reads_history): (&Quadrature<D>, bool),
+) -> Result<(), AssemblyError> {
+    let refused = |what| Err(CutError::Refused { what });
+    let found = match quadrature {
+        _ if !cut.mesh().is_same(binding.mesh) => Err(CutError::OtherMesh),
+        _ if reads_history => refused("a history"),
+        Quadrature::Split { .. } => refused("a rule with split facets"),
+        _ => Ok(()),
+    };
+    found.map_err(|source| AssemblyError::Cut { form: binding.name, place: place.to_owned(), source })
+}
+
+/// The degree of the rules on the simplices of a shape's cells, for one per direction on the others.
+fn total_degree<const D: usize>(
+    quadrature: &Quadrature<D>,
+    shape: CellShape,
+    estimated: usize,
+) -> Result<usize, CutError> {
+    let degree = quadrature.degree(estimated).ok_or(CutError::ExplicitPoints)?;
+    Ok(if shape.is_simplex() { degree } else { D * degree })
+}
+
+/// The parts of cells inside; `shape` is that of all of them.
+#[inline(never)]
+pub(in crate::assemble) fn inside_of_cells<const D: usize>(
+    binding: &Binding<D>,
+    place: &str,
+    (cut, cells): (&Cut<D>, &[u32]),
+    (shape, quadrature, degree): (CellShape, &Quadrature<D>, usize),
+    requirements: &Requirements,
+) -> Result<Vec<Group<D>>, AssemblyError> {
+    if cells.is_empty() {
+        return Ok(vec![]);
+    }
+    let form = binding.name;
+    let refused = |source| AssemblyError::Cut { form, place: place.to_owned(), source };
+    let degree = total_degree(quadrature, shape, degree).map_err(refused)?;
+    let simplex = if D == 2 { CellShape::Triangle } else { CellShape::Tetrahedron };
+    let rule: QuadratureRule<D> =
+        cell_rule(simplex, degree).map_err(|source| AssemblyError::Quadrature { form, source })?;
+    let (mut entries, mut own) = (Entries::new(), Vec::new());
+    for cell in cells {
+        own.clear();
+        VertexValues::new(cut, *cell, None).points_inside(&rule, &mut own);
+        add_entry(&mut entries, (shape, None), *cell, D + 1, &own);
+    }
+    let rule = Some(PieceRule::Cells(rule));
+    groups_of_pieces(binding, place, (PieceKind::Cell, rule), entries, requirements)
+}
+
+/// The parts of the interface in the cells of a region.
+#[inline(never)]
+pub(in crate::assemble) fn interface_groups<const D: usize>(
+    binding: &Binding<D>,
+    integral: &Integral,
+    quadrature: &Quadrature<D>,
+    estimate: &Estimate,
+    requirements: &Requirements,
+) -> Result<Vec<Group<D>>, AssemblyError> {
+    let (form, mesh, region) = (binding.name, binding.mesh, &binding.regions[integral.region]);
+    let place = format!("the interface `{}` (\"{}\")", region.symbol, region.name);
+    let refused = |source| AssemblyError::Cut { form, place: place.clone(), source };
+    let Some(cut) = binding.cut else { return Err(refused(CutError::NoCut)) };
+    let Entities::Cells(cells) = binding.entities(integral.region)? else { return Ok(vec![]) };
+    let mut groups = Vec::new();
+    for (shape, cells) in mesh.by_shape(mesh.walk_of_cells(&cells)) {
+        let degree = total_degree(quadrature, shape, estimate.on_interface(mesh, shape)).map_err(refused)?;
+        let simplex = if D == 2 { CellShape::Triangle } else { CellShape::Tetrahedron };
+        let rule = facet_reference_rule(simplex, degree)
+            .map_err(|source| AssemblyError::Quadrature { form, source })?;
+        let (mut entries, mut own) = (Entries::new(), Vec::new());
+        for cell in cells {
+            own.clear();
+            VertexValues::new(cut, cell, None).points_of_interface::<D>(&rule, &mut own);
+            add_entry(&mut entries, (shape, None), cell, 2 * D + 1, &own);
+        }
+        let rule = Some(PieceRule::Facets(rule));
+        let kind = (PieceKind::Interface, rule);
+        groups.extend(groups_of_pieces(binding, &place, kind, entries, requirements)?);
+    }
+    Ok(groups)
+}
+
+/// Facets in pieces on their own reference cell.
+#[inline(never)]
+pub(in crate::assemble) fn clipped_facets<const D: usize>(
+    binding: &Binding<D>,
+    place: &str,
+    facets: &[(Facet, Vec<Piece>)],
+    (quadrature, degree): (&Quadrature<D>, usize),
+    requirements: &Requirements,
+) -> Result<Vec<Group<D>>, AssemblyError> {
+    let (mesh, form) = (binding.mesh, binding.name);
+    let failed = |source| AssemblyError::Quadrature { form, source };
+    let mut walk: Vec<(u32, usize)> =
+        facets.iter().enumerate().map(|(index, (facet, _))| (mesh.walk_of_facet(&[*facet]), index)).collect();
+    walk.sort_unstable();
+    let (mut entries, mut own) = (Entries::new(), Vec::new());
+    for (facet, pieces) in walk.into_iter().map(|(_, index)| &facets[index]) {
+        let shape = mesh.cell_shape(facet.cell as usize);
+        let rule = quadrature.rule_on_pieces(mesh.shape_of_facets(), degree, pieces).map_err(failed)?;
+        let rule = map_to_facet::<D>(shape, usize::from(facet.local), &rule).map_err(failed)?;
+        own.clear();
+        for (point, weight) in rule.points.iter().zip(&rule.weights) {
+            own.extend_from_slice(point);
+            own.push(*weight);
+        }
+        add_entry(&mut entries, (shape, Some(facet.local)), facet.cell, D + 1, &own);
+    }
+    let rule = match binding.cut {
+        None => None,
+        Some(_) => {
+            let rule = quadrature.facet_reference_rule(mesh.shape_of_facets(), degree).map_err(failed)?;
+            Some(PieceRule::Facets(rule))
+        }
+    };
+    groups_of_pieces(binding, place, (PieceKind::Facet, rule), entries, requirements)
+}
+
+/// The groups of some pieces.
+fn groups_of_pieces<const D: usize>(
+    binding: &Binding<D>,
+    place: &str,
+    (kind, rule): (PieceKind, Option<PieceRule<D>>),
+    entries: Entries,
+    requirements: &Requirements,
+) -> Result<Vec<Group<D>>, AssemblyError> {
+    let (mesh, form) = (binding.mesh, binding.name);
+    let failed = |source| AssemblyError::Quadrature { form, source };
+    // Second derivatives are evaluated in lanes, means over whole cells as everywhere.
+    let further = FurtherTables { hessians: false, means: requirements.reads_means() };
+    let mut groups = Vec::new();
+    for ((shape, local, count), (cells, points)) in entries {
+        // One point, for what is the same at all of them: Jacobians of affine cells.
+        let places = match local {
+            None => Places { points: vec![shape.centre()], facet: None },
+            Some(local) => {
+                let vertex = QuadratureRule { points: vec![[0.0; 2]], weights: vec![0.0] };
+                let rule = map_to_facet::<D>(shape, usize::from(local), &vertex).map_err(failed)?;
+                Places { points: rule.points, facet: Some((local, rule.tangents)) }
+            }
+        };
+        let mut side =
+            GroupSide::new(mesh, &binding.elements, (shape, cells), &places, further).map_err(failed)?;
+        // These points are no grid.
+        side.products.fill_with(|| None);
+        let elements = binding.elements.iter().map(|element| {
+            let own = &element.elements[shape];
+            let kept = local.map(|local| own.facet_nodes(usize::from(local))).unwrap_or_default();
+            let kept = (element.on_facets && element.degree > 0).then_some(&kept[..]);
+            LaneElement::new(own, kept)
+        });
+        let geometry = LaneElement::new(&Element::Lagrange(mesh.element_of(shape)), None);
+        let (slopes, elements) = (vec![], elements.collect());
+        let own = CutTables { kind, rule: rule.clone(), count, points, slopes, geometry, elements };
+        groups.push(Group {
+            place: place.to_owned(),
+            sides: vec![side],
+            weights: vec![0.0; count],
+            own: Some(OwnPoints::Cut(own)),
+            means: None,
+        });
+    }
+    Ok(groups)
+}
+
+impl<const D: usize> Cut<D> {
+    /// Cells that are whole, and those that are cut; others are left out.
+    pub(in crate::assemble) fn whole_cells(&self, cells: Vec<u32>) -> (Vec<u32>, Vec<u32>) {
+        let active = cells.into_iter().filter(|cell| self.side_of_cell(*cell) != CutSide::Outside);
+        active.partition(|cell| self.side_of_cell(*cell) == CutSide::Inside)
+    }
+}
+
+instantiate!(cut_groups: inside_of_cells::<D>, interface_groups::<D>, clipped_facets::<D>);

@@ -1,0 +1,300 @@
+//! Bodies that are cut from a mesh: where a level set function is negative.
+//!
+//! ```text
+//! simplices   the pieces of one simplex
+//! pieces   a cell and a facet in pieces, with the points of rules
+//! parts    parts of the body that no cell connects
+//! holding  unknowns that no active cell has
+//! body     the pieces as a mesh of their own, to be drawn and written
+//! ```
+
+mod body;
+mod error;
+mod holding;
+mod parts;
+mod pieces;
+mod simplices;
+
+use std::sync::Arc;
+
+pub use self::body::CutBody;
+pub use self::error::CutError;
+pub use self::parts::BodyPart;
+pub(crate) use self::pieces::VertexValues;
+pub(crate) use self::simplices::{determinant_of, edges_of};
+use crate::element::{CellShape, Elements};
+use crate::field::Field;
+use crate::instantiate::instantiate;
+use crate::mesh::{Facet, Mesh};
+use crate::pairs::Pairs;
+use crate::space::Scope;
+
+/// The name of the interior facets on which ghost penalties are.
+pub const GHOST: &str = "ghost";
+/// The name of the cells through which the interface passes.
+pub const CUT: &str = "cut";
+/// The name of the cells that are whole.
+pub const INSIDE: &str = "inside";
+
+/// Values at nodes that are nearer to zero than this part of the function's range on the cells around are moved.
+const NEAR_ZERO: f64 = 1e-12;
+
+/// Location of a cell or a facet in a cut mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CutSide {
+    /// The function is negative all over it.
+    Inside,
+    /// The interface passes through it.
+    Cut,
+    /// Nothing of the body is in it.
+    Outside,
+}
+
+/// The body {φ < 0} of a level set function φ of degree 1 on the mesh of its space.
+///
+/// On triangles and tetrahedra φ is linear, and so are the pieces: the body is a polygon or polyhedron. A quadrilateral counts as two
+/// triangles, on which φ is linear between its values at the corners. Cells with φ < 0 somewhere are *active*. Integrals of an assembler on
+/// the cut ([`Assembler::cut_by`](crate::assemble::Assembler::cut_by)) are over the parts of cells and exterior facets inside.
+///
+/// ```
+/// use forms_fem::prelude::*;
+///
+/// let mesh = rectangle([-1.0; 2], [1.0; 2], [32, 32], CellShape::Triangle, 1)?;
+/// let phi = Field::interpolate(&Space::scalar(&mesh, 1)?, |x| x[0].hypot(x[1]) - 0.7)?;
+/// let disc = Assembler::new(&mesh).cut_by(&phi)?;
+/// let area = form!(|| -> Functional { integral(cells("all"), 1) });
+/// let length = form!(|| -> Functional { integral(interface("all"), 1) });
+/// assert!((disc.functional(&area)? - 1.539_380).abs() < 3e-3);
+/// assert!((disc.functional(&length)? - 4.398_230).abs() < 3e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Cut<const D: usize> {
+    mesh: Mesh<D>,
+    /// φ at the nodes of its space, moved away from zero, and the nodes of each cell's vertices.
+    values: Vec<f64>,
+    vertices: Vec<u32>,
+    /// The start of each cell's vertices.
+    starts: Vec<u32>,
+    moved: Vec<u32>,
+    sides: Vec<CutSide>,
+    /// Cells of either kind, ascending.
+    inside: Vec<u32>,
+    cut: Vec<u32>,
+    ghost: Vec<[Facet; 2]>,
+}
+
+impl<const D: usize> Cut<D> {
+    /// The body on which a function is negative.
+    ///
+    /// A value at a node that is zero, or nearer to it than 10⁻¹² of the function's range on the cells around, becomes this small number: the
+    /// node is outside then ([`Cut::moved_nodes`]).
+    ///
+    /// # Errors
+    /// [`CutError`]: a field that is no continuous scalar of degree 1 on all cells, a mesh of hexahedra or with hanging nodes, regions of the mesh that
+    /// have a name of the cut's, or a function that is nowhere negative.
+    #[inline(never)]
+    pub fn by(phi: &Field<D>) -> Result<Arc<Self>, CutError> {
+        let space = phi.space();
+        let mesh = space.mesh();
+        if space.components() != 1 {
+            return Err(CutError::Components { found: space.components() });
+        }
+        if *space.elements() != Elements::Lagrange(1) || *space.scope() != Scope::Nodes {
+            let (elements, scope) = (space.elements().clone(), space.scope().clone());
+            return Err(CutError::Elements { elements, scope });
+        }
+        if mesh.shapes().contains(&CellShape::Hexahedron) {
+            return Err(CutError::Hexahedra);
+        }
+        if mesh.facet_parts().next().is_some() {
+            return Err(CutError::HangingNodes);
+        }
+        let names = [
+            (CUT, mesh.cell_region(CUT).is_ok()),
+            (INSIDE, mesh.cell_region(INSIDE).is_ok()),
+            (GHOST, mesh.interior_facet_region(GHOST).is_ok()),
+        ];
+        if let Some((name, _)) = names.into_iter().find(|(_, taken)| *taken) {
+            return Err(CutError::Name { name });
+        }
+        if let Some(node) = phi.values().iter().position(|value| !value.is_finite()) {
+            return Err(CutError::NotFinite { position: space.positions()[node].to_vec() });
+        }
+        let (vertices, starts) = vertices_of(phi);
+        let of_cell = |cell: usize| &vertices[starts[cell] as usize..starts[cell + 1] as usize];
+        let (values, moved) = away_from_zero(phi.values(), mesh.body_cells().map(of_cell));
+        let mut sides = vec![CutSide::Outside; mesh.cell_count()];
+        for cell in mesh.body_cells() {
+            sides[cell] = side(of_cell(cell).iter().map(|node| values[*node as usize]));
+        }
+        let mesh = mesh.clone();
+        let (inside, cut, ghost) = (vec![], vec![], vec![]);
+        let mut made = Cut { mesh, values, vertices, starts, moved, sides, inside, cut, ghost };
+        made.list();
+        if made.inside.is_empty() && made.cut.is_empty() {
+            return Err(CutError::Empty);
+        }
+        Ok(Arc::new(made))
+    }
+
+    /// The lists of cells and facets, by the sides of the cells.
+    fn list(&mut self) {
+        let of_side = |wanted: CutSide| -> Vec<u32> {
+            (0..self.sides.len() as u32).filter(|cell| self.sides[*cell as usize] == wanted).collect()
+        };
+        (self.inside, self.cut) = (of_side(CutSide::Inside), of_side(CutSide::Cut));
+        let is_ghost = |facets: &&[Facet; 2]| {
+            let sides = facets.map(|facet| self.sides[facet.cell as usize]);
+            !sides.contains(&CutSide::Outside) && sides.contains(&CutSide::Cut)
+        };
+        self.ghost = self.mesh.interior_facets().iter().filter(is_ghost).copied().collect();
+    }
+
+    /// The background mesh.
+    pub fn mesh(&self) -> &Mesh<D> {
+        &self.mesh
+    }
+
+    /// Location of a cell.
+    ///
+    /// # Panics
+    /// When the mesh has no such cell.
+    pub fn side_of_cell(&self, cell: u32) -> CutSide {
+        self.sides[cell as usize]
+    }
+
+    /// Location of a facet, seen from its cell.
+    ///
+    /// # Panics
+    /// When the mesh has no such cell or facet.
+    pub fn side_of_facet(&self, facet: Facet) -> CutSide {
+        match self.sides[facet.cell as usize] {
+            CutSide::Outside => CutSide::Outside,
+            _ => {
+                let values = self.vertex_values(facet.cell);
+                let shape = self.mesh.cell_shape(facet.cell as usize);
+                side(shape.facet_vertices(usize::from(facet.local)).iter().map(|vertex| values[*vertex]))
+            }
+        }
+    }
+
+    /// A number per cell that says where it is. Where one changes, a node has changed sides, and what is assembled jumps by a little: in
+    /// a line search and in Taylor tests these are switches.
+    pub fn sides(&self) -> impl Iterator<Item = u32> {
+        self.sides.iter().map(|side| *side as u32)
+    }
+
+    /// The cells that are whole, ascending.
+    pub fn inside_cells(&self) -> &[u32] {
+        &self.inside
+    }
+
+    /// The cells through which the interface passes, ascending.
+    pub fn cut_cells(&self) -> &[u32] {
+        &self.cut
+    }
+
+    /// The interior facets between active cells, one of them cut at least, with both sides.
+    pub fn ghost_facets(&self) -> &[[Facet; 2]] {
+        &self.ghost
+    }
+
+    /// The nodes of φ's space at which a value that was zero was moved, ascending.
+    pub fn moved_nodes(&self) -> &[u32] {
+        &self.moved
+    }
+
+    /// Check that contact pairs are on facets inside.
+    ///
+    /// # Errors
+    /// [`CutError::PairedFacet`].
+    pub(crate) fn check_pairs(&self, pairs: &Pairs<D>) -> Result<(), CutError> {
+        for facet in pairs.groups.iter().flat_map(|group| &group.facets).flatten() {
+            if !self.mesh.carries(facet.cell) && self.side_of_facet(*facet) != CutSide::Inside {
+                return Err(CutError::PairedFacet { position: self.mesh.facet_centre(*facet).to_vec() });
+            }
+        }
+        Ok(())
+    }
+
+    /// Number of nodes of φ's space.
+    pub(crate) fn node_count(&self) -> usize {
+        self.values.len()
+    }
+
+    /// φ at the vertices of a cell.
+    pub(crate) fn vertex_values(&self, cell: u32) -> [f64; 4] {
+        let nodes = self.vertex_nodes(cell);
+        std::array::from_fn(|k| nodes.get(k).map_or(f64::NAN, |node| self.values[*node as usize]))
+    }
+
+    /// The nodes of φ's space at the vertices of a cell.
+    pub(crate) fn vertex_nodes(&self, cell: u32) -> &[u32] {
+        let cell = cell as usize;
+        &self.vertices[self.starts[cell] as usize..self.starts[cell + 1] as usize]
+    }
+}
+
+/// The side of what has these values at its vertices.
+fn side(values: impl Iterator<Item = f64>) -> CutSide {
+    let (mut inner, mut outer) = (false, false);
+    for value in values {
+        inner |= value < 0.0;
+        outer |= value > 0.0;
+    }
+    match (inner, outer) {
+        (true, false) => CutSide::Inside,
+        (true, true) => CutSide::Cut,
+        _ => CutSide::Outside,
+    }
+}
+
+/// The nodes at the vertices of all cells, and where those of each cell start.
+fn vertices_of<const D: usize>(phi: &Field<D>) -> (Vec<u32>, Vec<u32>) {
+    let space = phi.space();
+    let mesh = space.mesh();
+    let (mut vertices, mut starts) = (Vec::new(), vec![0]);
+    let places: Vec<(CellShape, Vec<usize>)> = mesh
+        .shapes()
+        .into_iter()
+        .map(|shape| {
+            let points = space.element_of(shape).node_points::<D>();
+            let at = |vertex: &[f64; 3]| points.iter().position(|point| point[..] == vertex[..D]);
+            (shape, shape.vertex_points().iter().filter_map(at).collect())
+        })
+        .collect();
+    for cell in 0..mesh.cell_count() {
+        let shape = mesh.cell_shape(cell);
+        let nodes = space.cell_nodes(cell);
+        let known = places.iter().find(|(known, _)| *known == shape);
+        let places = known.map(|(_, places)| &places[..]).unwrap_or_default();
+        vertices.extend(places.iter().filter_map(|place| nodes.get(*place)));
+        starts.push(vertices.len() as u32);
+    }
+    (vertices, starts)
+}
+
+/// Values of which none is zero, and the nodes whose values were moved.
+fn away_from_zero<'a>(values: &[f64], cells: impl Iterator<Item = &'a [u32]>) -> (Vec<f64>, Vec<u32>) {
+    let mut ranges = vec![0.0_f64; values.len()];
+    for nodes in cells {
+        let of_cell = || nodes.iter().map(|node| values[*node as usize]);
+        let range = of_cell().fold(f64::MIN, f64::max) - of_cell().fold(f64::MAX, f64::min);
+        for node in nodes {
+            ranges[*node as usize] = ranges[*node as usize].max(range);
+        }
+    }
+    let (mut values, mut moved) = (values.to_vec(), vec![]);
+    for (node, value) in values.iter_mut().enumerate() {
+        // A node of no cell, or one around which the function vanishes, has no range.
+        let least = (NEAR_ZERO * ranges[node]).max(f64::MIN_POSITIVE);
+        if value.abs() < least {
+            *value = least;
+            moved.push(node as u32);
+        }
+    }
+    (values, moved)
+}
+
+instantiate!(cut: Cut::<D>::by, Cut::<D>::side_of_facet, vertices_of::<D>);

@@ -1,0 +1,170 @@
+//! Solutions on cut bodies, their parts, and their pieces as a mesh.
+
+use forms_fem::cut::CutSide;
+use forms_fem::output::VtuFile;
+use forms_fem::prelude::*;
+
+use crate::{circle, cut, level, square};
+
+#[forms]
+mod membrane {
+    pub struct Data {
+        pub theta: Param,
+        pub gamma0: Param,
+        pub weight: Param,
+        pub load: Given<Scalar>,
+        pub prescribed: Given<Scalar>,
+    }
+    #[cells]
+    pub struct Omega;
+    #[interface]
+    pub struct Gamma;
+    #[interior_facets]
+    pub struct Ghost;
+
+    pub fn poisson(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        let miss = u - prescribed;
+        integral(Omega, dot(grad(u), grad(v)) - load * v)
+            + integral(Gamma, gamma0 / h * miss * v - dot(grad(u), n) * v - theta * dot(grad(v), n) * miss)
+            + integral(Ghost, weight * avg(h) * dot(jump(grad(u)), n) * dot(jump(grad(v)), n))
+    }
+    pub fn error(u: State<Scalar>) -> Functional {
+        integral(Omega, sqr(u - prescribed))
+    }
+}
+
+/// The error of a solution whose Dirichlet values are given on the interface.
+fn error(
+    mesh: &Mesh<2>,
+    theta: f64,
+    degree: usize,
+    exact: fn(&[f64; 2]) -> f64,
+    load: fn(&[f64; 2]) -> f64,
+) -> f64 {
+    let space = Space::scalar(mesh, degree).unwrap();
+    let body = cut(mesh, circle);
+    let mut held = Constraints::new(&space);
+    body.cut().unwrap().hold_outside(&mut held).unwrap();
+    let data = membrane::data()
+        .theta(theta)
+        .gamma0(10.0 * (degree * degree) as f64)
+        .weight(0.1)
+        .load(Given::function(load))
+        .prescribed(Given::function(exact));
+    let regions = membrane::Regions::default().ghost("ghost");
+    let model = membrane::Model { data, regions };
+    let solved = Problem::new(&model.poisson(), &space).assembler(&body).constrained(&held).solve().unwrap();
+    body.functional(&model.error(solved.field())).unwrap().sqrt()
+}
+
+#[test]
+fn linear_functions_are_reproduced() {
+    for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
+        for theta in [-1.0, 0.0, 1.0] {
+            let found = error(&square(8, shape), theta, 1, |x| 1.0 + 2.0 * x[0] - 3.0 * x[1], |_| 0.0);
+            assert!(found < 1e-11, "{shape:?}: {found:e}");
+        }
+    }
+}
+
+#[test]
+fn errors_fall_with_order_2() {
+    let exact = |x: &[f64; 2]| (2.0 * x[0]).sin() * x[1].exp();
+    let load = |x: &[f64; 2]| 3.0 * (2.0 * x[0]).sin() * x[1].exp();
+    let found = [8, 16, 32].map(|cells| error(&square(cells, CellShape::Triangle), 1.0, 1, exact, load));
+    let order = (found[0] / found[2]).log2() / 2.0;
+    assert!((order - 2.0).abs() < 0.2, "order {order} of {found:?}");
+}
+
+#[test]
+fn unknowns_outside_are_held_and_no_others() {
+    let mesh = square(10, CellShape::Triangle);
+    let body = cut(&mesh, circle);
+    let cut = body.cut().unwrap();
+    let space = Space::vector(&mesh, 2).unwrap();
+    let mut held = Constraints::new(&space);
+    held.fix("left", |_| [0.5, 0.0]).unwrap();
+    let before = held.prescribed().len();
+    cut.hold_outside(&mut held).unwrap();
+    assert!(held.prescribed().len() > before);
+    let mut active = vec![false; space.node_count()];
+    for cell in (0..mesh.cell_count() as u32).filter(|cell| cut.side_of_cell(*cell) != CutSide::Outside) {
+        space.cell_nodes(cell as usize).iter().for_each(|node| active[*node as usize] = true);
+    }
+    for node in 0..space.node_count() {
+        assert_eq!(held.is_prescribed(2 * node), !active[node] || space.positions()[node][0] == -1.0);
+    }
+    // What was prescribed stays.
+    let left = space.nodes_on("left").unwrap()[0] as usize;
+    assert_eq!(held.prescribed()[&(2 * left)], 0.5);
+}
+
+#[test]
+fn ghost_facets_touch_the_cut() {
+    let mesh = square(10, CellShape::Triangle);
+    let body = cut(&mesh, circle);
+    let cut = body.cut().unwrap();
+    let sides = |facets: &[Facet; 2]| facets.map(|facet| cut.side_of_cell(facet.cell));
+    let expected: Vec<[Facet; 2]> = mesh
+        .interior_facets()
+        .iter()
+        .filter(|facets| {
+            let sides = sides(facets);
+            sides.contains(&CutSide::Cut) && !sides.contains(&CutSide::Outside)
+        })
+        .copied()
+        .collect();
+    assert!(!expected.is_empty() && cut.ghost_facets() == expected);
+    let count = form!(|| -> Functional { integral(interior_facets("ghost"), 1 / facet_area) });
+    assert!((body.functional(&count).unwrap() - expected.len() as f64).abs() < 1e-9);
+    let cells = form!(|| -> Functional {
+        integral(cells("cut"), 1) + integral(cells("inside"), 1) - integral(cells("all"), 1)
+    });
+    assert!(body.functional(&cells).unwrap().abs() < 1e-14);
+}
+
+#[test]
+fn islands_are_found_and_removed() {
+    let mesh = square(20, CellShape::Triangle);
+    // A bar at the left side and a disc that hangs on nothing.
+    let phi = level(&mesh, |x| (x[0] + 0.311).min((x[0] - 0.51).hypot(x[1]) - 0.243));
+    let body = Assembler::new(&mesh).cut_by(&phi).unwrap();
+    let parts = body.cut().unwrap().parts();
+    assert_eq!(parts.len(), 2);
+    assert!((parts[0].volume - 2.0 * 0.689).abs() < 1e-12, "{}", parts[0].volume);
+    assert!((parts[1].place[0] - 0.5).abs() < 0.3 && parts[1].place[1].abs() < 0.3);
+    let (bar, islands) = body.cut().unwrap().without_islands(&["left"]).unwrap();
+    assert_eq!(islands, parts[1..]);
+    let area = form!(|| -> Functional { integral(cells("all"), 1) });
+    let length = form!(|| -> Functional { integral(interface("all"), 1) });
+    let bar = Assembler::new(&mesh).with_cut(&bar).unwrap();
+    assert!((bar.functional(&area).unwrap() - 2.0 * 0.689).abs() < 1e-12);
+    assert!((bar.functional(&length).unwrap() - 2.0).abs() < 1e-12);
+    let whole = body.functional(&area).unwrap();
+    assert!((whole - 2.0 * 0.689 - parts[1].volume).abs() < 1e-13);
+    let error = body.cut().unwrap().without_islands(&["right"]).unwrap_err().to_string();
+    assert_eq!(error, "no part of the body touches \"right\"");
+}
+
+#[test]
+fn pieces_are_a_mesh_to_be_drawn() {
+    for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
+        let mesh = square(9, shape);
+        let body = cut(&mesh, circle);
+        let pieces = body.cut().unwrap().body().unwrap();
+        let area = form!(|| -> Functional { integral(cells("all"), 1) });
+        let [drawn, known] =
+            [&Assembler::new(pieces.mesh()), &body].map(|assembler| assembler.functional(&area).unwrap());
+        assert!((drawn - known).abs() < 1e-8, "{drawn} {known}");
+        // A field keeps its values.
+        let u = Field::interpolate(&Space::vector(&mesh, 1).unwrap(), |x| [x[0] - 2.0 * x[1], x[1]]).unwrap();
+        let shown = pieces.field(&u).unwrap();
+        for (node, x) in shown.space().positions().iter().enumerate() {
+            let value = shown.at_node(node);
+            assert!((value[0] - x[0] + 2.0 * x[1]).abs() < 1e-13 && (value[1] - x[1]).abs() < 1e-13);
+        }
+        let file = VtuFile::new(pieces.mesh()).point_data("u", &shown).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        file.write(folder.path().join("body.vtu")).unwrap();
+    }
+}

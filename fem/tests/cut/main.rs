@@ -1,0 +1,27 @@
+//! Bodies that are cut from a mesh: areas and normals, what is refused, solutions on them.
+
+mod areas;
+mod bodies;
+mod refusals;
+
+use forms_fem::prelude::*;
+
+/// A level set function on a mesh.
+fn level<const D: usize>(mesh: &Mesh<D>, phi: impl Fn(&[f64; D]) -> f64) -> Field<D> {
+    Field::interpolate(&Space::scalar(mesh, 1).unwrap(), phi).unwrap()
+}
+
+/// The body inside a level set function.
+fn cut<const D: usize>(mesh: &Mesh<D>, phi: impl Fn(&[f64; D]) -> f64) -> Assembler<D> {
+    Assembler::new(mesh).cut_by(&level(mesh, phi)).unwrap()
+}
+
+/// The square (−1, 1)².
+fn square(cells: usize, shape: CellShape) -> Mesh<2> {
+    rectangle([-1.0; 2], [1.0; 2], [cells, cells], shape, 1).unwrap()
+}
+
+/// The circle of the tests.
+fn circle(x: &[f64; 2]) -> f64 {
+    (x[0] - 0.013).hypot(x[1] + 0.021) - 0.7
+}
