@@ -12,13 +12,14 @@ mod histories;
 mod language;
 mod mean_gaps;
 mod rubber;
+mod sliding_histories;
 mod smooth;
 // The law of `docs/new_contact_law.md` is a crate of its own.
 #[path = "../../contact_law/src/tresca.rs"]
 mod tresca;
 
 /// The pages with blocks in Rust, and what compiles them elsewhere.
-const PAGES: [(&str, Option<&str>); 17] = [
+const PAGES: [(&str, Option<&str>); 18] = [
     ("adaptivity", None),
     ("bounds", None),
     ("coming_from", Some("the documentation tests of this crate")),
@@ -34,6 +35,7 @@ const PAGES: [(&str, Option<&str>); 17] = [
     ("new_contact_law", None),
     ("points_segments_means", None),
     ("python", Some("the example of the bindings")),
+    ("sliding_histories", None),
     ("smooth_formulations", None),
     ("time", None),
 ];
@@ -63,6 +65,7 @@ fn every_block_of_a_page_is_compiled() {
         include_str!("language.rs"),
         include_str!("mean_gaps.rs"),
         include_str!("rubber.rs"),
+        include_str!("sliding_histories.rs"),
         include_str!("smooth.rs"),
         include_str!("../../contact_law/src/tresca.rs"),
     ];
