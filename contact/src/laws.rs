@@ -17,6 +17,9 @@
 //! | [`sliding_bodies`] | Nitsche's method, θ = 0, between bodies or of one with itself, at points that slide | finite, neo-Hooke |
 //! | [`mean_two_bodies`] | the same with one traction per own facet | small |
 //! | [`mean_sliding_bodies`], [`mean_penalty_bodies`] | Nitsche's method, θ = 0, and penalty, at points that slide, with one traction per own facet or per vertex of it | finite, neo-Hooke |
+//! | [`friction_with_memory`] | Nitsche's method, θ = 0, or penalty, with Coulomb's law by springs that remember, at points that slide | finite, neo-Hooke |
+//! | [`sliding_wear`] | the law of `sliding_bodies` with Archard's wear | finite, neo-Hooke |
+//! | [`mortar_bodies`] | multipliers on own facets, without friction; with friction in the plane; at points that slide | finite, neo-Hooke |
 //! | [`capsule`] | Nitsche's method, θ = 0, with a round obstacle that moves and turns | finite, neo-Hooke |
 //! | [`analytic_obstacle`] | Nitsche's method, every θ, or penalty, with an obstacle given by its signed distance, that moves and turns | small |
 //! | [`cohesive`] | two bodies that are glued together and separate, at pairs of fixed points | small |
@@ -38,17 +41,20 @@ pub mod cohesive;
 pub mod contact_heat;
 pub mod cut_nitsche;
 pub mod finite_nitsche;
+pub mod friction_with_memory;
 pub mod frictional_penalty;
 pub mod mean_penalty_bodies;
 pub mod mean_sliding_bodies;
 pub mod mean_two_bodies;
 pub mod mixed_bodies;
 pub mod mixed_nitsche;
+pub mod mortar_bodies;
 pub mod moving_obstacle;
 pub mod proximal_membrane;
 pub mod proximal_obstacle;
 pub mod sealed_cavity;
 pub mod sliding_bodies;
+pub mod sliding_wear;
 pub mod third_medium;
 pub mod two_bodies;
 pub mod uzawa;

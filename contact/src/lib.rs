@@ -20,6 +20,7 @@
 //! | [`finite_impact`] | the same for rubber with friction at large displacements | |
 //! | [`threshold`] | when γ₀ is too small, and what it is as a rule | |
 //! | [`material_threshold`](mod@material_threshold) | the same of any law on isotropic bodies | |
+//! | [`multiplier_nodes`] | nodes where multipliers of contact are not determined | |
 //! | [`proximal`] | proximal point iteration: constraints by a sequence of smooth problems |
 //! | [`uzawa`] | Uzawa's iteration: multipliers updated outside of Newton's method | |
 //! | [`hollow_cylinder`], [`hertz`] | the paper's experiment, and contacts with closed forms | |
@@ -35,6 +36,7 @@ pub mod impact;
 pub mod laws;
 pub mod load_and_pressure;
 pub mod material_threshold;
+pub mod multiplier_nodes;
 pub mod proximal;
 pub mod residual_estimator;
 pub mod shape_problem;

@@ -7,20 +7,27 @@
 //! history.commit()              what was kept aside becomes what forms read; history.revert() forgets it
 //! ```
 //!
+//! Pairs of fixed points have histories of their own (`pair_points.rs`). The own points of pairs that slide are those of whole facets, and
+//! read histories of facets (`own_points.rs`).
+//!
 //! An integral that reads a history takes that history's quadrature rule, whatever degree the compiler estimates.
 
 mod of_assembler;
+mod own_points;
 mod pair_points;
 mod rule_points;
 
 use std::any::Any;
+use std::ops::Range;
 use std::sync::{Arc, PoisonError, RwLock};
 
 use forms_core::contract::{Entity, Inputs, QuadratureValues, Source};
 use thiserror::Error;
 
 use self::of_assembler::MadeError;
+pub use self::own_points::WithoutPartner;
 use self::pair_points::PairPoints;
+pub(crate) use self::pair_points::PointsOfPairs;
 use self::rule_points::rule_points;
 use crate::assemble::{Assembler, AssemblyError};
 use crate::element::PerShape;
@@ -73,6 +80,32 @@ pub enum HistoryMismatch {
         /// The pairing of the integral.
         read_on: String,
     },
+    /// It is read where points slide, and is none of own facets.
+    #[error(
+        "it was made for \"{made_for}\", and is read at the own points of the sliding pairs {read_on}; `history_on_sliding_pairs` makes one \
+         for them"
+    )]
+    Sliding {
+        /// The region or the pairing of the history.
+        made_for: String,
+        /// The pairing of the integral.
+        read_on: String,
+    },
+    /// It is read on moving segments, whose points do not stay at their places on the own facets.
+    #[error(
+        "it is read on the moving segments of {read_on}, whose points move along the own facets and remember nothing; leave out \
+         `.at(PairQuadrature::Pieces)`, so that the points of whole facets slide"
+    )]
+    Segments {
+        /// The pairing of the integral.
+        read_on: String,
+    },
+    /// It is written where points slide, without their displacement or at others than its own.
+    #[error("a history of \"{made_for}\" is not written by `update_sliding_history`, but by `update_history`")]
+    NotOfFacets {
+        /// The region or the pairing of the history.
+        made_for: String,
+    },
     /// It is read from the other side of contact pairs.
     #[error("a history of contact pairs is read from the own side, by `this`")]
     Opposite,
@@ -90,10 +123,15 @@ pub enum HistoryMismatch {
 pub(crate) struct PointStorage<const D: usize> {
     mesh: Mesh<D>,
     entity: Entity,
+    /// What it was made for, in messages.
     region: String,
+    /// The regions whose entities have the values, one region after the other.
+    regions: Vec<String>,
     degree: usize,
     quadrature: Quadrature<D>,
     components: usize,
+    /// The components of the value of the start.
+    initial: Vec<f64>,
     /// By cell, or by cell and local facet: which entity of the region it is.
     entities: Vec<u32>,
     /// By entity: the number of its first point, and last the number of all points.
@@ -123,7 +161,7 @@ impl<const D: usize> PointStorage<D> {
     fn new(
         assembler: &Assembler<D>,
         entity: Entity,
-        region: &str,
+        regions: &[&str],
         degree: usize,
         initial: &[f64],
     ) -> Result<Self, MadeError> {
@@ -142,15 +180,19 @@ impl<const D: usize> PointStorage<D> {
         match entity {
             Entity::Cells => {
                 entities = vec![NONE; mesh.cell_count()];
-                for cell in mesh.cell_region(region)? {
-                    number(&mut entities[*cell as usize], *cell);
+                for region in regions {
+                    for cell in mesh.cell_region(region)? {
+                        number(&mut entities[*cell as usize], *cell);
+                    }
                 }
             }
             Entity::Facets | Entity::InteriorFacets | Entity::Pairs | Entity::Interface => {
                 entities = vec![NONE; mesh.cell_count() * facets];
-                for facet in mesh.facet_region(region)? {
-                    let place = facet.cell as usize * facets + usize::from(facet.local);
-                    number(&mut entities[place], facet.cell);
+                for region in regions {
+                    for facet in mesh.facet_region(region)? {
+                        let place = facet.cell as usize * facets + usize::from(facet.local);
+                        number(&mut entities[place], facet.cell);
+                    }
                 }
             }
         }
@@ -158,10 +200,12 @@ impl<const D: usize> PointStorage<D> {
         Ok(PointStorage {
             mesh,
             entity,
-            region: region.to_owned(),
+            region: regions.join(", "),
+            regions: regions.iter().map(|region| (*region).to_owned()).collect(),
             degree,
             quadrature,
             components: initial.len(),
+            initial: initial.to_vec(),
             entities,
             starts,
             pairs: None,
@@ -189,9 +233,37 @@ impl<const D: usize> PointStorage<D> {
         Ok(Snapshot { storage: self, values: self.committed() })
     }
 
-    /// Number of points of an entity.
-    fn points_of(&self, entity: u32) -> usize {
-        self.starts[entity as usize + 1] - self.starts[entity as usize]
+    /// The numbers of the points of a cell, or of a cell's local facet, among all points; none where it has none.
+    fn points_of(&self, cell: u32, facet: Option<u8>) -> Range<usize> {
+        let index = match (self.entity, facet) {
+            (Entity::Cells, None) => self.entities.get(cell as usize),
+            (Entity::Facets | Entity::InteriorFacets | Entity::Pairs | Entity::Interface, Some(local)) => {
+                self.entities.get(cell as usize * self.mesh.most_facets() + usize::from(local))
+            }
+            _ => None,
+        };
+        match index {
+            Some(index) if *index != NONE => {
+                self.starts[*index as usize]..self.starts[*index as usize + 1]
+            }
+            _ => 0..0,
+        }
+    }
+
+    /// The number of the q-th point of a cell, or of a cell's local facet, among all points.
+    fn point_of(&self, cell: u32, facet: Option<u8>, q: usize) -> Result<usize, HistoryMismatch> {
+        let points = self.points_of(cell, facet);
+        if q < points.len() {
+            return Ok(points.start + q);
+        }
+        Err(HistoryMismatch::Region {
+            entity: if self.entity == Entity::Cells { "the cells" } else { "the facets" },
+            region: self.region.clone(),
+            what: match facet {
+                Some(local) => format!("facet {local} of cell {cell}"),
+                None => format!("cell {cell}"),
+            },
+        })
     }
 
     fn committed(&self) -> Arc<Vec<f64>> {
@@ -217,28 +289,8 @@ impl<const D: usize> Snapshot<'_, D> {
     /// # Errors
     /// [`HistoryMismatch`]: an entity or a point where the history has no values.
     pub fn at(&self, cell: u32, facet: Option<u8>, q: usize) -> Result<&[f64], HistoryMismatch> {
-        let storage = self.storage;
-        let index = match (storage.entity, facet) {
-            (Entity::Cells, None) => storage.entities.get(cell as usize),
-            (Entity::Facets | Entity::InteriorFacets | Entity::Pairs | Entity::Interface, Some(local)) => {
-                storage.entities.get(cell as usize * storage.mesh.most_facets() + usize::from(local))
-            }
-            _ => None,
-        };
-        match index {
-            Some(index) if *index != NONE && q < storage.points_of(*index) => {
-                let start = (storage.starts[*index as usize] + q) * storage.components;
-                Ok(&self.values[start..start + storage.components])
-            }
-            _ => Err(HistoryMismatch::Region {
-                entity: if storage.entity == Entity::Cells { "the cells" } else { "the facets" },
-                region: storage.region.clone(),
-                what: match facet {
-                    Some(local) => format!("facet {local} of cell {cell}"),
-                    None => format!("cell {cell}"),
-                },
-            }),
-        }
+        let start = self.storage.point_of(cell, facet, q)? * self.storage.components;
+        Ok(&self.values[start..start + self.storage.components])
     }
 }
 

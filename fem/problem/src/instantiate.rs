@@ -74,6 +74,7 @@ where
             Self::known(),
             Self::norms(),
             Self::of_assembler(),
+            Self::own_points(),
             Self::owned_cells(),
             Self::pair_groups(),
             Self::pair_histories(),

@@ -110,8 +110,11 @@ fn histories_of_other_points_are_refused() {
         "form `from_opposite`, history `worn`: a history of contact pairs is read from the own side, by `this`"
     );
     let u = Field::zero(&Space::vector(&mesh, 1).unwrap());
-    let sliding = message(assembler.functional(&wearing::sliding(&data, &touch(&pairing), &u)));
-    assert!(sliding.contains("points that slide have no history"), "{sliding}");
+    assert_eq!(
+        message(assembler.functional(&wearing::sliding(&data, &touch(&pairing), &u))),
+        "form `sliding`, history `worn`: it was made for \"below onto above\", and is read at the own points of the sliding pairs \
+         below onto above; `history_on_sliding_pairs` makes one for them"
+    );
     let missing = assembler.history_on_pairs(&Pairing::onto("below", "sky"), 2, 0.0).unwrap_err().to_string();
     assert!(missing.contains("there is no facet region \"sky\""), "{missing}");
     let twice = pairing.clone().and(pairing.clone());

@@ -6,6 +6,7 @@ mod geometry;
 mod histories;
 mod jumping_data;
 mod patch;
+mod sliding_histories;
 
 use forms_fem::prelude::*;
 

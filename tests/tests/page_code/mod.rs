@@ -13,6 +13,7 @@ mod histories;
 mod language;
 mod mean_gaps;
 mod rubber;
+mod sliding_histories;
 mod smooth;
 // The law of `docs/new_contact_law.md` is a crate of its own.
 #[path = "../../contact_law/src/tresca.rs"]
@@ -36,6 +37,7 @@ const PAGES: [(&str, Option<&str>); 18] = [
     ("new_contact_law", None),
     ("points_segments_means", None),
     ("python", Some("the example of the bindings")),
+    ("sliding_histories", None),
     ("smooth_formulations", None),
     ("time", None),
 ];
@@ -66,6 +68,7 @@ fn every_block_of_a_page_is_compiled() {
         include_str!("language.rs"),
         include_str!("mean_gaps.rs"),
         include_str!("rubber.rs"),
+        include_str!("sliding_histories.rs"),
         include_str!("smooth.rs"),
         include_str!("../../contact_law/src/tresca.rs"),
     ];

@@ -45,7 +45,9 @@ pub mod bodies {
 /// `first_piola(w) * n`. Imported functions are for integrals over `Touch(u)`.
 #[forms]
 pub mod sliding {
-    use super::super::friction::{augmented_traction, contact_traction, deformed_normal, slip_limit};
+    use super::super::friction::{
+        augmented_traction, contact_traction, deformed_normal, slip_limit, tangential,
+    };
 
     /// Friction, and the parameters of the method; each surface takes its own body's h and γ.
     #[includes(super::super::friction::Data)]
@@ -61,12 +63,23 @@ pub mod sliding {
     #[pairs]
     pub struct Touch;
 
-    /// P, with a slip that counts the rotation of the deformed normal, so that turning both bodies together is no slip, whatever the gap.
+    /// The slip since the last step: it counts the rotation of the deformed normal, so that turning both bodies together is no slip, whatever
+    /// the gap. A vector of the configuration of the last step.
+    pub fn slip(w: Vector) -> Vector {
+        let turned = toward - this(deformed_normal(displacement_before));
+        jump(w - displacement_before) + gap * turned
+    }
+
+    /// F₀⁻¹ s_t, the tangential slip since the last step as a vector of the undeformed own surface, with F₀ of the last step.
+    pub fn reference_slip(w: Vector) -> Vector {
+        let normal_before = this(deformed_normal(displacement_before));
+        this(inv(I + grad(displacement_before))) * tangential(slip(w), normal_before)
+    }
+
+    /// P, with the slip since the last step.
     #[doc(alias = "P")]
     pub fn augmented(own_traction: Vector, w: Vector) -> Vector {
-        let turned = toward - this(deformed_normal(displacement_before));
-        let slip = jump(w - displacement_before) + gap * turned;
-        augmented_traction(this(own_traction), gap, slip, this(gamma0) / this(h), toward)
+        augmented_traction(this(own_traction), gap, slip(w), this(gamma0) / this(h), toward)
     }
 
     /// \[P_n\]₋, the contact pressure per reference area.

@@ -20,10 +20,11 @@ use crate::contract::Expression;
 use crate::cut::CutError;
 use crate::element::CellShape;
 use crate::field::Field;
-use crate::history::HistoryMismatch;
+use crate::history::{HistoryMismatch, PointsOfPairs};
 use crate::instantiate::instantiate;
 use crate::locate::Locator;
 use crate::mesh::{Facet, MeshError};
+use crate::pairs::Pairs;
 use crate::quadrature::QuadratureRule;
 use crate::space::Space;
 
@@ -167,6 +168,23 @@ impl<const D: usize> Assembler<D> {
         Ok(self.found_at_pairs(expression, pairing, degree)?.into())
     }
 
+    /// A derived field at the own points of contact pairs whose surfaces a displacement moves: what `gap`, `toward` and the opposite side
+    /// are in `integral(Touch(u), ..)`. Where the choice of quadrature is the compiler's estimate, `degree` is taken, unless the function
+    /// reads a history: then that of its rule. Points without an opposite one are left out.
+    ///
+    /// # Errors
+    /// As [`Assembler::at_pairs`] and [`Assembler::pairs_at`].
+    #[inline(never)]
+    pub fn at_sliding_pairs(
+        &self,
+        expression: &Expression<D>,
+        pairing: &Pairing,
+        degree: usize,
+        displacement: &Field<D>,
+    ) -> Result<PointValues<D>, AssemblyError> {
+        Ok(self.found_on_pairs(expression, pairing, degree, Some(displacement))?.0.into())
+    }
+
     /// As [`Assembler::at_pairs`].
     ///
     /// # Errors
@@ -177,18 +195,40 @@ impl<const D: usize> Assembler<D> {
         pairing: &Pairing,
         degree: usize,
     ) -> Result<Found<D>, AssemblyError> {
+        Ok(self.found_on_pairs(expression, pairing, degree, None)?.0)
+    }
+
+    /// As [`Assembler::at_pairs`], or [`Assembler::at_sliding_pairs`] where a displacement is given; with the pairs.
+    ///
+    /// # Errors
+    /// As there.
+    #[inline(never)]
+    pub(crate) fn found_on_pairs(
+        &self,
+        expression: &Expression<D>,
+        pairing: &Pairing,
+        degree: usize,
+        displacement: Option<&Field<D>>,
+    ) -> Result<(Found<D>, Arc<Pairs<D>>), AssemblyError> {
         let described = expression;
         let region = Region::of_pairs("derived field", pairing.clone());
         let failed = |source| pair_error(described.name(), &region, source);
         let binding = Binding::new(described, &self.mesh, &[])?;
         let requirements = requirements(expression);
-        binding.histories_on_pairs(requirements, pairing)?;
+        let points = PointsOfPairs::of(pairing, displacement.is_some());
+        binding.histories_on_pairs(requirements, pairing, points)?;
         let read = binding.history_degree(requirements, &self.quadrature)?;
         let degree = read.map_or(degree, |(_, degree)| degree);
         binding.check_functions(&self.known_pairs, &region, &self.quadrature, degree, requirements.fields)?;
-        let pairs = self.pairs_of(pairing, degree).map_err(failed)?;
+        let pairs = match displacement {
+            Some(displacement) => self.pairs_displaced(pairing, degree, displacement),
+            None => self.pairs_of(pairing, degree),
+        };
+        let pairs = pairs.map_err(failed)?;
         let place = format!("the pairs {pairing}");
-        self.values(expression, &mut |binding| groups_of(binding, &place, &pairs, requirements))
+        let found =
+            self.values(expression, &mut |binding| groups_of(binding, &place, &pairs, requirements))?;
+        Ok((found, pairs))
     }
 
     /// A derived field along a facet region, exterior or interior: on each facet, in the region's order, at
@@ -392,6 +432,8 @@ fn place(region: &str) -> String {
 
 instantiate!(
     derived: Assembler::<D>::at_pairs,
+    Assembler::<D>::at_sliding_pairs,
+    Assembler::<D>::found_on_pairs,
     Assembler::<D>::at_quadrature_points,
     Assembler::<D>::at_facet_nodes,
     Assembler::<D>::history_degree,

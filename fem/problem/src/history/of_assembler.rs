@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::contract::Expression;
 use crate::cut::CutError;
 use forms_core::contract::{Entity, History, Pairing, QuadratureValues, Source};
-use forms_core::source::FieldValue;
+use forms_core::source::{FieldValue, HistoryHandle};
 
 use super::{HistoryMismatch, PointStorage};
 use crate::assemble::{Assembler, AssemblyError};
@@ -33,10 +33,10 @@ impl From<QuadratureError> for MadeError {
 }
 
 /// Name in messages of a history that is being made.
-const NEW: &str = "new history";
+pub(super) const NEW: &str = "new history";
 
 /// The same as an error of the assembler.
-fn not_made(why: MadeError) -> AssemblyError {
+pub(super) fn not_made(why: MadeError) -> AssemblyError {
     match why {
         MadeError::Mesh(source) => AssemblyError::Region { form: NEW, symbol: "of it", source },
         MadeError::Quadrature(source) => AssemblyError::Quadrature { form: NEW, source },
@@ -44,7 +44,7 @@ fn not_made(why: MadeError) -> AssemblyError {
 }
 
 /// The components of an initial value, which is finite.
-fn components_of<V: FieldValue>(initial: V) -> Result<Vec<f64>, AssemblyError> {
+pub(super) fn components_of<V: FieldValue>(initial: V) -> Result<Vec<f64>, AssemblyError> {
     let mut components = vec![0.0; V::COMPONENTS];
     initial.write(&mut components);
     match components.iter().all(|value| value.is_finite()) {
@@ -53,12 +53,20 @@ fn components_of<V: FieldValue>(initial: V) -> Result<Vec<f64>, AssemblyError> {
     }
 }
 
+/// The error of a history that cannot be written with a function.
+pub(super) fn not_written<const D: usize>(
+    expression: &Expression<D>,
+    source: HistoryMismatch,
+) -> AssemblyError {
+    AssemblyError::History { form: expression.name(), field: "the history to be written", source }
+}
+
 impl<const D: usize> Assembler<D> {
     /// A history with the same value at all quadrature points of a cell or facet region. Where the assembler
     /// takes the compiler's estimate, its rule is that of `degree`; the integrals that read it take this rule.
     ///
     /// # Errors
-    /// An unknown region, contact pairs (for which there is `history_on_pairs`), a rule that does not exist, or a value that is
+    /// An unknown region, contact pairs (for which there are `history_on_pairs` and `history_on_sliding_pairs`), a rule that does not exist, or a value that is
     /// not finite.
     pub fn history<V: FieldValue>(
         &self,
@@ -76,7 +84,7 @@ impl<const D: usize> Assembler<D> {
             return Err(AssemblyError::Pairs { form: NEW, symbol: "of it", pairing, source });
         }
         let initial = components_of(initial)?;
-        let storage = PointStorage::new(self, entity, region, degree, &initial).map_err(not_made)?;
+        let storage = PointStorage::new(self, entity, &[region], degree, &initial).map_err(not_made)?;
         Ok(History::from_handle(Arc::new(storage)))
     }
 
@@ -113,7 +121,8 @@ impl<const D: usize> Assembler<D> {
     ) -> Result<Source<D>, AssemblyError> {
         let everywhere = crate::mesh::EVERYWHERE;
         let zeros = vec![0.0; components];
-        let storage = PointStorage::new(self, Entity::Cells, everywhere, degree, &zeros).map_err(not_made)?;
+        let storage =
+            PointStorage::new(self, Entity::Cells, &[everywhere], degree, &zeros).map_err(not_made)?;
         storage.write(values);
         storage.commit();
         Ok(Source::History(Arc::new(storage)))
@@ -131,27 +140,39 @@ impl<const D: usize> Assembler<D> {
         expression: &Expression<D>,
         history: &History<V, D>,
     ) -> Result<(), AssemblyError> {
-        let form = expression.name();
-        let mismatch = |source| AssemblyError::History { form, field: "the history to be written", source };
-        let storage = PointStorage::<D>::of(&**history.handle()).map_err(mismatch)?;
-        storage.snapshot(self.mesh()).map_err(mismatch)?;
-        let (expected, found) = (expression.shape().iter().product(), storage.components);
-        if expected != found {
-            return Err(AssemblyError::Components { form, field: "the history", expected, found });
-        }
+        let storage = self.storage_to_write(expression, history.handle())?;
         // At its own points, whatever this assembler would take.
         let own = self.clone().with_quadrature(storage.quadrature.clone());
-        let values = match &storage.pairs {
-            Some(pairs) => own.found_at_pairs(expression, &pairs.pairing, storage.degree)?,
-            None => {
-                own.found_at_quadrature_points(expression, storage.entity, &storage.region, storage.degree)?
-            }
-        };
-        if values.values.len() != storage.committed().len() {
-            return Err(mismatch(HistoryMismatch::Rule));
+        let mut values = vec![];
+        if let Some(pairs) = &storage.pairs {
+            values = own.found_at_pairs(expression, &pairs.pairing, storage.degree)?.values;
         }
-        storage.write(values.values);
+        for region in &storage.regions {
+            let found =
+                own.found_at_quadrature_points(expression, storage.entity, region, storage.degree)?.values;
+            values.extend(found);
+        }
+        if values.len() != storage.committed().len() {
+            return Err(not_written(expression, HistoryMismatch::Rule));
+        }
+        storage.write(values);
         Ok(())
+    }
+
+    /// The storage of a history, for the values of a function.
+    pub(super) fn storage_to_write<'h>(
+        &self,
+        expression: &Expression<D>,
+        history: &'h HistoryHandle,
+    ) -> Result<&'h PointStorage<D>, AssemblyError> {
+        let storage = PointStorage::<D>::of(&**history).map_err(|why| not_written(expression, why))?;
+        storage.snapshot(self.mesh()).map_err(|why| not_written(expression, why))?;
+        let (expected, found) = (expression.shape().iter().product(), storage.components);
+        if expected != found {
+            let (form, field) = (expression.name(), "the history");
+            return Err(AssemblyError::Components { form, field, expected, found });
+        }
+        Ok(storage)
     }
 
     /// The committed values: the components at each point, for the cells (or facets) in the order of their

@@ -100,11 +100,18 @@ pub enum PairError {
         /// The problem of the rule.
         source: QuadratureError,
     },
-    /// A history of facets for pairs, or one that is read at points that slide.
+    /// A history of pairs that is asked for as one of a region.
     #[error(
-        "points that slide have no history; one of contact pairs of fixed points is made by `history_on_pairs`"
+        "a history of contact pairs of fixed points is made by `history_on_pairs`, one of own points whose opposite points slide by \
+         `history_on_sliding_pairs`"
     )]
     History,
+    /// A history at the points of moving segments.
+    #[error(
+        "the points of moving segments move along the own facets and have no history; leave out `.at(PairQuadrature::Pieces)`, so that the \
+         points of whole facets slide"
+    )]
+    HistoryOnSegments,
     /// An own and an opposite facet that a pairing pairs twice, so that a history cannot tell their points.
     #[error(
         "a history has values for each own and opposite facet once, and this pairing has some of them twice"

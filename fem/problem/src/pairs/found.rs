@@ -109,6 +109,8 @@ pub(super) struct Found<const D: usize> {
     pub points: Vec<f64>,
     /// Of each point that faces a rigid surface.
     pub rigid_normals: Vec<[f64; D]>,
+    /// Of each point of a whole facet with rays: its place among the points of the rule.
+    pub rule_points: Vec<u16>,
     /// Of each point of a moving segment: the derivatives of its numbers along the segment, and the part of the segment before it.
     pub slopes: Vec<f64>,
     pub fractions: Vec<f64>,
@@ -137,6 +139,7 @@ impl<const D: usize> Found<D> {
             units: Vec::with_capacity(2 * facets),
             points: Vec::with_capacity(facets * points * PairGroup::<D>::STRIDE),
             rigid_normals: vec![],
+            rule_points: Vec::with_capacity(facets * points),
             slopes: vec![],
             fractions: vec![],
             ends: vec![],

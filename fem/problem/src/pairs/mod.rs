@@ -103,6 +103,8 @@ pub(crate) struct PairGroup<const D: usize> {
     /// Of each unit and point where the opposite surface is rigid, so that its facets are none of cells: their outward unit normal
     /// before they move. Empty elsewhere.
     pub rigid_normals: Vec<f64>,
+    /// Of each unit and point of whole facets: its place among the points of the rule. Empty elsewhere.
+    pub rule_points: Vec<u16>,
     /// The motion of the points of moving segments. Empty elsewhere.
     pub motion: GroupMotion<D>,
 }
@@ -126,6 +128,11 @@ impl<const D: usize> PairGroup<D> {
             count: self.count,
             points: of_units(&self.points, Self::STRIDE, &kept),
             rigid_normals: of_units(&self.rigid_normals, D, &kept),
+            rule_points: kept
+                .iter()
+                .flat_map(|unit| self.rule_points.iter().skip(unit * self.count).take(self.count))
+                .copied()
+                .collect(),
             motion: GroupMotion {
                 slopes: of_units(&self.motion.slopes, Self::STRIDE, &kept),
                 fractions: of_units(&self.motion.fractions, 1, &kept),
@@ -272,7 +279,8 @@ fn grouped<const D: usize>(mesh: &Mesh<D>, found: &[Found<D>]) -> Vec<Arc<PairGr
         let points = Vec::with_capacity(units * count * PairGroup::<D>::STRIDE);
         let rigid_normals = Vec::with_capacity(if rigid { units * count * D } else { 0 });
         let (facets, motion) = (Vec::with_capacity(*units), GroupMotion::default());
-        (*key, PairGroup { sides, facets, count, points, rigid_normals, motion })
+        let rule_points = Vec::with_capacity(units * count);
+        (*key, PairGroup { sides, facets, count, points, rigid_normals, rule_points, motion })
     };
     let mut groups: Vec<(GroupKey, PairGroup<D>)> = kinds.iter().map(with_room).collect();
     for (number, kind) in order.into_iter().zip(kind_of_each) {
@@ -289,6 +297,8 @@ fn grouped<const D: usize>(mesh: &Mesh<D>, found: &[Found<D>]) -> Vec<Arc<PairGr
             group.motion.fractions.extend(&part.fractions[from / PairGroup::<D>::STRIDE..][..*count]);
             group.motion.ends.push(part.ends[*segment].clone());
         }
+        let places = part.rule_points.iter().skip(start.numbers / PairGroup::<D>::STRIDE);
+        group.rule_points.extend(places.take(*count));
         if *rigid {
             let normals = &part.rigid_normals[start.rigid_normals..][..*count];
             group.rigid_normals.extend_from_slice(normals.as_flattened());

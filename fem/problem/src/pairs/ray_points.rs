@@ -149,6 +149,7 @@ impl<const D: usize> Search<'_, '_, D> {
                     toward,
                     rigid_normal: opposite.rigid_normal,
                 });
+                found.rule_points.push(q as u16);
             }
             found.units.push(Unit { place, facets: [own.facet, facet], count, start, segment: None });
         }

@@ -293,10 +293,10 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         let side = side_index(slot.side);
         let local = self.tables[side].group.facet.map(|(local, _)| local);
         let mut lanes = vec![[0.0; WIDEST]; slot.components];
-        let units = self.group.pairs().map(|pairs| &pairs.group.facets);
+        let pairs = self.group.pairs().map(|pairs| &*pairs.group);
         for lane in 0..L::WIDTH {
-            let values = match units {
-                Some(facets) => history.at_pair(facets[self.start + lane.min(self.filled - 1)], q),
+            let values = match pairs {
+                Some(pairs) => history.at_pair(pairs, self.start + lane.min(self.filled - 1), q),
                 None => history.at(self.buffers.sides[side].cells[lane], local, q),
             };
             let values = values.map_err(mismatch)?;

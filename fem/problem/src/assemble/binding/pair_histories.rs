@@ -4,10 +4,11 @@ use forms_core::contract::{Pairing, Requirements};
 
 use super::{Binding, Values};
 use crate::assemble::AssemblyError;
+use crate::history::PointsOfPairs;
 use crate::instantiate::instantiate;
 
 impl<const D: usize> Binding<'_, D> {
-    /// Whether the histories that a kernel reads on contact pairs belong to these, and how many there are.
+    /// Whether the histories that a kernel reads on contact pairs belong to these.
     ///
     /// # Errors
     /// [`AssemblyError::History`]: a history of other pairs.
@@ -16,16 +17,15 @@ impl<const D: usize> Binding<'_, D> {
         &self,
         requirements: &Requirements,
         pairing: &Pairing,
-    ) -> Result<usize, AssemblyError> {
-        let mut count = 0;
+        points: PointsOfPairs,
+    ) -> Result<(), AssemblyError> {
         for (number, values) in self.values.iter().enumerate() {
             let Values::History(history) = values else { continue };
             let (form, field) = (self.name, self.fields[number].name);
-            let checked = history.check_on_pairs(requirements, number, pairing);
+            let checked = history.check_on_pairs(requirements, number, pairing, points);
             checked.map_err(|source| AssemblyError::History { form, field, source })?;
-            count += usize::from(requirements.fields.iter().any(|slot| slot.field == number));
         }
-        Ok(count)
+        Ok(())
     }
 }
 

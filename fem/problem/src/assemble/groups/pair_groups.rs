@@ -13,6 +13,7 @@ use crate::assemble::binding::{Binding, pair_error};
 use crate::assemble::{Assembler, AssemblyError};
 use crate::element::{CellShape, Element};
 use crate::field::{Field, FieldView};
+use crate::history::PointsOfPairs;
 use crate::instantiate::instantiate;
 use crate::pairs::{
     Approach, Displacement, DisplacementField, FirstTouch, PairError, PairGroup, PairReport, Pairs,
@@ -47,11 +48,9 @@ pub(in crate::assemble) fn pair_groups<const D: usize>(
     requirements: &Requirements,
 ) -> Result<Vec<Group<D>>, AssemblyError> {
     let region = integral.region;
-    if let Some(pairing) = &binding.regions[region].pairing
-        && binding.histories_on_pairs(requirements, pairing)? > 0
-        && integral.displacement.is_some()
-    {
-        return Err(pair_error(binding.name, &binding.regions[region], PairError::History));
+    if let Some(pairing) = &binding.regions[region].pairing {
+        let points = PointsOfPairs::of(pairing, integral.displacement.is_some());
+        binding.histories_on_pairs(requirements, pairing, points)?;
     }
     if integral.means.is_some() && binding.regions[region].is_on_moving_segments(integral.displacement) {
         return Err(pair_error(binding.name, &binding.regions[region], PairError::MeansOnSegments));
@@ -174,12 +173,22 @@ impl<const D: usize> Assembler<D> {
         degree: usize,
         displacement: &Field<D>,
     ) -> Result<PairReport<D>, PairError> {
+        Ok(self.pairs_displaced(pairing, degree, displacement)?.report)
+    }
+
+    /// The pairs of surfaces that a field displaces.
+    #[inline(never)]
+    pub(crate) fn pairs_displaced(
+        &self,
+        pairing: &Pairing,
+        degree: usize,
+        displacement: &Field<D>,
+    ) -> Result<Arc<Pairs<D>>, PairError> {
         self.check_displacement(displacement)?;
         let (space, values) = (displacement.space(), displacement.values());
         let displacement = Displacement { fields: vec![DisplacementField { space, values }] };
         let Assembler { mesh, quadrature, threads, known_pairs, .. } = self;
-        let pairs = known_pairs.find(mesh, pairing, quadrature, degree, Some(&displacement), *threads)?;
-        Ok(pairs.report)
+        known_pairs.find(mesh, pairing, quadrature, degree, Some(&displacement), *threads)
     }
 
     pub(in crate::assemble) fn check_displacement(&self, displacement: &Field<D>) -> Result<(), PairError> {

@@ -1,0 +1,157 @@
+//! Contact of bodies at large sliding and finite strains by mortar methods: multipliers on the own facets, as pressure and friction.
+
+use forms_fem::contract::Region;
+use forms_fem::forms;
+use forms_fem::prelude::*;
+
+use crate::multiplier_nodes::{MultiplierError, check_multipliers};
+use crate::parameter_ranges;
+use crate::parameter_ranges::ParameterRanges;
+
+#[doc(inline)]
+pub use self::mortar_bodies::*;
+
+/// ∫ P:∇v + ∫ p n_x·⟦v⟧ − ∫ c(p, g) q − δ ∫_Γ p q/γ = ℓ(v), without friction: the pressure p is a field on the own facets
+/// (`Space::on_facets(&mesh, "block bottom", degree)`, of the displacement's degree), and c(p, g) = (p − \[p − γ g\]₊)/γ has the mean 0 against each of
+/// its functions q. Where all of a function's surface presses, its mean gap is 0, whatever γ is, and no surface enters another one on average.
+///
+/// Take moving segments, `Pairing::onto(own, opposite).at(PairQuadrature::Pieces)`, in the plane: a uniform pressure is then
+/// reproduced, and forces of bodies that are drawn along each other oscillate least (docs/mortar.md). The own surface is one region, that of
+/// the multipliers; parts of it without an opposite surface have no pressure. [`mortar_problem`] refuses nodes where p would be free.
+#[forms]
+pub mod mortar_bodies {
+    pub use super::super::two_bodies::{GammaN, Omega, Touch, criterion, loads};
+    use crate::operators::multipliers::normal_condition;
+    pub use crate::operators::neo_hookean::{cauchy_stress, first_piola};
+
+    /// Data of the bodies and of the method.
+    #[includes(crate::laws::two_bodies::Data, crate::operators::multipliers::Data)]
+    pub struct Data {}
+
+    /// The facets of the own surface, where the multipliers are.
+    #[facets]
+    pub struct Own;
+
+    /// The direct problem.
+    pub fn direct(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
+        integral(Omega, inner(first_piola(u), grad(v))) - loads(v)
+            + integral(Touch(u), this(p) * dot(toward, jump(v)))
+            - integral(Touch(u), normal_condition(this(p), gap, this(gamma0) / this(h)) * this(q))
+            - integral(Own, uncovered * h / gamma0 * p * q)
+    }
+
+    /// ∫ p e·(−n_x): the force of the opposite body along e.
+    pub fn contact_force(u: State<Vector>, p: State<Scalar>) -> Functional {
+        -integral(Touch(u), this(p) * dot(toward, this(force_direction)))
+    }
+}
+
+/// The law of [`mortar_bodies`](mod@mortar_bodies) with friction, in the plane: the multiplier m has the pressure m₀ and the traction m₁ of
+/// friction along the tangent τ, n_x turned by a right angle, so that T = −m₀ n_x + m₁ τ. Its space is
+/// `Space::vector_on_facets(&mesh, "block bottom", degree)`.
+///
+/// |m₁| is bounded by s₀ + κ p, against each function, and where it is less, the slip of the step has the mean 0: there is no creep.
+#[forms(dimension = 2)]
+pub mod mortar_bodies_with_friction {
+    pub use super::mortar_bodies::{Data, GammaN, Omega, Own, Touch, cauchy_stress, criterion, first_piola, loads};
+    use crate::operators::friction::slip_limit;
+    use crate::operators::multipliers::{allowed_pressure, normal_condition, tangential_condition};
+    use crate::operators::sliding::slip;
+
+    fn tangent() -> Vector {
+        [-toward[1], toward[0]]
+    }
+
+    /// T, the traction of the opposite body on this one, per reference area.
+    pub fn traction_of(m: Vector) -> Vector {
+        this(m[1]) * tangent() - this(m[0]) * toward
+    }
+
+    /// The direct problem of a step.
+    pub fn direct(u: Unknown<Vector>, m: Unknown<Vector>, v: Test<Vector>, q: Test<Vector>) -> Form {
+        let gamma = this(gamma0) / this(h);
+        let pressure = allowed_pressure(this(m[0]), gap, gamma);
+        let bound = if pressure > 0 { slip_limit(pressure) } else { 0 };
+        let across = normal_condition(this(m[0]), gap, gamma) * this(q[0]);
+        let along = tangential_condition(this(m[1]), dot(slip(u), tangent()), bound, gamma) * this(q[1]);
+        integral(Omega, inner(first_piola(u), grad(v)))
+            - loads(v)
+            - integral(Touch(u), dot(traction_of(m), jump(v)))
+            - integral(Touch(u), across + along)
+            - integral(Own, uncovered * h / gamma0 * dot(m, q))
+    }
+
+    /// ∫ e·T: the force of the opposite body along e.
+    pub fn contact_force(u: State<Vector>, m: State<Vector>) -> Functional {
+        integral(Touch(u), dot(traction_of(m), this(force_direction)))
+    }
+}
+
+parameter_ranges!(mortar_bodies {
+    positive: mu,
+    positive: gamma0,
+    positive: uncovered,
+});
+
+impl ParameterRanges for mortar_bodies_with_friction::Model<2> {
+    fn check(&self, form: &'static str) -> Result<(), AssemblyError> {
+        use crate::parameter_ranges::Range;
+        let data = &self.data;
+        Range::Positive.check(form, "mu", &data.mu)?;
+        Range::Positive.check(form, "gamma0", &data.gamma0)?;
+        Range::Positive.check(form, "uncovered", &data.uncovered)?;
+        Range::NonNegative.check(form, "slip_stress", &data.slip_stress)?;
+        Range::NonNegative.check(form, "friction", &data.friction)
+    }
+}
+
+/// The check of the multipliers of a law's pairs.
+fn check_pairs<const D: usize>(
+    pairs: &Region,
+    space: &Arc<Space<D>>,
+    held: &Constraints<D>,
+) -> Result<(), MultiplierError> {
+    match &pairs.pairing {
+        Some(pairing) => check_multipliers(&[(pairing, space)], held),
+        None => Ok(()),
+    }
+}
+
+fn options() -> NewtonOptions {
+    NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() }
+}
+
+/// The direct problem without friction on the spaces of displacement and pressure, with its conditions, and with a line search on the residual
+/// unless it is given other options.
+///
+/// # Errors
+/// [`MultiplierError`]: a parameter out of its range; multipliers that are not those of the own surface, or at a node whose displacement is
+/// prescribed.
+pub fn mortar_problem<'a, const D: usize>(
+    model: &mortar_bodies::Model<D>,
+    spaces: [&Arc<Space<D>>; 2],
+    held: &'a Constraints<D>,
+) -> Result<Problem<'a, D, 2>, MultiplierError>
+where
+    Dim: Dimension<D>,
+{
+    let form = model.direct();
+    model.check(form.name())?;
+    check_pairs(&model.regions.touch.0, spaces[1], held)?;
+    Ok(Problem::new(&form, spaces).constrained(held).options(options()))
+}
+
+/// The direct problem of a step with friction in the plane, as [`mortar_problem`].
+///
+/// # Errors
+/// As [`mortar_problem`].
+pub fn frictional_mortar_problem<'a>(
+    model: &mortar_bodies_with_friction::Model<2>,
+    spaces: [&Arc<Space<2>>; 2],
+    held: &'a Constraints<2>,
+) -> Result<Problem<'a, 2, 2>, MultiplierError> {
+    let form = model.direct();
+    model.check(form.name())?;
+    check_pairs(&model.regions.touch.0, spaces[1], held)?;
+    Ok(Problem::new(&form, spaces).constrained(held).options(options()))
+}

@@ -1,0 +1,102 @@
+//! Checks of multipliers on own facets: each node has one condition of contact at most, and none where displacements are prescribed.
+
+use std::collections::BTreeSet;
+
+use forms_fem::mesh::MeshError;
+use forms_fem::prelude::*;
+use thiserror::Error;
+
+/// Reasons for which multipliers of contact are not determined.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[allow(missing_docs)]
+pub enum MultiplierError {
+    /// Data that do not fit.
+    #[error("{source}")]
+    Assembly {
+        #[from]
+        source: AssemblyError,
+    },
+    /// A surface that the mesh does not have.
+    #[error("{source}")]
+    Surface {
+        #[from]
+        source: MeshError,
+    },
+    /// A pairing with several own surfaces, or none.
+    #[error(
+        "multipliers belong to one own surface, and the pairing {pairing} has {count}: write `Pairing::onto(own, opposite)`, and one region of pairs \
+         per own surface"
+    )]
+    OwnSurfaces { pairing: String, count: usize },
+    /// Multipliers on other facets than those of the own surface.
+    #[error(
+        "the multipliers are {found}, and the own surface of the pairing is \"{own}\": make their space by \
+         `Space::on_facets(&mesh, \"{own}\", degree)`"
+    )]
+    OtherFacets { own: String, found: String },
+    /// A node with a multiplier whose displacement is prescribed.
+    #[error(
+        "the node at {position:?} of \"{own}\" has a multiplier, and all of its displacement is prescribed: both cannot be. End \
+         the own surface before it (`mesh.name_facets`), or leave a component free"
+    )]
+    Prescribed { own: String, position: Vec<f64> },
+    /// A node with two multipliers.
+    #[error(
+        "the node at {position:?} has multipliers of two own surfaces, \"{first}\" and \"{second}\": one displacement cannot meet both conditions. Let \
+         one of them end before it, or be the opposite surface"
+    )]
+    Shared { first: String, second: String, position: Vec<f64> },
+}
+
+/// Parts of a cell's diameter up to which two positions are one.
+const SAME: f64 = 1e-9;
+
+/// Check of the multipliers of some pairings, each with their space, against each other and against the conditions on the displacement.
+///
+/// # Errors
+/// [`MultiplierError`].
+pub fn check_multipliers<const D: usize>(
+    multipliers: &[(&Pairing, &Arc<Space<D>>)],
+    held: &Constraints<D>,
+) -> Result<(), MultiplierError> {
+    let displacements = held.space();
+    let (mesh, positions) = (displacements.mesh(), displacements.positions());
+    let mut known: Vec<(&str, BTreeSet<u32>)> = vec![];
+    for (pairing, space) in multipliers {
+        let [facing] = &pairing.surfaces[..] else {
+            let (pairing, count) = (pairing.to_string(), pairing.surfaces.len());
+            return Err(MultiplierError::OwnSurfaces { pairing, count });
+        };
+        let own = &facing.own;
+        if space.facet_region() != Some(own) {
+            let on = |region: &str| format!("those of \"{region}\"");
+            let found = space.facet_region().map_or("no multipliers on facets".to_owned(), on);
+            return Err(MultiplierError::OtherFacets { own: own.clone(), found });
+        }
+        let mut nodes = BTreeSet::new();
+        for facet in mesh.facet_region(own)? {
+            let cell = facet.cell as usize;
+            let of_facet = displacements.cell_element(cell).facet_nodes(usize::from(facet.local));
+            for node in of_facet.into_iter().map(|node| displacements.cell_nodes(cell)[node]) {
+                let first = node as usize * D;
+                let is_held = (first..first + D).all(|unknown| held.is_prescribed(unknown));
+                let (position, near) = (positions[node as usize], SAME * mesh.diameter(cell));
+                let is_here = |other: &[f64; D]| (0..D).all(|k| (other[k] - position[k]).abs() < near);
+                if is_held && space.positions().iter().any(is_here) {
+                    let (own, position) = (own.clone(), position.to_vec());
+                    return Err(MultiplierError::Prescribed { own, position });
+                }
+                nodes.insert(node);
+            }
+        }
+        for (other, theirs) in &known {
+            if let Some(node) = nodes.intersection(theirs).next() {
+                let (first, second) = ((*other).to_owned(), own.clone());
+                let position = positions[*node as usize].to_vec();
+                return Err(MultiplierError::Shared { first, second, position });
+            }
+        }
+        known.push((own, nodes));
+    }
+    Ok(())
+}

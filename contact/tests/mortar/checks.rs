@@ -1,0 +1,54 @@
+//! Multipliers that are not determined are refused by name.
+
+use forms_contact::laws::mortar_bodies as law;
+use forms_contact::laws::mortar_bodies::mortar_problem;
+use forms_contact::multiplier_nodes::{MultiplierError, check_multipliers};
+use forms_fem::prelude::*;
+
+fn mesh() -> Mesh<2> {
+    let slab = rectangle([0.0, -0.4], [4.0, 0.0], [11, 1], CellShape::Quadrilateral, 1).unwrap();
+    let block = rectangle([0.5, 0.0], [1.5, 1.0], [4, 3], CellShape::Quadrilateral, 1).unwrap();
+    Mesh::of_bodies(&[("slab", &slab), ("block", &block)]).unwrap()
+}
+
+#[test]
+fn nodes_without_a_condition_of_their_own() {
+    let mesh = mesh();
+    for degree in [1, 2] {
+        let space = Space::vector(&mesh, degree).unwrap();
+        let on = |region: &str| Space::on_facets(&mesh, region, degree).unwrap();
+        let (own, bottom) = ("block bottom", on("block bottom"));
+        let pairing = Pairing::onto(own, "slab top");
+        let mut held = Constraints::new(&space);
+        held.fix("slab bottom", |_| [0.0; 2]).unwrap();
+        held.fix_component("block left", 0, |_| 0.0).unwrap();
+        assert_eq!(check_multipliers(&[(&pairing, &bottom)], &held), Ok(()));
+
+        let side = Pairing::onto("block left", "slab top");
+        let found = check_multipliers(&[(&pairing, &bottom), (&side, &on("block left"))], &held).unwrap_err();
+        let expected = MultiplierError::Shared {
+            first: own.to_owned(),
+            second: "block left".to_owned(),
+            position: vec![0.5, 0.0],
+        };
+        assert_eq!(found, expected);
+        // The opposite surface has no conditions.
+        let slab = Pairing::onto("slab right", "block bottom");
+        assert_eq!(check_multipliers(&[(&pairing, &bottom), (&slab, &on("slab right"))], &held), Ok(()));
+
+        let both = Pairing::between(own, "slab top");
+        let found = check_multipliers(&[(&both, &bottom)], &held).unwrap_err();
+        assert!(matches!(found, MultiplierError::OwnSurfaces { count: 2, .. }), "{found}");
+        let found = check_multipliers(&[(&pairing, &on("slab top"))], &held).unwrap_err();
+        assert!(found.to_string().contains("the multipliers are those of \"slab top\""), "{found}");
+        let found = check_multipliers(&[(&pairing, &space)], &held).unwrap_err();
+        assert!(found.to_string().contains("no multipliers on facets"), "{found}");
+
+        held.fix("block right", |_| [0.0; 2]).unwrap();
+        let data = law::data().lambda(1.0).mu(1.0).gamma0(1.0);
+        let regions = law::Regions::default().touch(pairing).own(own).gamma_n("block top");
+        let model = law::Model { data, regions };
+        let Err(found) = mortar_problem(&model, [&space, &bottom], &held) else { panic!("it is refused") };
+        assert_eq!(found, MultiplierError::Prescribed { own: own.to_owned(), position: vec![1.5, 0.0] });
+    }
+}

@@ -1,0 +1,9 @@
+//! Mortar methods: multipliers on own facets of bodies that slide. Patch tests with partial cover, friction in closed form, forces of a body that is
+//! drawn along another one, rings by Lamé, and what is refused.
+
+mod checks;
+mod friction;
+mod patch;
+mod rings;
+mod stability;
+mod wobble;
