@@ -25,21 +25,25 @@
 //! A material that varies declares `lambda: Given<Scalar>` itself; that wins.
 
 mod cavities;
+mod closures;
 mod interfaces;
 mod materials;
 mod mean_gaps;
 mod nearly_incompressible;
 mod parameters;
+mod revolution;
 mod secants;
 mod two_sides;
 mod work;
 
 pub use cavities::cavity;
+pub use closures::{barrier, exponential_closure};
 pub use interfaces::{cohesion, friction, obstacle, rigid_flat, signed_distance};
 pub use materials::{linear_elastic, neo_hookean, st_venant_kirchhoff, strains};
 pub use mean_gaps::mean_sliding;
 pub use nearly_incompressible::rubber;
 pub use parameters::{penalty, variant};
+pub use revolution::axial;
 pub use secants::neo_hookean_secant;
 pub use two_sides::{bodies, sliding};
 pub use work::{body_load, linear_criterion, loads, resultant};

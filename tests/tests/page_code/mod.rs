@@ -8,6 +8,7 @@ mod bounds;
 mod branches;
 mod contact;
 mod dynamics;
+mod gap_pressures;
 mod histories;
 mod language;
 mod mean_gaps;
@@ -18,7 +19,7 @@ mod smooth;
 mod tresca;
 
 /// The pages with blocks in Rust, and what compiles them elsewhere.
-const PAGES: [(&str, Option<&str>); 17] = [
+const PAGES: [(&str, Option<&str>); 18] = [
     ("adaptivity", None),
     ("bounds", None),
     ("coming_from", Some("the documentation tests of this crate")),
@@ -27,6 +28,7 @@ const PAGES: [(&str, Option<&str>); 17] = [
     ("continuation", None),
     ("eigenproblems", None),
     ("friction", None),
+    ("gap_pressures", None),
     ("inverse_problems", None),
     ("language", None),
     ("mean_gaps", None),
@@ -59,6 +61,7 @@ fn every_block_of_a_page_is_compiled() {
         include_str!("branches.rs"),
         include_str!("contact.rs"),
         include_str!("dynamics.rs"),
+        include_str!("gap_pressures.rs"),
         include_str!("histories.rs"),
         include_str!("language.rs"),
         include_str!("mean_gaps.rs"),
