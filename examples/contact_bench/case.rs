@@ -60,8 +60,17 @@ pub struct Case {
 impl Case {
     /// a(u,v) − ℓ(v), to which a formulation adds its terms.
     pub fn balance(&self) -> Form<2> {
-        let loaded = body::Loaded::on(self.loaded.as_str());
-        body::balance(&self.data, &body::Omega::on("all"), &loaded)
+        body::balance(&self.data, &self.bodies(), &self.load())
+    }
+
+    /// All bodies as a region.
+    pub fn bodies(&self) -> body::Omega {
+        body::Omega::on("all")
+    }
+
+    /// The loaded boundary as a region.
+    pub fn load(&self) -> body::Loaded {
+        body::Loaded::on(self.loaded.as_str())
     }
 
     /// The mesh.
@@ -122,9 +131,9 @@ impl Case {
         self.start.iter().fold(problem, |problem, start| problem.start(start))
     }
 
-    /// The problem of a contact form in the displacement and a scalar on the own surface.
-    pub fn mixed_problem<'a>(&'a self, contact: &Form<2>, scalars: &Arc<Space<2>>) -> Problem<'a, 2, 2> {
-        let problem = Problem::new(&(&self.balance() + contact), [&self.space, scalars]);
+    /// The problem of a whole form, balance and contact, in the displacement and a scalar on the own surface.
+    pub fn mixed_problem<'a>(&'a self, form: &Form<2>, scalars: &Arc<Space<2>>) -> Problem<'a, 2, 2> {
+        let problem = Problem::new(form, [&self.space, scalars]);
         problem.constrained(&self.constraints).assembler(self.assembler()).options(Self::options())
     }
 
@@ -152,7 +161,7 @@ impl Case {
     ) -> Result<Outcome, Refusal> {
         let solved = self.problem(contact).solve()?;
         let pressures = self.pressures(&pressure(solved.field()))?;
-        Ok(Outcome::of(self, &solved, pressures)?.of_form(self, contact))
+        Ok(Outcome::of(self, &solved, pressures)?.of_form(&self.balance() + contact))
     }
 
     /// A pressure at points of the own surface.
@@ -220,6 +229,6 @@ impl Case {
     /// # Errors
     /// Data that do not fit.
     pub fn energy(&self, u: &Field<2>) -> Result<f64, AssemblyError> {
-        self.assembler().functional(&body::energy(&self.data, &body::Omega::on("all"), u))
+        self.assembler().functional(&body::energy(&self.data, &self.bodies(), u))
     }
 }

@@ -76,16 +76,16 @@ impl Outcome {
         pressures: Pressures,
     ) -> Result<Self, Refusal> {
         let u = solved.fields[0].clone();
-        let forces = contact_forces(case, &u, &solved.residual)?;
+        let forces = contact_forces(case, solved)?;
         let residual = solved.residual[..case.space.unknowns()].to_vec();
         let fields = solved.fields.to_vec();
         let newton = vec![solved.iterations()];
         Ok(Outcome { u, pressures, forces, residual, form: None, fields, newton, outer: None })
     }
 
-    /// This outcome as the solution of a contact form, which gives it a tangent.
-    pub fn of_form(self, case: &Case, contact: &Form<2>) -> Self {
-        Outcome { form: Some(&case.balance() + contact), ..self }
+    /// This outcome as the solution of a whole form, which gives it a tangent.
+    pub fn of_form(self, form: Form<2>) -> Self {
+        Outcome { form: Some(form), ..self }
     }
 
     /// The outcome of the last of several solves.
@@ -98,9 +98,9 @@ impl Outcome {
 ///
 /// # Errors
 /// Data that do not fit.
-pub fn contact_forces(case: &Case, u: &Field<2>, residual: &[f64]) -> Result<Vec<f64>, Refusal> {
-    let elastic = case.assembler().residual(&case.balance(), &[u], &[&case.space])?;
-    Ok(elastic.iter().zip(residual).map(|(elastic, residual)| elastic - residual).collect())
+pub fn contact_forces<const N: usize>(case: &Case, solved: &Solved<2, N>) -> Result<Vec<f64>, Refusal> {
+    let elastic = solved.assembler().residual(&case.balance(), &[&solved.fields[0]], &[&case.space])?;
+    Ok(elastic.iter().zip(&solved.residual).map(|(elastic, residual)| elastic - residual).collect())
 }
 
 /// A reason why there is no solution.

@@ -92,16 +92,25 @@ fn pressures(curves: &[(&str, Vec<&Row>)]) -> Option<LinePlot> {
     let known = curves
         .iter()
         .find_map(|(_, rows)| Some(&finest(rows)?.measured()?.known).filter(|known| !known.is_empty()));
+    let mut ends: Option<[f64; 2]> = None;
+    let mut draw = |plot: LinePlot, curve: Curve, y: &[f64]| {
+        for &y in y {
+            let [low, high] = ends.unwrap_or([y; 2]);
+            ends = Some([low.min(y), high.max(y)]);
+        }
+        plot.curve(curve.without_markers())
+    };
     for (name, rows) in curves {
         let Some(measured) = finest(rows).and_then(Row::measured) else { continue };
         let (x, y): (Vec<f64>, Vec<f64>) = measured.pressures.iter().map(|[x, y]| (*x, *y)).unzip();
-        plot = plot.curve(Curve::new(name, &x, &y).without_markers());
+        plot = draw(plot, Curve::new(name, &x, &y), &y);
     }
     if let Some(known) = known {
         let (x, y): (Vec<f64>, Vec<f64>) = known.iter().map(|[x, y]| (*x, *y)).unzip();
-        let most = y.iter().copied().fold(0.0, f64::max);
-        let largest = y.iter().map(|p| p.min(3.0 * most)).collect::<Vec<_>>();
-        plot = plot.curve(Curve::new("exact", &x, &largest).colour(Colour::BLACK).without_markers().dashed());
+        plot = draw(plot, Curve::new("exact", &x, &y).colour(Colour::BLACK).dashed(), &y);
     }
-    (!curves.is_empty()).then_some(plot)
+    let [low, high] = ends?;
+    // Pressures that are uniform have an axis of their own.
+    let is_uniform = high - low < 1e-3 * high.abs();
+    Some(if is_uniform { plot.y_range(0.0, 1.5 * high.abs().max(f64::MIN_POSITIVE)) } else { plot })
 }

@@ -72,7 +72,9 @@ impl Formulation for Barrier {
                 Contact::Obstacle(_) => law::pressure(&data, solved.field()),
                 Contact::Bodies(_) => law::pair_pressure(&data, solved.field()),
             };
-            found = Some(Outcome::of(case, &solved, case.pressures(&pressure)?)?.of_form(case, &form));
+            found = Some(
+                Outcome::of(case, &solved, case.pressures(&pressure)?)?.of_form(&case.balance() + &form),
+            );
             u = solved.into_field();
         }
         found.map(|found| found.after(newton)).ok_or_else(|| Refusal::Failed("no step".to_owned()))

@@ -42,7 +42,7 @@ impl Formulation for MeanNitsche {
             _ => law::of_vertices(&data, &touch),
         };
         let solved = case.problem(&form).solve()?;
-        let forces = contact_forces(case, solved.field(), &solved.residual)?;
-        Ok(Outcome::of(case, &solved, case.pressures_of_forces(&forces)?)?.of_form(case, &form))
+        let forces = contact_forces(case, &solved)?;
+        Ok(Outcome::of(case, &solved, case.pressures_of_forces(&forces)?)?.of_form(&case.balance() + &form))
     }
 }

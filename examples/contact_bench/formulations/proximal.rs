@@ -6,10 +6,12 @@ use forms_fem::prelude::*;
 
 #[forms(dimension = 2)]
 mod law {
-    pub use contact_bench::body::{Surface, Touch};
-    use contact_bench::body::{distance, obstacle_distance, own_weight, weight};
+    pub use contact_bench::body::{Loaded, Omega, Surface, Touch};
+    use contact_bench::body::{balance, distance, obstacle_distance, own_weight, weight};
     #[includes(contact_bench::body::Data)]
-    pub struct Data {}
+    pub struct Data {
+        alpha: Param,
+    }
     pub fn on_obstacle(
         u: Unknown<Vector>,
         psi: Unknown<Scalar>,
@@ -17,8 +19,8 @@ mod law {
         w: Test<Scalar>,
         before: State<Scalar>,
     ) -> Form {
-        let pressed = (before - psi) * dot(v, obstacle_normal);
-        integral(Surface, weight() * (pressed + (obstacle_distance(u) - exp(psi)) * w))
+        let pressed = (before - psi) / alpha * dot(v, obstacle_normal);
+        balance(u, v) + integral(Surface, weight() * (pressed + (obstacle_distance(u) - exp(psi)) * w))
     }
     pub fn between(
         u: Unknown<Vector>,
@@ -27,8 +29,8 @@ mod law {
         w: Test<Scalar>,
         before: State<Scalar>,
     ) -> Form {
-        let pressed = this(before - psi) * dot(toward, jump(v));
-        integral(Touch, own_weight() * (pressed + (distance(u) - exp(this(psi))) * this(w)))
+        let pressed = this(before - psi) / alpha * dot(toward, jump(v));
+        balance(u, v) + integral(Touch, own_weight() * (pressed + (distance(u) - exp(this(psi))) * this(w)))
     }
 }
 
@@ -44,14 +46,18 @@ impl Formulation for ProximalGalerkin {
     }
 
     fn solve(&self, case: &Case) -> Result<Outcome, Refusal> {
-        let (data, scalars) = (law::data_from(case.data.clone()), case.scalars()?);
+        let (scalars, bodies, load) = (case.scalars()?, case.bodies(), case.load());
         let step = |Proximal { alpha, before }: Proximal<'_, 2>| {
-            let contact = match case.contact {
-                Contact::Obstacle(_) => law::on_obstacle(&data, &case.surface(), &before[1]),
-                Contact::Bodies(_) => law::between(&data, &case.touch(Sides::Own), &before[1]),
+            let data = law::data_from(case.data.clone()).alpha(alpha);
+            let form = match case.contact {
+                Contact::Obstacle(_) => law::on_obstacle(&data, &bodies, &load, &case.surface(), &before[1]),
+                Contact::Bodies(_) => {
+                    law::between(&data, &bodies, &load, &case.touch(Sides::Own), &before[1])
+                }
             };
-            let scaled = (1.0 / alpha) * &contact;
-            case.mixed_problem(&scaled, &scalars).start([&before[0], &before[1]]).solve()
+            // Undamped: a line search on the residual stalls where e^ψ is far off.
+            let problem = case.mixed_problem(&form, &scalars).options(NewtonOptions::default());
+            problem.start([&before[0], &before[1]]).solve()
         };
         let options = ProximalOptions { first_step: 10.0 / case.pressure, ..ProximalOptions::default() };
         let start = [case.first(), Field::zero(&scalars)];

@@ -42,7 +42,9 @@ impl Formulation for Uzawa {
     }
 
     fn solve(&self, case: &Case) -> Result<Outcome, Refusal> {
-        let (assembler, pairing, rule) = (case.assembler(), case.pairing(Sides::Own), case.rule());
+        // One point per facet more than the degree: more would constrain the displacement too much.
+        let (pairing, rule) = (case.pairing(Sides::Own), 2 * case.space.degree());
+        let assembler = Assembler::new(case.mesh()).with_quadrature(Quadrature::Degree(rule));
         let multiplier = match case.contact {
             Contact::Obstacle(_) => assembler.history(Entity::Facets, case.own(), rule, 0.0)?,
             Contact::Bodies(_) => assembler.history_on_pairs(&pairing, rule, 0.0)?,
@@ -58,7 +60,7 @@ impl Formulation for Uzawa {
         };
         let (mut u, mut newton) = (case.first(), vec![]);
         while newton.len() < MOST {
-            let solved = case.problem(&form).start(&u).solve()?;
+            let solved = case.problem(&form).assembler(&assembler).start(&u).solve()?;
             newton.push(solved.iterations());
             let pressures = case.pressures(&pressure(solved.field()))?;
             let before = assembler.history_values(&multiplier)?;
