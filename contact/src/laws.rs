@@ -26,7 +26,10 @@
 //! | [`cut_nitsche`] | Nitsche's method, every θ, without friction, on a body that is cut by a level set function | small |
 //! | [`wear`] | Nitsche's method, every θ, on a flat, with Archard's wear | small |
 //! | [`contact_heat`] | heat across two bodies' contact and from their friction, for a known displacement | small |
-//! | [`proximal_obstacle`], [`proximal_membrane`] | proximal Galerkin, without friction | small |
+//! | [`proximal_obstacle`], [`proximal_bodies`], [`proximal_membrane`] | proximal Galerkin, without friction | small |
+//! | [`barrier_obstacle`], [`barrier_bodies`] | a log barrier in the gap, an energy without friction: gaps stay positive | small |
+//! | [`exponential_obstacle`], [`tabulated_obstacle`] | pressure as an exponential of the gap, or by data points, without friction | small |
+//! | [`axial_nitsche`] | Nitsche's method, every θ, on a flat, bodies of revolution in (r, z) | small |
 //! | [`uzawa`] | multipliers at points of Γ_C, updated by [`solve_by_uzawa`](crate::uzawa::solve_by_uzawa) | small |
 //!
 //! The bound of friction is s = `slip_stress` + `friction` · pressure: Tresca's law is `friction` = 0, Coulomb's law
@@ -36,10 +39,14 @@ pub mod analytic_obstacle;
 pub mod augmented_lagrangian;
 pub mod averaged_bodies;
 pub mod averaged_nitsche;
+pub mod axial_nitsche;
+pub mod barrier_bodies;
+pub mod barrier_obstacle;
 pub mod capsule;
 pub mod cohesive;
 pub mod contact_heat;
 pub mod cut_nitsche;
+pub mod exponential_obstacle;
 pub mod finite_nitsche;
 pub mod friction_with_memory;
 pub mod frictional_penalty;
@@ -50,11 +57,13 @@ pub mod mixed_bodies;
 pub mod mixed_nitsche;
 pub mod mortar_bodies;
 pub mod moving_obstacle;
+pub mod proximal_bodies;
 pub mod proximal_membrane;
 pub mod proximal_obstacle;
 pub mod sealed_cavity;
 pub mod sliding_bodies;
 pub mod sliding_wear;
+pub mod tabulated_obstacle;
 pub mod third_medium;
 pub mod two_bodies;
 pub mod uzawa;

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use forms_contact::laws::proximal_bodies::proximal_bodies as bodies;
 use forms_contact::laws::proximal_membrane::proximal_membrane as membrane;
 use forms_contact::laws::proximal_obstacle::proximal_obstacle as signorini;
 use forms_contact::proximal::{
@@ -120,6 +121,42 @@ fn a_layer_has_the_pressure_of_its_modulus() {
             ProximalOptions { first_step: 10.0, growth: 2.0, tolerance: 1e-12, ..Default::default() };
         let found = solve_by_proximal_points(start, options, solve, |_| ()).unwrap();
         let pressure = (lambda + 2.0 * mu) * (0.02 - gap);
+        for value in found.multiplier.values() {
+            assert!((value / pressure - 1.0).abs() < 1e-8, "{value}, {pressure}, {}", found.history);
+        }
+    }
+}
+
+/// A square on a square, on unlike meshes with a small gap: a uniform pressure, and forces that balance.
+#[test]
+fn two_bodies_have_a_uniform_pressure() {
+    let gap = 0.01;
+    let lower = rectangle([0.0; 2], [1.0; 2], [7, 5], CellShape::Quadrilateral, 1).unwrap();
+    let upper = rectangle([0.0, 1.0 + gap], [1.0, 2.0 + gap], [5, 4], CellShape::Quadrilateral, 1).unwrap();
+    let mesh = Mesh::of_bodies(&[("lower", &lower), ("upper", &upper)]).unwrap();
+    let (lambda, mu, way) = (1.5, 1.0, 0.03);
+    for degree in [1, 2] {
+        let displacements = Space::vector(&mesh, degree).unwrap();
+        let latents = Space::on_facets(&mesh, "lower top", degree).unwrap();
+        let mut held = Constraints::new(&displacements);
+        for side in ["lower left", "lower right", "upper left", "upper right"] {
+            held.fix_component(side, 0, |_| 0.0).unwrap();
+        }
+        held.fix_component("lower bottom", 1, |_| 0.0).unwrap();
+        held.fix_component("upper top", 1, |_| -way).unwrap();
+        let solve = |step: Proximal<'_, 2>| -> Result<_, SolveError> {
+            let data = bodies::data().lambda(lambda).mu(mu).alpha(step.alpha);
+            let touch = Pairing::onto("lower top", "upper bottom");
+            let law =
+                bodies::Model { data, regions: bodies::Regions::default().touch(touch).gamma_n("upper top") };
+            let problem = step.problem(&law, &law.direct(step.latent()), [&displacements, &latents])?;
+            problem.constrained(&held).solve()
+        };
+        let start = [Field::zero(&displacements), Field::zero(&latents)];
+        let options =
+            ProximalOptions { first_step: 10.0, growth: 2.0, tolerance: 1e-12, ..Default::default() };
+        let found = solve_by_proximal_points(start, options, solve, |_| ()).unwrap();
+        let pressure = (lambda + 2.0 * mu) * (way - gap) / 2.0;
         for value in found.multiplier.values() {
             assert!((value / pressure - 1.0).abs() < 1e-8, "{value}, {pressure}, {}", found.history);
         }

@@ -25,6 +25,7 @@
 //! A material that varies declares `lambda: Given<Scalar>` itself; that wins.
 
 mod cavities;
+mod closures;
 mod cut_bodies;
 mod interfaces;
 mod materials;
@@ -33,11 +34,13 @@ mod memory;
 mod mortar;
 mod nearly_incompressible;
 mod parameters;
+mod revolution;
 mod secants;
 mod two_sides;
 mod work;
 
 pub use cavities::cavity;
+pub use closures::{barrier, exponential_closure};
 pub use cut_bodies::{ghost_penalty, weak_dirichlet};
 pub use interfaces::{cohesion, friction, obstacle, rigid_flat, signed_distance};
 pub use materials::{linear_elastic, neo_hookean, st_venant_kirchhoff, strains};
@@ -46,6 +49,7 @@ pub use memory::elastic_slip;
 pub use mortar::multipliers;
 pub use nearly_incompressible::rubber;
 pub use parameters::{penalty, variant};
+pub use revolution::axial;
 pub use secants::neo_hookean_secant;
 pub use two_sides::{bodies, sliding};
 pub use work::{body_load, linear_criterion, loads, resultant};

@@ -53,7 +53,9 @@ pub mod mortar_bodies {
 /// |m₁| is bounded by s₀ + κ p, against each function, and where it is less, the slip of the step has the mean 0: there is no creep.
 #[forms(dimension = 2)]
 pub mod mortar_bodies_with_friction {
-    pub use super::mortar_bodies::{Data, GammaN, Omega, Own, Touch, cauchy_stress, criterion, first_piola, loads};
+    pub use super::mortar_bodies::{
+        Data, GammaN, Omega, Own, Touch, cauchy_stress, criterion, first_piola, loads,
+    };
     use crate::operators::friction::slip_limit;
     use crate::operators::multipliers::{allowed_pressure, normal_condition, tangential_condition};
     use crate::operators::sliding::slip;
@@ -87,11 +89,7 @@ pub mod mortar_bodies_with_friction {
     }
 }
 
-parameter_ranges!(mortar_bodies {
-    positive: mu,
-    positive: gamma0,
-    positive: uncovered,
-});
+parameter_ranges!(mortar_bodies { positive: mu, positive: gamma0, positive: uncovered });
 
 impl ParameterRanges for mortar_bodies_with_friction::Model<2> {
     fn check(&self, form: &'static str) -> Result<(), AssemblyError> {

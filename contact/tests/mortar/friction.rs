@@ -81,7 +81,9 @@ fn a_block_in_simple_shear_sticks_and_slides() {
             assert!(moved < 1e-10, "it creeps by {moved:e}");
             let (force, moved) = drawn(degree, 0.9, steps);
             let slips = FRICTION * force[1] / MU;
-            assert!((slips - 0.260518).abs() < 1e-6 && (force[0] + FRICTION * force[1]).abs() < 1e-8 * force[1]);
+            assert!(
+                (slips - 0.260518).abs() < 1e-6 && (force[0] + FRICTION * force[1]).abs() < 1e-8 * force[1]
+            );
             assert!((moved - (0.9 - slips)).abs() < 1e-9, "{moved} {slips}");
         }
     }

@@ -34,7 +34,11 @@ pub mod elastic {
     }
     pub fn balance(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
         integral(Omega, inner(stress(u), eps(v)) + soft * dot(u, v))
-            + integral(Touch(u), this(p) * dot(toward, jump(v)) - normal_condition(this(p), gap, this(gamma0) / this(h)) * this(q))
+            + integral(
+                Touch(u),
+                this(p) * dot(toward, jump(v))
+                    - normal_condition(this(p), gap, this(gamma0) / this(h)) * this(q),
+            )
             - integral(Own, uncovered * h / gamma0 * p * q)
     }
     pub fn pressed(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {

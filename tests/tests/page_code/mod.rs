@@ -9,6 +9,7 @@ mod branches;
 mod contact;
 mod cut;
 mod dynamics;
+mod gap_pressures;
 mod histories;
 mod language;
 mod mean_gaps;
@@ -20,7 +21,7 @@ mod smooth;
 mod tresca;
 
 /// The pages with blocks in Rust, and what compiles them elsewhere.
-const PAGES: [(&str, Option<&str>); 18] = [
+const PAGES: [(&str, Option<&str>); 20] = [
     ("adaptivity", None),
     ("bounds", None),
     ("coming_from", Some("the documentation tests of this crate")),
@@ -30,6 +31,7 @@ const PAGES: [(&str, Option<&str>); 18] = [
     ("cut_domains", None),
     ("eigenproblems", None),
     ("friction", None),
+    ("gap_pressures", None),
     ("inverse_problems", None),
     ("language", None),
     ("mean_gaps", None),
@@ -64,6 +66,7 @@ fn every_block_of_a_page_is_compiled() {
         include_str!("contact.rs"),
         include_str!("cut.rs"),
         include_str!("dynamics.rs"),
+        include_str!("gap_pressures.rs"),
         include_str!("histories.rs"),
         include_str!("language.rs"),
         include_str!("mean_gaps.rs"),

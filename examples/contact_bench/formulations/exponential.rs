@@ -1,0 +1,53 @@
+//! A pressure that falls exponentially with the gap: p₀ exp(−g/c).
+
+use contact_bench::{Case, Contact, Formulation, Outcome, Refusal, Sides};
+use forms_fem::prelude::*;
+
+#[forms(dimension = 2)]
+mod law {
+    pub use contact_bench::body::{Surface, Touch};
+    use contact_bench::body::{distance, obstacle_distance, own_weight, weight};
+    use forms_contact::operators::exponential_closure::exponential_pressure;
+    #[includes(contact_bench::body::Data, forms_contact::operators::exponential_closure::Data)]
+    pub struct Data {}
+    pub fn pressure(u: Vector) -> Scalar {
+        exponential_pressure(obstacle_distance(u))
+    }
+    pub fn on_obstacle(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Surface, weight() * pressure(u) * dot(v, obstacle_normal))
+    }
+    pub fn pair_pressure(u: Vector) -> Scalar {
+        exponential_pressure(distance(u))
+    }
+    pub fn between(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Touch, own_weight() * pair_pressure(u) * dot(toward, jump(v)))
+    }
+}
+
+/// The length over which the pressure falls by e, as a part of the problem's change of the gap.
+pub struct Exponential {
+    part: f64,
+}
+
+pub fn all() -> Vec<Exponential> {
+    vec![Exponential { part: 0.01 }]
+}
+
+impl Formulation for Exponential {
+    fn name(&self) -> String {
+        format!("exponential, c = {} of the approach", self.part)
+    }
+
+    fn solve(&self, case: &Case) -> Result<Outcome, Refusal> {
+        let data = law::data_from(case.data.clone()).closed_pressure(case.pressure);
+        let data = data.closure_length(self.part * case.approach);
+        match case.contact {
+            Contact::Obstacle(_) => {
+                case.newton(&law::on_obstacle(&data, &case.surface()), |u| law::pressure(&data, u))
+            }
+            Contact::Bodies(_) => {
+                case.newton(&law::between(&data, &case.touch(Sides::Own)), |u| law::pair_pressure(&data, u))
+            }
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! Formulations of contact compared on problems with known answers.
+//!
+//! A [`Problem`] is a file that knows no formulation: meshes, materials, loads, closed forms. A [`Formulation`] is a file that knows no problem: its
+//! form, or a law of the library, and a driver. [`program`] runs each on each, and writes a table, JSON and plots.
+//!
+//! A formulation of your own is a program of one file: implement [`Formulation`], and call `contact_bench::program(&[&MyFormulation])` in `main`.
+
+pub mod balance;
+pub mod body;
+pub mod case;
+pub mod gradient;
+pub mod options;
+pub mod outcome;
+pub mod plots;
+pub mod problem;
+pub mod problems;
+pub mod rows;
+pub mod run;
+pub mod table;
+
+pub use case::{Case, Contact, Sides};
+pub use outcome::{Outcome, Pressures, Refusal};
+pub use problem::{Problem, Quantity};
+pub use run::{Formulation, program};

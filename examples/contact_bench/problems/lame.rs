@@ -1,0 +1,98 @@
+//! Quarters of rings, one in the other, on unlike meshes: the pressure between them by Lamé.
+
+use std::f64::consts::FRAC_PI_2;
+
+use forms_fem::mesh::structured;
+use forms_fem::output::Failure;
+use forms_fem::prelude::*;
+
+use crate::body;
+use crate::case::{Case, Contact};
+use crate::outcome::Outcome;
+use crate::problem::{Problem, Quantity};
+
+const POISSON: f64 = 0.3;
+/// By which the outer ring is too small.
+const INTERFERENCE: f64 = 1e-3;
+
+/// Rings of radii 1 to 2 and 2 to 3.
+pub enum Rings {
+    /// The inner wall has the pressure 1.
+    Loaded,
+    /// The outer ring is smaller, and shrunk onto the inner one.
+    ShrinkFit,
+}
+
+impl Rings {
+    fn pressure(&self) -> f64 {
+        match self {
+            Rings::Loaded => 0.15625,
+            Rings::ShrinkFit => 1.171875e-4 / (1.0 - POISSON * POISSON),
+        }
+    }
+}
+
+impl Problem for Rings {
+    fn name(&self) -> String {
+        match self {
+            Rings::Loaded => "lame",
+            Rings::ShrinkFit => "shrink_fit",
+        }
+        .to_owned()
+    }
+
+    fn statement(&self) -> &'static str {
+        match self {
+            Rings::Loaded => {
+                "quarter rings 1 to 2 and 2 to 3, 8 and 11 cells around, pressure 1 inside, E = 1; p = 0.15625 (Lamé)"
+            }
+            Rings::ShrinkFit => {
+                "the same rings, the outer one too small by 0.001; p = 1.171875e-4 E/(1 − ν²)"
+            }
+        }
+    }
+
+    fn case(&self, level: usize, degree: usize) -> Result<Case, Failure> {
+        let less = if matches!(self, Rings::ShrinkFit) { INTERFERENCE } else { 0.0 };
+        let ring = |from: f64, to: f64, around: usize| {
+            let cells = [4 << level, around << level];
+            structured(cells, CellShape::Quadrilateral, degree.min(2), |[across, turn]: [f64; 2]| {
+                let (radius, angle) = (from + (to - from) * across, FRAC_PI_2 * turn);
+                [radius * angle.cos(), radius * angle.sin()]
+            })
+        };
+        let (inner, outer) = (ring(1.0, 2.0, 8)?, ring(2.0 - less, 3.0, 11)?);
+        let mesh = Mesh::of_bodies(&[("inner", &inner), ("outer", &outer)])?;
+        let space = Space::vector(&mesh, degree)?;
+        let mut constraints = Constraints::new(&space);
+        for body in ["inner", "outer"] {
+            constraints.fix_component(&format!("{body} bottom"), 1, |_| 0.0)?;
+            constraints.fix_component(&format!("{body} top"), 0, |_| 0.0)?;
+        }
+        let [lambda, mu] = super::lame(1.0, POISSON);
+        let load = if matches!(self, Rings::Loaded) { 1.0 } else { 0.0 };
+        Ok(Case {
+            space,
+            constraints,
+            data: body::data().lambda(lambda).mu(mu).young(1.0).wall_pressure(load),
+            loaded: "inner left".to_owned(),
+            contact: Contact::Bodies(["inner right", "outer left"].map(str::to_owned)),
+            start: None,
+            pressure: self.pressure(),
+            approach: if matches!(self, Rings::Loaded) { 1.0 } else { INTERFERENCE },
+        })
+    }
+
+    fn exact_pressure(&self, _place: [f64; 2], _force: f64) -> Option<f64> {
+        Some(self.pressure())
+    }
+
+    fn along(&self, [x, y]: [f64; 2]) -> f64 {
+        y.atan2(x).to_degrees()
+    }
+
+    fn quantities(&self, _case: &Case, found: &Outcome) -> Result<Vec<Quantity>, Failure> {
+        let value = found.pressures.force() / found.pressures.integral(|_, _| 1.0);
+        Ok(vec![Quantity { name: "mean pressure", value, exact: Some(self.pressure()) }])
+    }
+}

@@ -1,0 +1,33 @@
+//! Problems, a file each.
+
+mod grading;
+mod half_ball;
+mod hertz;
+mod lame;
+mod patch;
+mod punch;
+mod squares;
+mod wavy;
+
+use crate::problem::Problem;
+
+/// All problems.
+pub fn all() -> Vec<Box<dyn Problem>> {
+    let mut all: Vec<Box<dyn Problem>> = vec![
+        Box::new(patch::Patch),
+        Box::new(lame::Rings::Loaded),
+        Box::new(lame::Rings::ShrinkFit),
+        Box::new(squares::Squares),
+        Box::new(hertz::Line),
+        Box::new(punch::Punch::PlaneStress),
+        Box::new(punch::Punch::PlaneStrain),
+    ];
+    all.extend(wavy::PRESSURES.map(|part| -> Box<dyn Problem> { Box::new(wavy::Wavy { part }) }));
+    all.push(Box::new(half_ball::HalfBall));
+    all
+}
+
+/// λ and μ of E and ν in plane strain and in space.
+pub fn lame(young: f64, poisson: f64) -> [f64; 2] {
+    [young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)), young / (2.0 * (1.0 + poisson))]
+}

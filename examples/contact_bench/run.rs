@@ -1,0 +1,103 @@
+//! Each formulation on each problem.
+
+use std::process::ExitCode;
+use std::time::Instant;
+
+use forms_fem::output::{Failure, StandardOutput};
+use forms_program::command_line::program_with_options;
+
+use crate::case::Case;
+use crate::gradient::gradient;
+use crate::options::{Options, chosen};
+use crate::outcome::{Outcome, Refusal};
+use crate::problem::Problem;
+use crate::rows::{Answer, Row, answer};
+use crate::{plots, problems, table};
+
+/// A formulation of contact.
+pub trait Formulation: Sync {
+    /// Its name in tables, with its parameters.
+    fn name(&self) -> String;
+
+    /// The solution of a case.
+    ///
+    /// # Errors
+    /// [`Refusal`], which is a result, too.
+    fn solve(&self, case: &Case) -> Result<Outcome, Refusal>;
+}
+
+/// The program: these formulations on the problems that the command line names.
+pub fn program(formulations: &[&dyn Formulation]) -> ExitCode {
+    program_with_options(|options: &Options, out| run(options, formulations, out))
+}
+
+fn run(
+    options: &Options,
+    formulations: &[&dyn Formulation],
+    out: &mut StandardOutput,
+) -> Result<(), Failure> {
+    let all = problems::all();
+    if options.list {
+        all.iter().for_each(|problem| out.line(format!("{}: {}", problem.name(), problem.statement())));
+        formulations.iter().for_each(|formulation| out.line(formulation.name()));
+        return Ok(());
+    }
+    let names: Vec<String> = all.iter().map(|problem| problem.name()).collect();
+    let problems = chosen(&names, &options.problems, "problem", |name, wanted| name == wanted)?;
+    let names: Vec<String> = formulations.iter().map(|formulation| formulation.name()).collect();
+    let begins = |name: &str, wanted: &str| name.starts_with(wanted);
+    let places = chosen(&names, &options.formulations, "formulation", begins)?;
+    let formulations: Vec<&dyn Formulation> = places.into_iter().map(|place| formulations[place]).collect();
+    if options.levels == 0 || options.degrees.iter().any(|degree| !(1..=4).contains(degree)) {
+        return Err(Failure::from("there is a mesh at least, and degrees are 1 to 4".to_owned()));
+    }
+    std::fs::create_dir_all(&options.out)?;
+    let (mut rows, mut markdown) = (vec![], String::new());
+    for problem in problems.into_iter().map(|place| all[place].as_ref()) {
+        let rows_of = rows_of(problem, &formulations, options)?;
+        let text = table::markdown(problem, &rows_of);
+        text.lines().for_each(|line| out.line(line));
+        markdown += &text;
+        rows.extend(rows_of);
+    }
+    std::fs::write(options.out.join("contact_bench.md"), markdown)?;
+    std::fs::write(options.out.join("contact_bench.json"), serde_json::to_string_pretty(&rows)?)?;
+    for path in plots::write(&rows, &options.out)? {
+        out.line(path.display());
+    }
+    Ok(())
+}
+
+fn rows_of(
+    problem: &dyn Problem,
+    formulations: &[&dyn Formulation],
+    options: &Options,
+) -> Result<Vec<Row>, Failure> {
+    let mut rows = vec![];
+    for &degree in &options.degrees {
+        let cases =
+            (0..options.levels).map(|level| problem.case(level, degree)).collect::<Result<Vec<Case>, _>>()?;
+        for formulation in formulations {
+            for (level, case) in cases.iter().enumerate() {
+                let start = Instant::now();
+                let outcome = formulation.solve(case);
+                let seconds = start.elapsed().as_secs_f64();
+                let outcome = outcome.map(|found| {
+                    // A solution next to it that fails leaves the column empty.
+                    let gradient =
+                        (level == 0).then(|| gradient(*formulation, case, &found).ok().flatten()).flatten();
+                    (found, gradient)
+                });
+                let answer = answer(problem, case, outcome, seconds)?;
+                let is_defined = !matches!(answer, Answer::NotDefined(_));
+                let unknowns = case.space.unknowns();
+                let (problem, formulation) = (problem.name(), formulation.name());
+                rows.push(Row { problem, formulation, degree, level, unknowns, answer });
+                if !is_defined {
+                    break;
+                }
+            }
+        }
+    }
+    Ok(rows)
+}

@@ -1,0 +1,94 @@
+//! Tables in Markdown, which is also what the terminal gets.
+
+use std::fmt::Write;
+
+use crate::problem::Problem;
+use crate::rows::{Answer, Measured, Row};
+
+/// Characters of a reason in a cell.
+const REASON: usize = 160;
+
+fn number(value: Option<f64>) -> String {
+    value.map_or_else(|| "–".to_owned(), |value| format!("{value:.1e}"))
+}
+
+/// log₂ of the error before over this one.
+fn order(before: Option<&Row>, row: &Row) -> String {
+    let error = |row: &Row| row.measured().and_then(|measured| measured.pressure_error);
+    match (before.filter(|before| before.is_coarser_than(row)).and_then(error), error(row)) {
+        (Some(before), Some(after)) if after > 1e-9 => format!("{:.2}", (before / after).log2()),
+        _ => "–".to_owned(),
+    }
+}
+
+impl Row {
+    fn is_coarser_than(&self, other: &Row) -> bool {
+        self.degree == other.degree && self.formulation == other.formulation && self.level + 1 == other.level
+    }
+}
+
+fn cells(measured: &Measured, order: &str) -> String {
+    let outer = measured.outer.map_or_else(|| "–".to_owned(), |outer| outer.to_string());
+    let quantities: Vec<String> =
+        measured.quantities.iter().map(|quantity| format!("{:.6}", Short(quantity.value))).collect();
+    format!(
+        "{} | {order} | {}, {} | {outer} | {:.2} | {} | {} | {} | {} | {}",
+        number(measured.pressure_error),
+        measured.newton,
+        measured.worst_newton,
+        measured.seconds,
+        number(measured.force_balance),
+        number(measured.moment_balance),
+        number(Some(measured.penetration)),
+        number(measured.gradient.map(|gradient| gradient.error())),
+        quantities.join("; "),
+    )
+}
+
+/// A number with significant digits: the precision is their count.
+struct Short(f64);
+
+impl std::fmt::Display for Short {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let digits = f.precision().unwrap_or(4) as i32;
+        let exponent = if self.0 == 0.0 { 0 } else { self.0.abs().log10().floor() as i32 };
+        match exponent {
+            -3..6 => write!(f, "{:.*}", (digits - 1 - exponent).max(0) as usize, self.0),
+            _ => write!(f, "{:.*e}", (digits - 1) as usize, self.0),
+        }
+    }
+}
+
+/// The table of a problem, with its statement and the known numbers.
+pub fn markdown(problem: &dyn Problem, rows: &[Row]) -> String {
+    let mut text = format!("## {}\n\n{}.\n", problem.name(), problem.statement());
+    let known = rows.iter().find_map(Row::measured).map_or(&[][..], |measured| &measured.quantities[..]);
+    let names: Vec<String> = known
+        .iter()
+        .map(|quantity| match quantity.exact {
+            Some(exact) => format!("{} (known: {:.6})", quantity.name, Short(exact)),
+            None => quantity.name.to_owned(),
+        })
+        .collect();
+    let _ = writeln!(
+        text,
+        "\n| formulation | degree | unknowns | error of p | order | Newton: all, worst | outer | s | ΣF | ΣM | penetration | gradient | {} |",
+        if names.is_empty() { "numbers".to_owned() } else { names.join("; ") }
+    );
+    text += "| --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --- |\n";
+    for (index, row) in rows.iter().enumerate() {
+        let before = index.checked_sub(1).map(|before| &rows[before]);
+        let cells = match &row.answer {
+            Answer::Solved(measured) => cells(measured, &order(before, row)),
+            Answer::NotDefined(why) => format!("– | | | | | | | | | not defined: {why}"),
+            Answer::Failed(why) => format!("– | | | | | | | | | failed: {}", shortened(why)),
+        };
+        let _ = writeln!(text, "| {} | {} | {} | {cells} |", row.formulation, row.degree, row.unknowns);
+    }
+    text + "\n"
+}
+
+fn shortened(why: &str) -> String {
+    let why = why.replace('|', "/");
+    if why.chars().count() <= REASON { why } else { why.chars().take(REASON).chain(['…']).collect() }
+}

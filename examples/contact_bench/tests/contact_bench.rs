@@ -1,0 +1,109 @@
+//! The program as a user runs it, on coarse meshes: files, rows, known numbers, reasons.
+
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::Value;
+
+/// The rows of a run.
+fn run(arguments: &[&str], directory: &Path) -> Vec<Value> {
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_contact_bench")).args(arguments).current_dir(directory).output();
+    let output = output.expect("it starts");
+    let printed = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{printed}{}", String::from_utf8_lossy(&output.stderr));
+    let json = std::fs::read_to_string(directory.join("out/contact_bench/contact_bench.json")).expect("JSON");
+    let table =
+        std::fs::read_to_string(directory.join("out/contact_bench/contact_bench.md")).expect("a table");
+    assert!(printed.starts_with(&table), "{printed}");
+    serde_json::from_str(&json).expect("it can be read")
+}
+
+fn text(row: &Value, name: &str) -> String {
+    row[name].as_str().unwrap_or_default().to_owned()
+}
+
+/// A number of a solution.
+fn number(row: &Value, name: &str) -> f64 {
+    row["answer"]["solved"][name].as_f64().unwrap_or(f64::NAN)
+}
+
+/// A number that the problem asks for.
+fn quantity(row: &Value, name: &str) -> f64 {
+    let all = row["answer"]["solved"]["quantities"].as_array().expect("quantities");
+    let of_name = all.iter().find(|one| one["name"] == name).unwrap_or_else(|| panic!("{name}: {all:?}"));
+    of_name["value"].as_f64().expect("a number")
+}
+
+#[test]
+fn every_formulation_has_a_row_with_numbers_or_a_reason() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let rows =
+        run(&["--problems", "patch,hertz,half_ball", "--levels", "1", "--degrees", "2"], directory.path());
+    assert!(rows.len() >= 45, "{}", rows.len());
+    for row in &rows {
+        let label = format!("{}, {}", text(row, "problem"), text(row, "formulation"));
+        let answer = row["answer"].as_object().expect("an answer");
+        match answer.iter().next().map(|(kind, value)| (kind.as_str(), value)) {
+            Some(("solved", _)) => assert!(number(row, "newton") >= 1.0, "{label}"),
+            Some(("failed" | "not_defined", why)) => {
+                assert!(why.as_str().is_some_and(|why| !why.is_empty()), "{label}")
+            }
+            other => panic!("{label}: {other:?}"),
+        }
+    }
+    let patch = |formulation: &str| {
+        let is_it = |row: &&Value| text(row, "problem") == "patch" && text(row, "formulation") == formulation;
+        rows.iter().find(is_it).unwrap_or_else(|| panic!("no {formulation}"))
+    };
+    for formulation in [
+        "nitsche θ = -1",
+        "nitsche θ = 0, unbiased",
+        "nitsche θ = 1",
+        "augmented Lagrangian",
+        "penalty 100 E/h",
+    ] {
+        let row = patch(formulation);
+        assert!(number(row, "pressure_error") < 1e-9, "{formulation}: {row}");
+        assert!(number(row, "force_balance") < 1e-12, "{formulation}: {row}");
+        let fallen = quantity(row, "u_y of the top");
+        assert!(formulation.starts_with("penalty") || (fallen + 2.0 * 0.91 + 1e-3).abs() < 1e-9, "{fallen}");
+    }
+    for what in ["hertz_pressures", "half_ball_pressures", "patch_pressures"] {
+        assert!(directory.path().join(format!("out/contact_bench/{what}.png")).exists(), "{what}");
+    }
+}
+
+#[test]
+fn known_pressures_are_met_with_order_two() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let asked = [
+        "--problems",
+        "lame,shrink_fit",
+        "--formulations",
+        "nitsche θ = -1,augmented",
+        "--degrees",
+        "2",
+        "--levels",
+        "2",
+    ];
+    let rows = run(&asked, directory.path());
+    for pair in rows.chunks(2).filter(|pair| text(&pair[0], "problem") == "lame") {
+        let label = text(&pair[0], "formulation");
+        let errors = [0, 1].map(|level| (quantity(&pair[level], "mean pressure") - 0.15625).abs());
+        assert!(errors[1] < 1e-4 && (errors[0] / errors[1]).log2() > 1.8, "{label}: {errors:?}");
+    }
+    for row in rows.iter().filter(|row| text(row, "problem") == "shrink_fit" && row["level"] == 1) {
+        let exact = 1.171875e-4 / 0.91;
+        assert!((quantity(row, "mean pressure") / exact - 1.0).abs() < 2e-3, "{row}");
+    }
+}
+
+#[test]
+fn a_name_that_does_not_exist_is_refused_with_those_that_do() {
+    let asked = ["--problems", "hertzz"];
+    let output = Command::new(env!("CARGO_BIN_EXE_contact_bench")).args(asked).output().expect("it starts");
+    assert!(!output.status.success());
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(told.contains("hertzz") && told.contains("patch"), "{told}");
+}
