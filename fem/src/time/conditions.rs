@@ -18,12 +18,12 @@ impl<'a, T: Copy, const D: usize> Conditions<'a, T, D> {
         Conditions { given: vec![] }
     }
 
-    /// Adds some.
+    /// More conditions, on one unknown.
     pub fn push(&mut self, constraints: impl Fn(T) -> Result<Constraints<D>, ConstraintsError> + 'a) {
         self.given.push(Box::new(constraints));
     }
 
-    /// Those of each space at a time; none if some are on a space on which no unknown is left without.
+    /// Conditions on each space at a time; none if some are on a space on which no unknown is left without.
     ///
     /// # Errors
     /// Those of the functions.

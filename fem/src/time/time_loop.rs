@@ -154,7 +154,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         }
     }
 
-    /// Another scheme for one unknown, by its number. All schemes have to give loads at the same time of a step and to solve for the same:
+    /// The scheme of one unknown, by its number, in place of the common one. All schemes have to give loads at the same time of a step and to solve for the same:
     /// a step that does not agree is an error.
     pub fn scheme_of(mut self, unknown: usize, scheme: impl Scheme + 'a) -> Self {
         match self.schemes.get_mut(unknown) {
