@@ -66,7 +66,8 @@ where
         mesh.cell_count()
     ));
     let signs = least(mesh.cell_count(), || Cut::by(&phi).map(|_| ()))?;
-    let volume = elastic::measure(&elastic::Omega::on("cut"));
+    let data = elastic::data().lambda(1.0).mu(1.0);
+    let volume = elastic::measure(&data, &elastic::Omega::on("cut"));
     let constants = Space::discontinuous_scalar(mesh, 0)?;
     let rule = least(crossed, || body.linear_form(&volume, &constants).map(|_| ()))?;
     let one = Field::interpolate(&constants, |_| 1.0)?;
@@ -76,7 +77,7 @@ where
     ));
     for degree in [1, 2] {
         let space = Space::vector(mesh, degree)?;
-        let (u, data) = (Field::zero(&space), elastic::data().lambda(1.0).mu(1.0));
+        let u = Field::zero(&space);
         let mut times = vec![];
         let on = |name: &str| elastic::stiffness(&data, &elastic::Omega::on(name));
         let forms = [

@@ -91,8 +91,8 @@ fn unknowns_outside_are_held_and_no_others() {
     for cell in (0..mesh.cell_count() as u32).filter(|cell| cut.side_of_cell(*cell) != CutSide::Outside) {
         space.cell_nodes(cell as usize).iter().for_each(|node| active[*node as usize] = true);
     }
-    for node in 0..space.node_count() {
-        assert_eq!(held.is_prescribed(2 * node), !active[node] || space.positions()[node][0] == -1.0);
+    for (node, (active, x)) in active.iter().zip(space.positions()).enumerate() {
+        assert_eq!(held.is_prescribed(2 * node), !active || x[0] == -1.0);
     }
     // What was prescribed stays.
     let left = space.nodes_on("left").unwrap()[0] as usize;

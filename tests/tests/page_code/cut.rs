@@ -21,7 +21,7 @@ pub fn contact(mesh: Mesh<2>, phi: Field<2>, gap: Given<f64, 2>) -> Result<Vec<f
     let mut held = Constraints::new(&space);
     held.fix("top", |_| [0.0, -0.01])?;
     cut.hold_outside(&mut held)?;
-    let data = cut_nitsche::data().lambda(1.0).mu(1.0).gamma0(30.0).theta(1.0).obstacle_normal([0.0, -1.0]).gap(gap);
+    let data = cut_nitsche::data().lambda(1.0).mu(1.0).gamma0(30.0).obstacle_normal([0.0, -1.0]).gap(gap).theta(1.0);
     let regions = cut_nitsche::regions().gamma_c("all").gamma_d("all").gamma_n("right");
     let law = cut_nitsche::Model { data, regions };
     let problem = ContactProblem::new(&space, law, held).assembler(body);
