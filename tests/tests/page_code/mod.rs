@@ -11,6 +11,7 @@ mod dynamics;
 mod histories;
 mod language;
 mod mean_gaps;
+mod mortar;
 mod rubber;
 mod sliding_histories;
 mod smooth;
@@ -19,7 +20,7 @@ mod smooth;
 mod tresca;
 
 /// The pages with blocks in Rust, and what compiles them elsewhere.
-const PAGES: [(&str, Option<&str>); 18] = [
+const PAGES: [(&str, Option<&str>); 19] = [
     ("adaptivity", None),
     ("bounds", None),
     ("coming_from", Some("the documentation tests of this crate")),
@@ -31,6 +32,7 @@ const PAGES: [(&str, Option<&str>); 18] = [
     ("inverse_problems", None),
     ("language", None),
     ("mean_gaps", None),
+    ("mortar", None),
     ("nearly_incompressible", None),
     ("new_contact_law", None),
     ("points_segments_means", None),
@@ -64,6 +66,7 @@ fn every_block_of_a_page_is_compiled() {
         include_str!("histories.rs"),
         include_str!("language.rs"),
         include_str!("mean_gaps.rs"),
+        include_str!("mortar.rs"),
         include_str!("rubber.rs"),
         include_str!("sliding_histories.rs"),
         include_str!("smooth.rs"),
