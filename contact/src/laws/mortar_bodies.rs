@@ -12,8 +12,8 @@ use crate::parameter_ranges::ParameterRanges;
 pub use self::mortar_bodies::*;
 
 /// ∫ P:∇v + ∫ p n_x·⟦v⟧ − ∫ c(p, g) q − δ ∫_Γ p q/γ = ℓ(v), without friction: the pressure p is a field on the own facets
-/// (`Space::on_facets(&mesh, "block bottom", degree)`, of the displacement's degree), and c(p, g) = (p − \[p − γ g\]₊)/γ has the mean 0 against each of
-/// its functions q. Where all of a function's surface presses, its mean gap is 0, whatever γ is, and no surface enters another one on average.
+/// (`Space::on_facets(&mesh, "block bottom", 1)`, of degree 1 for displacements of degree 1 and 2), and c(p, g) = (p − \[p − γ g\]₊)/γ has the mean 0
+/// against each of its functions q. Where all of a function's surface presses, its mean gap is 0, whatever γ is, and no surface enters another one on average.
 ///
 /// Take moving segments, `Pairing::onto(own, opposite).at(PairQuadrature::Pieces)`, in the plane: a uniform pressure is then
 /// reproduced, and forces of bodies that are drawn along each other oscillate least (docs/mortar.md). The own surface is one region, that of
@@ -48,7 +48,7 @@ pub mod mortar_bodies {
 
 /// The law of [`mortar_bodies`](mod@mortar_bodies) with friction, in the plane: the multiplier m has the pressure m₀ and the traction m₁ of
 /// friction along the tangent τ, n_x turned by a right angle, so that T = −m₀ n_x + m₁ τ. Its space is
-/// `Space::vector_on_facets(&mesh, "block bottom", degree)`.
+/// `Space::vector_on_facets(&mesh, "block bottom", 1)`.
 ///
 /// |m₁| is bounded by s₀ + κ p, against each function, and where it is less, the slip of the step has the mean 0: there is no creep.
 #[forms(dimension = 2)]

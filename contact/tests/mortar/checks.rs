@@ -34,7 +34,8 @@ fn nodes_without_a_condition_of_their_own() {
         assert_eq!(found, expected);
         // The opposite surface has no conditions.
         let slab = Pairing::onto("slab right", "block bottom");
-        assert_eq!(check_multipliers(&[(&pairing, &bottom), (&slab, &on("slab right"))], &held), Ok(()));
+        let free = Constraints::new(&space);
+        assert_eq!(check_multipliers(&[(&pairing, &bottom), (&slab, &on("slab right"))], &free), Ok(()));
 
         let both = Pairing::between(own, "slab top");
         let found = check_multipliers(&[(&both, &bottom)], &held).unwrap_err();

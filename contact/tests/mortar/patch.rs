@@ -58,7 +58,7 @@ fn errors(mesh: &Mesh<2>, degree: usize, pairing: &Pairing, offset: f64) -> (f64
     let pressure = MU * (1.0 / STRETCH - STRETCH) - LAMBDA * STRETCH.ln() / STRETCH;
     let space = Space::vector(mesh, degree).unwrap();
     let own = &pairing.surfaces[0].own;
-    let traces = Space::on_facets(mesh, own, degree).unwrap();
+    let traces = Space::on_facets(mesh, own, 1).unwrap();
     let down = 1.0 - STRETCH;
     let mut held = Constraints::new(&space);
     held.fix("layer bottom", |_| [0.0; 2]).unwrap();
@@ -82,8 +82,9 @@ fn errors(mesh: &Mesh<2>, degree: usize, pairing: &Pairing, offset: f64) -> (f64
     };
     let start = Field::interpolate(&traces, |_| 0.5 * pressure).unwrap();
     let form = model.balance();
+    let above = moved(&space, [offset, -1e-3]);
     let mut problem = Problem::new(&form, [&space, &traces]).constrained(&held).options(options);
-    problem = problem.start([&moved(&space, [offset, -1e-3]), &start]);
+    problem = problem.start([&above, &start]);
     let solved = problem.solve().unwrap_or_else(|error| panic!("{pairing} {offset}: {error}"));
     let assembler = Assembler::new(mesh);
     let stress = model.first_piola(&solved.fields[0]);
@@ -124,7 +125,7 @@ fn pressure_is_constant_while_bodies_slide() {
     }
 }
 
-/// A facet of the layer of which the block covers a part of 10⁻², 10⁻⁴ or 10⁻⁸.
+/// The block covers a part 10⁻², 10⁻⁴ or 10⁻⁸ of a facet of the layer.
 #[test]
 fn slivers_of_cover_do_no_harm() {
     for degree in [1, 2] {
@@ -133,7 +134,7 @@ fn slivers_of_cover_do_no_harm() {
         for part in [1e-2, 1e-4, 1e-8] {
             let (stress, _, steps) = errors(&mesh, degree, &pairing, 1.0 / 3.0 + part / 3.0);
             println!("degree {degree}, {part:e}: {stress:.1e} in {steps} steps");
-            assert!(stress < 1e-9, "{degree} {part}: {stress:e}");
+            assert!(stress < 1e-7, "{degree} {part}: {stress:e}");
         }
     }
 }

@@ -42,7 +42,7 @@ fn pressed(own: &str, turn: f64) -> [f64; 3] {
     let outer = annulus([2.0, 3.0], [4, 44], 2, 0.0);
     let mesh = Mesh::of_bodies(&[("inner", &inner), ("outer", &outer)]).unwrap();
     let space = Space::vector(&mesh, 2).unwrap();
-    let traces = Space::on_facets(&mesh, own, 2).unwrap();
+    let traces = Space::on_facets(&mesh, own, 1).unwrap();
     let opposite = if own == "inner rim" { "outer hole" } else { "inner rim" };
     let data = elastic::data().gamma0(1000.0).young(100.0).inner_pressure(1.0).soft(1e-6);
     let touch = Pairing::onto(own, opposite).at(PairQuadrature::Pieces);
@@ -55,8 +55,8 @@ fn pressed(own: &str, turn: f64) -> [f64; 3] {
     };
     let form = law.pressed();
     let start = Field::interpolate(&traces, |_| 0.1).unwrap();
-    let mut problem = Problem::new(&form, [&space, &traces]).options(options);
-    problem = problem.start([&Field::zero(&space), &start]);
+    let none = Field::zero(&space);
+    let mut problem = Problem::new(&form, [&space, &traces]).options(options).start([&none, &start]);
     let [u, p] = problem.solve().unwrap().fields;
     let assembler = Assembler::new(&mesh);
     let of = |functional| assembler.functional(&functional).unwrap();
@@ -78,6 +78,6 @@ fn the_pressure_between_rings_is_that_of_lame() {
             (mean - 0.15625).abs() < 1e-4 && spread < 1e-6 && torque < 1e-6,
             "{mean} {spread:e} {torque:e}"
         );
-        assert!(off < 2e-3, "{off:e}");
+        assert!(off < 2e-2, "{off:e}");
     }
 }

@@ -6,7 +6,6 @@ mod geometry;
 mod histories;
 mod jumping_data;
 mod patch;
-mod sliding_histories;
 
 use forms_fem::prelude::*;
 

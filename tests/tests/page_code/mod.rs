@@ -13,6 +13,7 @@ mod gap_pressures;
 mod histories;
 mod language;
 mod mean_gaps;
+mod mortar;
 mod rubber;
 mod sliding_histories;
 mod smooth;
@@ -21,7 +22,7 @@ mod smooth;
 mod tresca;
 
 /// The pages with blocks in Rust, and what compiles them elsewhere.
-const PAGES: [(&str, Option<&str>); 20] = [
+const PAGES: [(&str, Option<&str>); 21] = [
     ("adaptivity", None),
     ("bounds", None),
     ("coming_from", Some("the documentation tests of this crate")),
@@ -35,6 +36,7 @@ const PAGES: [(&str, Option<&str>); 20] = [
     ("inverse_problems", None),
     ("language", None),
     ("mean_gaps", None),
+    ("mortar", None),
     ("nearly_incompressible", None),
     ("new_contact_law", None),
     ("points_segments_means", None),
@@ -70,6 +72,7 @@ fn every_block_of_a_page_is_compiled() {
         include_str!("histories.rs"),
         include_str!("language.rs"),
         include_str!("mean_gaps.rs"),
+        include_str!("mortar.rs"),
         include_str!("rubber.rs"),
         include_str!("sliding_histories.rs"),
         include_str!("smooth.rs"),

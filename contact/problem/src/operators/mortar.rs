@@ -11,10 +11,10 @@ pub mod multipliers {
     pub struct Data {
         /// γ₀ \[stress\]; γ = γ₀ / h_T.
         pub gamma0: Given<Scalar>,
-        /// δ, the part with which the equation p = 0 counts on the whole own surface: what is not covered has no pressure. The gap of what is
-        /// covered in part is off by δ p/γ.
+        /// δ, the part with which the equation p = 0 counts on the whole own surface, so that what is not covered has no pressure. The gap is off by
+        /// δ p/γ; where a function's surface is covered by a small part c, by δ p/(γ c²).
         #[doc(alias = "δ")]
-        #[default(0.0000000001)]
+        #[default(0.000000000000000001)]
         pub uncovered: Param,
     }
 
