@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use forms_fem::output::Failure;
-use forms_fem::output::picture::{Colour, Curve, LinePlot, Picture, Scale};
+use forms_fem::output::picture::{Colour, Curve, LinePlot, Panel, Picture, Scale};
 
 use crate::rows::Row;
 
 /// Curves of one picture at most.
-const CURVES: usize = 12;
+const CURVES: usize = 16;
 
 /// Writes the plots of all problems, for the largest degree that was run. The paths.
 ///
@@ -30,23 +30,24 @@ pub fn write(rows: &[Row], directory: &Path) -> Result<Vec<PathBuf>, Failure> {
             .iter()
             .map(|name| (*name, of.iter().copied().filter(|row| row.formulation == *name).collect()))
             .collect();
-        let mut save = |plot: Option<LinePlot>, what: &str| -> Result<(), Failure> {
+        let path = |what: &str| directory.join(format!("{problem}_{what}.png"));
+        for (plot, what) in [(errors(&curves), "errors"), (newton(&curves), "newton")] {
             if let Some(plot) = plot {
-                let path = directory.join(format!("{problem}_{what}.png"));
-                plot.write_png(&path)?;
-                paths.push(path);
+                plot.write_png(path(what))?;
+                paths.push(path(what));
             }
-            Ok(())
-        };
-        save(errors(&curves), "errors")?;
-        save(newton(&curves), "newton")?;
-        save(pressures(&curves), "pressures")?;
+        }
+        if let Some(panel) = pressures(&curves)? {
+            panel.write_png(path("pressures"))?;
+            paths.push(path("pressures"));
+        }
     }
     Ok(paths)
 }
 
 fn errors(curves: &[(&str, Vec<&Row>)]) -> Option<LinePlot> {
     let mut plot = LinePlot::new()
+        .size(420.0, 560.0)
         .x_axis("unknowns", Scale::Logarithmic)
         .y_axis("relative error of the pressure", Scale::Logarithmic);
     let mut any = false;
@@ -66,8 +67,10 @@ fn errors(curves: &[(&str, Vec<&Row>)]) -> Option<LinePlot> {
 }
 
 fn newton(curves: &[(&str, Vec<&Row>)]) -> Option<LinePlot> {
-    let mut plot =
-        LinePlot::new().x_axis("unknowns", Scale::Logarithmic).y_axis("Newton steps", Scale::Logarithmic);
+    let mut plot = LinePlot::new()
+        .size(420.0, 560.0)
+        .x_axis("unknowns", Scale::Logarithmic)
+        .y_axis("Newton steps", Scale::Logarithmic);
     let mut any = false;
     for (name, rows) in curves {
         let steps = |row: &&&Row| row.measured().map_or(0, |measured| measured.newton);
@@ -86,31 +89,34 @@ fn finest<'a>(rows: &[&'a Row]) -> Option<&'a Row> {
     rows.iter().copied().max_by_key(|row| row.level)
 }
 
-fn pressures(curves: &[(&str, Vec<&Row>)]) -> Option<LinePlot> {
-    let mut plot =
-        LinePlot::new().x_axis("along the contact", Scale::Linear).y_axis("pressure", Scale::Linear);
-    let known = curves
-        .iter()
-        .find_map(|(_, rows)| Some(&finest(rows)?.measured()?.known).filter(|known| !known.is_empty()));
-    let mut ends: Option<[f64; 2]> = None;
-    let mut draw = |plot: LinePlot, curve: Curve, y: &[f64]| {
-        for &y in y {
-            let [low, high] = ends.unwrap_or([y; 2]);
-            ends = Some([low.min(y), high.max(y)]);
-        }
-        plot.curve(curve.without_markers())
-    };
+/// A small plot per formulation, with the known pressure.
+fn pressures(curves: &[(&str, Vec<&Row>)]) -> Result<Option<Panel>, Failure> {
+    let mut panel = Panel::new(4);
+    let mut any = false;
     for (name, rows) in curves {
         let Some(measured) = finest(rows).and_then(Row::measured) else { continue };
-        let (x, y): (Vec<f64>, Vec<f64>) = measured.pressures.iter().map(|[x, y]| (*x, *y)).unzip();
-        plot = draw(plot, Curve::new(name, &x, &y), &y);
+        let split =
+            |points: &[[f64; 2]]| -> (Vec<f64>, Vec<f64>) { points.iter().map(|[x, y]| (*x, *y)).unzip() };
+        let ((x, y), (places, known)) = (split(&measured.pressures), split(&measured.known));
+        let most = |y: &[f64]| y.iter().copied().fold(0.0, f64::max);
+        // A method may be far off, and a known pressure infinite.
+        let top = if known.is_empty() { most(&y) } else { most(&known).min(3.0 * known[0].abs()) };
+        if top <= 0.0 {
+            continue;
+        }
+        let mut plot = LinePlot::new()
+            .title(name)
+            .size(190.0, 150.0)
+            .x_axis("", Scale::Linear)
+            .y_axis("", Scale::Linear)
+            .y_range(-0.15 * top, 1.35 * top)
+            .curve(Curve::new("", &x, &y).without_markers());
+        if !known.is_empty() {
+            plot =
+                plot.curve(Curve::new("", &places, &known).colour(Colour::BLACK).without_markers().dashed());
+        }
+        panel = panel.picture(&plot)?;
+        any = true;
     }
-    if let Some(known) = known {
-        let (x, y): (Vec<f64>, Vec<f64>) = known.iter().map(|[x, y]| (*x, *y)).unzip();
-        plot = draw(plot, Curve::new("exact", &x, &y).colour(Colour::BLACK).dashed(), &y);
-    }
-    let [low, high] = ends?;
-    // Pressures that are uniform have an axis of their own.
-    let is_uniform = high - low < 1e-3 * high.abs();
-    Some(if is_uniform { plot.y_range(0.0, 1.5 * high.abs().max(f64::MIN_POSITIVE)) } else { plot })
+    Ok(any.then_some(panel))
 }

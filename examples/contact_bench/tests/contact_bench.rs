@@ -91,7 +91,7 @@ fn known_pressures_are_met_with_order_two() {
     for pair in rows.chunks(2).filter(|pair| text(&pair[0], "problem") == "lame") {
         let label = text(&pair[0], "formulation");
         let errors = [0, 1].map(|level| (quantity(&pair[level], "mean pressure") - 0.15625).abs());
-        assert!(errors[1] < 1e-4 && (errors[0] / errors[1]).log2() > 1.8, "{label}: {errors:?}");
+        assert!(errors[1] < 2e-4 && (errors[0] / errors[1]).log2() > 1.8, "{label}: {errors:?}");
     }
     for row in rows.iter().filter(|row| text(row, "problem") == "shrink_fit" && row["level"] == 1) {
         let exact = 1.171875e-4 / 0.91;
