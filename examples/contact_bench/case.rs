@@ -4,7 +4,7 @@ use forms_fem::contract::PairQuadrature;
 use forms_fem::prelude::*;
 
 use crate::body;
-use crate::outcome::{Outcome, Pressures, Refusal};
+use crate::outcome::{Pressures, Refusal};
 
 /// The degree of quadrature at which pressures and gaps are measured.
 const MEASURED: usize = 8;
@@ -148,20 +148,6 @@ impl Case {
     /// No such surface.
     pub fn scalars(&self) -> Result<Arc<Space<2>>, Refusal> {
         Ok(Space::on_facets(self.mesh(), self.own(), self.space.degree())?)
-    }
-
-    /// The solution of a contact form in the displacement, with its pressure on the own surface.
-    ///
-    /// # Errors
-    /// Newton's method fails.
-    pub fn newton(
-        &self,
-        contact: &Form<2>,
-        pressure: impl Fn(&Field<2>) -> Expression<2>,
-    ) -> Result<Outcome, Refusal> {
-        let solved = self.problem(contact).solve()?;
-        let pressures = self.pressures(&pressure(solved.field()))?;
-        Ok(Outcome::of(self, &solved, pressures)?.of_form(&self.balance() + contact))
     }
 
     /// A pressure at points of the own surface.

@@ -8,8 +8,8 @@ use forms_fem::prelude::*;
 use forms_fem::solve::Elimination;
 
 use crate::case::Case;
+use crate::formulation::Formulation;
 use crate::outcome::{Outcome, Refusal};
-use crate::run::Formulation;
 
 /// The step of the differences, as a part of the way.
 const STEP: f64 = 1e-5;

@@ -8,6 +8,7 @@
 pub mod balance;
 pub mod body;
 pub mod case;
+pub mod formulation;
 pub mod gradient;
 pub mod options;
 pub mod outcome;
@@ -16,9 +17,11 @@ pub mod problem;
 pub mod problems;
 pub mod rows;
 pub mod run;
+pub mod solution;
 pub mod table;
 
 pub use case::{Case, Contact, Sides};
+pub use formulation::Formulation;
 pub use outcome::{Outcome, Pressures, Refusal};
 pub use problem::{Problem, Quantity};
-pub use run::{Formulation, program};
+pub use run::program;

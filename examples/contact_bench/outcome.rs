@@ -6,8 +6,6 @@ use forms_fem::assemble::PointValues;
 use forms_fem::output::one_line;
 use forms_fem::prelude::*;
 
-use crate::case::Case;
-
 /// Pressures at points of the own surface.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pressures {
@@ -66,23 +64,6 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// The outcome of one solve.
-    ///
-    /// # Errors
-    /// Data that do not fit.
-    pub fn of<const N: usize>(
-        case: &Case,
-        solved: &Solved<2, N>,
-        pressures: Pressures,
-    ) -> Result<Self, Refusal> {
-        let u = solved.fields[0].clone();
-        let forces = contact_forces(case, solved)?;
-        let residual = solved.residual[..case.space.unknowns()].to_vec();
-        let fields = solved.fields.to_vec();
-        let newton = vec![solved.iterations()];
-        Ok(Outcome { u, pressures, forces, residual, form: None, fields, newton, outer: None })
-    }
-
     /// This outcome as the solution of a whole form, which gives it a tangent.
     pub fn of_form(self, form: Form<2>) -> Self {
         Outcome { form: Some(form), ..self }
@@ -92,15 +73,6 @@ impl Outcome {
     pub fn after(self, newton: Vec<usize>) -> Self {
         Outcome { outer: Some(newton.len()), newton, ..self }
     }
-}
-
-/// What the contact form adds to the balance: a(u,v) − ℓ(v) less the whole residual. Whatever the form is, these are its forces.
-///
-/// # Errors
-/// Data that do not fit.
-pub fn contact_forces<const N: usize>(case: &Case, solved: &Solved<2, N>) -> Result<Vec<f64>, Refusal> {
-    let elastic = solved.assembler().residual(&case.balance(), &[&solved.fields[0]], &[&case.space])?;
-    Ok(elastic.iter().zip(&solved.residual).map(|(elastic, residual)| elastic - residual).collect())
 }
 
 /// A reason why there is no solution.

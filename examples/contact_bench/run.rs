@@ -7,24 +7,12 @@ use forms_fem::output::{Failure, StandardOutput};
 use forms_program::command_line::program_with_options;
 
 use crate::case::Case;
+use crate::formulation::Formulation;
 use crate::gradient::gradient;
 use crate::options::{Options, chosen};
-use crate::outcome::{Outcome, Refusal};
 use crate::problem::Problem;
 use crate::rows::{Answer, Row, answer};
 use crate::{plots, problems, table};
-
-/// A formulation of contact.
-pub trait Formulation: Sync {
-    /// Its name in tables, with its parameters.
-    fn name(&self) -> String;
-
-    /// The solution of a case.
-    ///
-    /// # Errors
-    /// [`Refusal`], which is a result, too.
-    fn solve(&self, case: &Case) -> Result<Outcome, Refusal>;
-}
 
 /// The program: these formulations on the problems that the command line names.
 pub fn program(formulations: &[&dyn Formulation]) -> ExitCode {

@@ -1,6 +1,7 @@
 //! Nitsche's method, θ = 0, with one pressure per own facet, or per vertex of it for displacements of degree 2.
 
-use contact_bench::outcome::{contact_forces, not_defined};
+use contact_bench::outcome::not_defined;
+use contact_bench::solution::contact_forces;
 use contact_bench::{Case, Contact, Formulation, Outcome, Refusal, Sides};
 use forms_fem::prelude::*;
 
