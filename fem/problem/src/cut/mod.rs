@@ -275,7 +275,7 @@ fn vertices_of<const D: usize>(phi: &Field<D>) -> (Vec<u32>, Vec<u32>) {
     (vertices, starts)
 }
 
-/// Values of which none is zero, and the nodes whose values were moved.
+/// Values without zeros, and the nodes whose values were moved.
 fn away_from_zero<'a>(values: &[f64], cells: impl Iterator<Item = &'a [u32]>) -> (Vec<f64>, Vec<u32>) {
     let mut ranges = vec![0.0_f64; values.len()];
     for nodes in cells {

@@ -47,7 +47,7 @@ pub(crate) struct CutSimplex {
 }
 
 impl CutSimplex {
-    /// The pieces for values at the vertices, none of which is zero.
+    /// The pieces for values at the vertices. No value is zero.
     pub fn new<R: Real>(values: &[R]) -> Self {
         let (inner, outer): (Vec<usize>, Vec<usize>) = (0..values.len()).partition(|k| values[*k] < 0.0);
         let (vertex, zero) = (CutCorner::vertex, CutCorner::zero);
