@@ -42,7 +42,12 @@ pub mod friction_with_memory {
     /// Π_s(−ε F (e + F₀⁻¹ s_t)), the traction of friction.
     pub fn friction_traction(w: Vector) -> Vector {
         let bound = slip_limit(contact_pressure(w));
-        spring_traction(this(I + grad(w)), this(elastic_slip) + reference_slip(w), this(stick_stiffness), bound)
+        spring_traction(
+            this(I + grad(w)),
+            this(elastic_slip) + reference_slip(w),
+            this(stick_stiffness),
+            bound,
+        )
     }
 
     /// T(u), the traction of the opposite body on this one, per reference area.
@@ -182,7 +187,12 @@ pub mod penalty_with_memory {
     /// Π_s(−ε F (e + F₀⁻¹ s_t)), the traction of friction.
     pub fn friction_traction(w: Vector) -> Vector {
         let bound = slip_limit(contact_pressure());
-        spring_traction(this(I + grad(w)), this(elastic_slip) + reference_slip(w), this(stick_stiffness), bound)
+        spring_traction(
+            this(I + grad(w)),
+            this(elastic_slip) + reference_slip(w),
+            this(stick_stiffness),
+            bound,
+        )
     }
 
     /// T(u), the traction of the opposite body on this one, per reference area.

@@ -17,7 +17,8 @@ pub use self::mortar_bodies::*;
 ///
 /// Take moving segments, `Pairing::onto(own, opposite).at(PairQuadrature::Pieces)`, in the plane: a uniform pressure is then
 /// reproduced, and forces of bodies that are drawn along each other oscillate least (docs/mortar.md). The own surface is one region, that of
-/// the multipliers; parts of it without an opposite surface have no pressure. [`mortar_problem`] refuses nodes where p would be free.
+/// the multipliers; parts of it without an opposite surface have no pressure, but where contact ends inside of the rest Newton's method often
+/// fails: take the surface that the other one covers. [`mortar_problem`] refuses nodes where p would be free.
 #[forms]
 pub mod mortar_bodies {
     pub use super::super::two_bodies::{GammaN, Omega, Touch, criterion, loads};
@@ -53,7 +54,9 @@ pub mod mortar_bodies {
 /// |m₁| is bounded by s₀ + κ p, against each function, and where it is less, the slip of the step has the mean 0: there is no creep.
 #[forms(dimension = 2)]
 pub mod mortar_bodies_with_friction {
-    pub use super::mortar_bodies::{Data, GammaN, Omega, Own, Touch, cauchy_stress, criterion, first_piola, loads};
+    pub use super::mortar_bodies::{
+        Data, GammaN, Omega, Own, Touch, cauchy_stress, criterion, first_piola, loads,
+    };
     use crate::operators::friction::slip_limit;
     use crate::operators::multipliers::{allowed_pressure, normal_condition, tangential_condition};
     use crate::operators::sliding::slip;
@@ -87,11 +90,7 @@ pub mod mortar_bodies_with_friction {
     }
 }
 
-parameter_ranges!(mortar_bodies {
-    positive: mu,
-    positive: gamma0,
-    positive: uncovered,
-});
+parameter_ranges!(mortar_bodies { positive: mu, positive: gamma0, positive: uncovered });
 
 impl ParameterRanges for mortar_bodies_with_friction::Model<2> {
     fn check(&self, form: &'static str) -> Result<(), AssemblyError> {

@@ -161,11 +161,16 @@ fn forces_balance_and_tangents_are_exact() {
         let form = law::Model { data, regions }.direct();
         let bent = |phase: f64| {
             Field::interpolate(&space, |x: &[f64; 2]| {
-                [0.05 * (2.0 * x[0] + phase).sin() + 0.03 * phase, 0.03 * (3.0 * x[0] + x[1] + 2.0 * phase).cos()]
+                [
+                    0.05 * (2.0 * x[0] + phase).sin() + 0.03 * phase,
+                    0.03 * (3.0 * x[0] + x[1] + 2.0 * phase).cos(),
+                ]
             })
             .unwrap()
         };
-        let pressures = |phase: f64| Field::interpolate(&traces, |x: &[f64; 2]| 2.0 + (4.0 * x[0] + phase).sin()).unwrap();
+        let pressures = |phase: f64| {
+            Field::interpolate(&traces, |x: &[f64; 2]| 2.0 + (4.0 * x[0] + phase).sin()).unwrap()
+        };
         let (u, p) = (bent(0.3), pressures(0.0));
         let assembler = Assembler::new(&mesh);
         let residual = assembler.residual(&form, &[&u, &p], &[&space, &traces]).unwrap();

@@ -74,7 +74,10 @@ fn the_pressure_between_rings_is_that_of_lame() {
         let spread = all.iter().map(|found| (found[0] - mean).abs() / mean).fold(0.0, f64::max);
         let [off, torque] = [1, 2].map(|k| all.iter().map(|found| found[k]).fold(0.0, f64::max));
         println!("| {own} | {mean:.6} | {spread:.1e} | {off:.1e} | {torque:.1e} |");
-        assert!((mean - 0.15625).abs() < 1e-4 && spread < 1e-6 && torque < 1e-6, "{mean} {spread:e} {torque:e}");
+        assert!(
+            (mean - 0.15625).abs() < 1e-4 && spread < 1e-6 && torque < 1e-6,
+            "{mean} {spread:e} {torque:e}"
+        );
         assert!(off < 2e-2, "{off:e}");
     }
 }

@@ -41,14 +41,13 @@ fn constant(degree: usize, [own, other]: [usize; 2]) -> f64 {
     held.fix("lower bottom", |_| [0.0; 2]).unwrap();
     held.fix("upper top", |_| [0.0; 2]).unwrap();
     let assembler = Assembler::new(&mesh);
-    let regions = glued::Regions::default().touch(Pairing::onto("lower top", "upper bottom")).own("lower top");
+    let regions =
+        glued::Regions::default().touch(Pairing::onto("lower top", "upper bottom")).own("lower top");
     let model = |z: &Field<2>| glued::Model {
         data: glued::data().source(Given::field(z)).size(1.0 / own as f64),
         regions: regions.clone(),
     };
-    let product = |a: &Field<2>, b: &Field<2>| {
-        assembler.functional(&model(a).product(a, b)).unwrap()
-    };
+    let product = |a: &Field<2>, b: &Field<2>| assembler.functional(&model(a).product(a, b)).unwrap();
     let mut z = Field::interpolate(&traces, |x| (7.0 * x[0]).sin() + (31.0 * x[0]).cos()).unwrap();
     let mut largest = 0.0;
     for _ in 0..60 {

@@ -56,13 +56,11 @@ where
     let space = Space::vector(mesh, 1).unwrap();
     let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(4));
     let remembered = assembler.history_on_sliding_pairs(pairing, 4, [0.0; D]).unwrap();
-    let before = Given::field(&bent(&space, 0.2, 0.3));
+    let before = Given::field(bent(&space, 0.2, 0.3));
     let law = model(data(FRICTION, pairing, &remembered).displacement_before(before), pairing);
     let first = bent(&space, 0.205, 0.5);
     let after = law.slip_after_step(&first);
-    assembler
-        .update_sliding_history(&after, &remembered, pairing, &first, WithoutPartner::Restart)
-        .unwrap();
+    assembler.update_sliding_history(&after, &remembered, pairing, &first, WithoutPartner::Restart).unwrap();
     remembered.commit();
     let stretched = assembler.history_values(&remembered).unwrap().concat();
     assert!(stretched.iter().any(|value| value.abs() > 1e-3), "{stretched:?}");
@@ -171,7 +169,8 @@ impl Drawn {
                 equation = &equation + carried;
             }
             let held = self.held(number).homogeneous();
-            let mut problem = Problem::new(&equation, &self.space).constrained(&held).assembler(&self.assembler);
+            let mut problem =
+                Problem::new(&equation, &self.space).constrained(&held).assembler(&self.assembler);
             let p = problem.solve().unwrap().into_field();
             let parts = [model.by_friction(&step.u, &p), model.by_stiffness(&step.u, &p)];
             for (total, part) in gradient.iter_mut().zip(&parts) {

@@ -109,9 +109,7 @@ fn plastic_surfaces_press_as_their_cells() {
         let own = assembler.at_quadrature_points(&own, Entity::Facets, "block bottom", 3).unwrap().values;
         let remembered = &model.data.plastic_on_surface;
         let at_pairs = model.plastic_at_pairs_after(&u);
-        assembler
-            .update_sliding_history(&at_pairs, remembered, &touch(), &u, WithoutPartner::Keep)
-            .unwrap();
+        assembler.update_sliding_history(&at_pairs, remembered, &touch(), &u, WithoutPartner::Keep).unwrap();
         remembered.commit();
         let values = assembler.history_values(remembered).unwrap();
         let pairs = values.iter().flatten().zip(own.iter().flatten());

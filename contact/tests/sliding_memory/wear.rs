@@ -161,7 +161,10 @@ where
     assembler.update_sliding_history(&after, &worn, &touch(), &u, WithoutPartner::Keep).unwrap();
     worn.commit();
     let depths = assembler.history_values(&worn).unwrap().concat();
-    assert!(depths.iter().any(|w| *w > 1e-4) && depths.windows(2).any(|w| (w[0] - w[1]).abs() > 1e-5), "{depths:?}");
+    assert!(
+        depths.iter().any(|w| *w > 1e-4) && depths.windows(2).any(|w| (w[0] - w[1]).abs() > 1e-5),
+        "{depths:?}"
+    );
     let report = verification::tangent(&assembler, &law.direct(), &[&u], &[&direction], 1e-4).unwrap();
     let order = report.second_order().unwrap();
     assert!((order - 2.0).abs() < 0.05, "{report}");

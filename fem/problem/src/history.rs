@@ -101,7 +101,9 @@ pub enum HistoryMismatch {
         read_on: String,
     },
     /// It is written where points slide, without their displacement or at others than its own.
-    #[error("a history of \"{made_for}\" is not written by `update_sliding_history`, but by `update_history`")]
+    #[error(
+        "a history of \"{made_for}\" is not written by `update_sliding_history`, but by `update_history`"
+    )]
     NotOfFacets {
         /// The region or the pairing of the history.
         made_for: String,
@@ -243,9 +245,7 @@ impl<const D: usize> PointStorage<D> {
             _ => None,
         };
         match index {
-            Some(index) if *index != NONE => {
-                self.starts[*index as usize]..self.starts[*index as usize + 1]
-            }
+            Some(index) if *index != NONE => self.starts[*index as usize]..self.starts[*index as usize + 1],
             _ => 0..0,
         }
     }

@@ -70,7 +70,12 @@ fn aside<const D: usize>(mesh: &Mesh<D>, distance: f64) -> Field<D> {
     Field::interpolate(&Space::vector(mesh, 1).unwrap(), moved).unwrap()
 }
 
-fn amount<const D: usize>(assembler: &Assembler<D>, data: &sliding::Data<D>, pairing: &Pairing, u: &Field<D>) -> f64
+fn amount<const D: usize>(
+    assembler: &Assembler<D>,
+    data: &sliding::Data<D>,
+    pairing: &Pairing,
+    u: &Field<D>,
+) -> f64
 where
     Dim: Dimension<D>,
 {
@@ -111,10 +116,9 @@ fn values_stay_at_own_points() {
         data.worn.commit();
         assert!((volume(&none) - 22.0).abs() < 1e-12, "{}", volume(&none));
     }
-    for (degree, plane, solid) in [
-        (2, Quadrature::Estimated, Quadrature::Estimated),
-        (3, Quadrature::Degree(6), Quadrature::Degree(5)),
-    ] {
+    for (degree, plane, solid) in
+        [(2, Quadrature::Estimated, Quadrature::Estimated), (3, Quadrature::Degree(6), Quadrature::Degree(5))]
+    {
         check(&bodies(), degree, plane);
         check(&cubes(CellShape::Hexahedron), degree, solid.clone());
         check(&cubes(CellShape::Tetrahedron), degree, solid);
@@ -145,7 +149,10 @@ fn points_without_an_opposite_one() {
         let x = before.iter().map(|value| (value - 1.0) / 2.0);
         let written = x.zip(&before).zip(&after).filter(|((x, _), _)| *x > 0.5);
         // The opposite point is ½ behind.
-        assert!(written.map(|((x, a), b)| (b - a - 2.0 * (x + 2.0 * (x - 0.5))).abs()).fold(0.0, f64::max) < 1e-12);
+        assert!(
+            written.map(|((x, a), b)| (b - a - 2.0 * (x + 2.0 * (x - 0.5))).abs()).fold(0.0, f64::max)
+                < 1e-12
+        );
     }
 }
 
@@ -158,7 +165,9 @@ fn forms_read_the_values_of_their_points() {
     let worn = assembler.history_on_sliding_pairs(&pairing, 4, 0.0).unwrap();
     let data = sliding::data().worn(worn).rate(1.0);
     let u = aside(&mesh, 0.2);
-    assembler.update_sliding_history(&sliding::after(&data), &data.worn, &pairing, &u, WithoutPartner::Keep).unwrap();
+    assembler
+        .update_sliding_history(&sliding::after(&data), &data.worn, &pairing, &u, WithoutPartner::Keep)
+        .unwrap();
     data.worn.commit();
     let touch = sliding::Touch::on(pairing.clone());
     let space = u.space();

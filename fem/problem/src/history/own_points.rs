@@ -25,10 +25,7 @@ pub enum WithoutPartner {
 }
 
 /// The own surfaces of a pairing, each once, if their points can remember.
-fn own_surfaces<'p, const D: usize>(
-    mesh: &Mesh<D>,
-    pairing: &'p Pairing,
-) -> Result<Vec<&'p str>, PairError> {
+fn own_surfaces<'p, const D: usize>(mesh: &Mesh<D>, pairing: &'p Pairing) -> Result<Vec<&'p str>, PairError> {
     if PointsOfPairs::of(pairing, true) == PointsOfPairs::Segments {
         return Err(PairError::HistoryOnSegments);
     }
