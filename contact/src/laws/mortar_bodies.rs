@@ -17,7 +17,8 @@ pub use self::mortar_bodies::*;
 ///
 /// Take moving segments, `Pairing::onto(own, opposite).at(PairQuadrature::Pieces)`, in the plane: a uniform pressure is then
 /// reproduced, and forces of bodies that are drawn along each other oscillate least (docs/mortar.md). The own surface is one region, that of
-/// the multipliers; parts of it without an opposite surface have no pressure. [`mortar_problem`] refuses nodes where p would be free.
+/// the multipliers; parts of it without an opposite surface have no pressure, but where contact ends inside of the rest Newton's method often
+/// fails: take the surface that the other one covers. [`mortar_problem`] refuses nodes where p would be free.
 #[forms]
 pub mod mortar_bodies {
     pub use super::super::two_bodies::{GammaN, Omega, Touch, criterion, loads};

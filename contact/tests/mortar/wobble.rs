@@ -70,24 +70,17 @@ fn mesh() -> Mesh<2> {
 }
 
 /// Half of the range of F_x/F_y, and of F_y as a part of its mean, while the block moves by one cell of the slab.
-fn wobble(
-    own: &str,
-    degree: usize,
-    gamma0: f64,
-    positions: usize,
-    line_search: LineSearch,
-) -> Option<[f64; 2]> {
+fn wobble(degree: usize, gamma0: f64, positions: usize) -> Option<[f64; 2]> {
     let mesh = mesh();
     let space = Space::vector(&mesh, degree).unwrap();
-    let traces = Space::on_facets(&mesh, own, 1).unwrap();
+    let traces = Space::on_facets(&mesh, "block bottom", 1).unwrap();
     let moduli = Space::discontinuous_scalar(&mesh, 0).unwrap();
     let moduli = Field::interpolate(&moduli, |x: &[f64; 2]| if x[1] > 1.0 { 3.0 } else { 1.0 }).unwrap();
-    let opposite = if own == "block bottom" { "slab top" } else { "block bottom" };
-    let pairing = Pairing::onto(own, opposite).within_reach(0.5).at(PairQuadrature::Pieces);
+    let pairing = Pairing::onto("block bottom", "slab top").within_reach(0.5).at(PairQuadrature::Pieces);
     let data = elastic::data().gamma0(gamma0).young(&moduli);
-    let regions = elastic::Regions::default().touch(pairing).own(own).inside("slab bottom");
+    let regions = elastic::Regions::default().touch(pairing).own("block bottom").inside("slab bottom");
     let form = elastic::Model { data, regions }.balance();
-    let options = NewtonOptions { line_search, ..NewtonOptions::default() };
+    let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
     let (mut ratios, mut across) = (vec![], vec![]);
     let down = |x: &[f64; 2]| [0.0, if x[1] > 1.0 + 1e-9 { -0.1 } else { 0.0 }];
     let mut u = Field::interpolate(&space, down).unwrap();
@@ -113,20 +106,13 @@ fn wobble(
     Some([half(&ratios), half(&across) / mean.abs()])
 }
 
+/// Over the block's surface, with a γ₀ of the bodies' stiffness.
 #[test]
 fn multipliers_take_the_wobble_away() {
-    for own in ["slab top", "block bottom"] {
-        for degree in [1, 2] {
-            for g in [4.0, 9.0, 60.0] {
-                for (n, l) in
-                    [("res", LineSearch::OnResidual), ("none", NewtonOptions::default().line_search)]
-                {
-                    println!(
-                        "{own} {degree} {g} {n} {:?}",
-                        wobble(own, degree, g, if own == "slab top" { 16 } else { 4 }, l)
-                    );
-                }
-            }
-        }
+    println!("| degree | F_x/F_y | F_y |");
+    for degree in [1, 2] {
+        let [along, across] = wobble(degree, 9.0, 16).expect("solved");
+        println!("| {degree} | {along:.1e} | {across:.1e} |");
+        assert!(along < 1e-3, "{degree}: {along:e}");
     }
 }

@@ -56,7 +56,7 @@ where
     let space = Space::vector(mesh, 1).unwrap();
     let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(4));
     let remembered = assembler.history_on_sliding_pairs(pairing, 4, [0.0; D]).unwrap();
-    let before = Given::field(&bent(&space, 0.2, 0.3));
+    let before = Given::field(bent(&space, 0.2, 0.3));
     let law = model(data(FRICTION, pairing, &remembered).displacement_before(before), pairing);
     let first = bent(&space, 0.205, 0.5);
     let after = law.slip_after_step(&first);
