@@ -181,6 +181,10 @@ const MAKERS: [Maker; 38] = [
         ],
     },
     Maker {
+        arguments: &["--bin", "contact_bench", "--", "--problems", "wavy", "--levels", "2", "--degrees", "2"],
+        pictures: &[("out/contact_bench/wavy_pressures.png", "contact_bench_pressures.png")],
+    },
+    Maker {
         arguments: &["--bin", "sealed_ring"],
         pictures: &[
             ("out/sealed_ring.png", "sealed_ring.png"),

@@ -38,7 +38,7 @@ pub fn write(rows: &[Row], directory: &Path) -> Result<Vec<PathBuf>, Failure> {
             }
         }
         if let Some(panel) = pressures(&curves)? {
-            panel.write_png(path("pressures"))?;
+            panel.write_png_at(path("pressures"), 100.0)?;
             paths.push(path("pressures"));
         }
     }

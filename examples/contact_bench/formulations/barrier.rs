@@ -42,7 +42,7 @@ pub fn all() -> Vec<Barrier> {
 
 impl Formulation for Barrier {
     fn name(&self) -> String {
-        format!("log barrier ĝ = 1e-{} of the approach", self.tenths)
+        format!("log barrier, ĝ/d = {}", 1.0 / 10_f64.powi(self.tenths))
     }
 
     fn solve(&self, case: &Case) -> Result<Outcome, Refusal> {

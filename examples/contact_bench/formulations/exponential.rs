@@ -35,7 +35,7 @@ pub fn all() -> Vec<Exponential> {
 
 impl Formulation for Exponential {
     fn name(&self) -> String {
-        format!("exponential, c = {} of the approach", self.part)
+        format!("exponential, c/d = {}", self.part)
     }
 
     fn solve(&self, case: &Case) -> Result<Outcome, Refusal> {

@@ -95,7 +95,13 @@ fn known_pressures_are_met_with_order_two() {
     }
     for row in rows.iter().filter(|row| text(row, "problem") == "shrink_fit" && row["level"] == 1) {
         let exact = 1.171875e-4 / 0.91;
-        assert!((quantity(row, "mean pressure") / exact - 1.0).abs() < 2e-3, "{row}");
+        // Both surfaces of unlike facets overlap by different gaps.
+        let tolerance = if text(row, "formulation").contains("unbiased") { 5e-3 } else { 1e-3 };
+        assert!(
+            (quantity(row, "mean pressure") / exact - 1.0).abs() < tolerance,
+            "{exact}: {}",
+            row["formulation"]
+        );
     }
 }
 
