@@ -19,7 +19,7 @@ use crate::contract::Form;
 use crate::field::Field;
 use crate::instantiate::instantiate;
 use crate::solve::{
-    Elimination, LentSolver, LinearSolver, NewtonOptions, NewtonStep, OwnedForm, StepMemory, solve_owned,
+    Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, SolvedForm, StepMemory, solve_owned,
 };
 
 /// A form of motion that is followed step by step, from a state, by a scheme. Forms of up to four unknowns are
@@ -312,8 +312,9 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
                 (x, residual, vec![], Some(cost))
             }
             SolvedFor::Value => {
-                let (x, residual, history) = self.solve_nonlinear(form, size, &constraints)?;
-                (x, residual, history, None)
+                let SolvedForm { fields, residual, history } =
+                    self.solve_nonlinear(form, size, &constraints)?;
+                (fields, residual, history, None)
             }
         };
         let mut states = vec![];
@@ -508,7 +509,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         form: Form<D>,
         size: f64,
         constraints: &[Constraints<D>],
-    ) -> Result<(Vec<Field<D>>, Vec<f64>, Vec<NewtonStep>), StepFailure> {
+    ) -> Result<SolvedForm<D>, StepFailure> {
         let pattern = self.pattern(&form)?;
         self.kept = None;
         let predicted = |state: &State<D>| Field::combination(&[(1.0, &state.value), (size, &state.rate)]);
@@ -521,8 +522,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
             start: &start.iter().collect::<Vec<_>>(),
             options: self.options.clone(),
         };
-        let solved = solve_owned(owned, self.solver.get(), &mut self.memory)?;
-        Ok((solved.fields, solved.residual, solved.history))
+        Ok(solve_owned(owned, self.solver.get(), &mut self.memory)?)
     }
 }
 
