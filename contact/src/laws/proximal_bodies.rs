@@ -2,10 +2,8 @@
 //! positive.
 
 use forms_fem::forms;
-use forms_fem::prelude::*;
 
 use crate::parameter_ranges;
-use crate::parameter_ranges::ParameterRanges;
 
 #[doc(inline)]
 pub use self::proximal_bodies::*;

@@ -35,7 +35,7 @@ fn the_barrier_is_that_of_incremental_potential_contact() {
     let regions = law::Regions::default().gamma_c("bottom").gamma_n("top");
     let law = law::Model { data: data.obstacle_normal([0.0, -1.0]).gap(2.5e-5), regions };
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(2));
-    let energy = assembler.functional(&law.stored(&Field::zero(&space))).unwrap();
+    let energy = assembler.functional(&law.stored(Field::zero(&space))).unwrap();
     assert!((energy / 7.797905781e-9 - 1.0).abs() < 1e-9, "{energy:e}");
     assert!((pressure(0.5, 1.0, stiffness(3.0, 1.0)) - 3.0).abs() < 1e-14);
 }

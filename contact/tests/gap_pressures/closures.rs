@@ -6,7 +6,7 @@ use forms_contact::laws::tabulated_obstacle as tabulated;
 use forms_fem::prelude::*;
 use forms_fem::verification;
 
-use crate::layer::{GAP, LAMBDA, MODULUS, MU, balanced, below, held, plane, solid, wave};
+use crate::layer::{GAP, LAMBDA, MU, balanced, below, held, plane, solid, wave};
 
 const CLOSED: f64 = 0.3;
 const LENGTH: f64 = 0.004;
@@ -48,7 +48,6 @@ where
         &u,
         balanced(way, |g| if g < 0.005 { 0.4 - 60.0 * g } else { (0.1 - (g - 0.005) / 0.15).max(0.0) }),
     );
-    assert!(MODULUS * 0.03 > 0.1);
 }
 
 #[test]
