@@ -6,7 +6,7 @@ use forms_fem::forms;
 pub use self::body::*;
 
 /// Linear elasticity, in plane strain or with axial symmetry in (r, z), and what contact terms are written in. A formulation imports functions,
-/// data and regions, and adds its form to [`balance`].
+/// data and regions, and adds its form to [`balance`](fn@balance).
 #[forms(dimension = 2)]
 pub mod body {
     /// Data of the bodies, the loads and the obstacle.

@@ -12,7 +12,7 @@ pub use self::two_bodies::*;
 /// surface takes its own body's σ, h and γ. T acts on X and −T on Y in one integral, so that forces balance at any quadrature.
 ///
 /// Pairs are those of the undeformed mesh. With both surfaces on pieces, the default of a
-/// [`Pairing`], a constant pressure is reproduced to rounding, whatever the meshes.
+/// [`Pairing`](forms_fem::prelude::Pairing), a constant pressure is reproduced to rounding, whatever the meshes.
 ///
 /// A point without a partner adds nothing: not −(θ/γ) σ(u)n·σ(v)n either, which is consistent there with and without it, for σn vanishes
 /// on a free surface.

@@ -6,7 +6,7 @@ use forms_fem::forms;
 /// the elastic slip e adds up over the steps, friction is −ε F e up to its bound, and what is beyond the bound slides.
 ///
 /// e is a vector of the undeformed own surface, so that it turns and stretches with the own body. The slip of a step is added as
-/// [`reference_slip`](super::sliding::reference_slip). Turning both bodies together changes e not at all.
+/// [`reference_slip`](fn@super::sliding::reference_slip). Turning both bodies together changes e not at all.
 #[forms]
 pub mod elastic_slip {
     use super::super::friction::ball_projection;
