@@ -38,6 +38,8 @@ impl FreeEquations<'_> {
     pub(super) fn judge_rows(&mut self, follows: Follows) -> Result<Rows, NewtonFailure> {
         self.worst = None;
         if follows == Follows::Step && self.is_far_off() {
+            // Of two iterates in a row one is judged by its own terms.
+            self.allowed_before.clear();
             return Ok(Rows { hold: false, after_long_step: false, forces: None });
         }
         let tolerance = self.iterates.options.relative_tolerance;
