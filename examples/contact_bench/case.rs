@@ -9,7 +9,7 @@ use crate::outcome::{Pressures, Refusal};
 /// The degree of quadrature at which pressures and gaps are measured.
 const MEASURED: usize = 8;
 
-/// What may touch.
+/// The obstacle or the surfaces that may touch.
 #[derive(Clone, Debug)]
 pub enum Contact {
     /// The facets of this name touch a rigid obstacle, whose place is in the data.
@@ -47,7 +47,7 @@ pub struct Case {
     pub data: body::Data<2>,
     /// Name of the loaded boundary.
     pub loaded: String,
-    /// What may touch.
+    /// The obstacle or the surfaces that may touch.
     pub contact: Contact,
     /// Start of Newton's method; zero without one.
     pub start: Option<Field<2>>,

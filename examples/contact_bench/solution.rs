@@ -40,7 +40,7 @@ impl Outcome {
     }
 }
 
-/// What the contact form adds to the balance: a(u,v) − ℓ(v) less the whole residual. Whatever the form is, these are its forces.
+/// The forces of contact of any form: a(u,v) − ℓ(v) less the whole residual.
 ///
 /// # Errors
 /// Data that do not fit.

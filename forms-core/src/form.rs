@@ -18,7 +18,7 @@ pub enum Entity {
     InteriorFacets,
     /// Exterior facets, each point of them with a point opposite to it: contact pairs.
     Pairs,
-    /// Where a level set function vanishes, inside cells: the boundary of a body that is cut from a mesh.
+    /// The zero set of a level set function inside cells: the boundary of a body that is cut from a mesh.
     Interface,
 }
 

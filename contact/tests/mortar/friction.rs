@@ -8,7 +8,7 @@ use forms_fem::verification;
 
 use crate::patch::{LAMBDA, MU};
 
-/// How far the top of the block, which is 1 high, comes down.
+/// The way down of the top of the block, which is 1 high.
 const DOWN: f64 = 0.05;
 
 fn mesh() -> Mesh<2> {

@@ -24,7 +24,7 @@ mod loaded {
     /// The layer's whole surface.
     #[facets]
     pub struct Surface;
-    /// What the block covers of it.
+    /// The part of the surface that the block covers.
     #[pairs]
     pub struct Cover;
 

@@ -12,7 +12,7 @@ use crate::bodies::{APART, LAMBDA, MU, YOUNG, along, moved, plane, space, touch}
 const FRICTION: f64 = 0.3;
 /// ε \[stress/length\].
 const STIFFNESS: f64 = 500.0;
-/// How far the surfaces overlap \[length\].
+/// The overlap of the surfaces \[length\].
 const DEPTH: f64 = 1e-3;
 
 /// Bodies of given displacements, with what the own points remember.
@@ -83,7 +83,7 @@ where
     }
 }
 
-/// Where the block presses, at a distance along the first axis.
+/// A displacement of the block that presses, at a distance along the first axis.
 fn at<const D: usize>(distance: f64) -> [f64; D] {
     let mut place = along(0, distance);
     place[D - 1] = -APART - DEPTH;

@@ -84,7 +84,7 @@ fn tangents_with_stretched_springs() {
     tangents(&space(), &both);
 }
 
-/// How far the block's top is drawn: all points slide, then some of them stick on the way back.
+/// The ways along which the block's top is drawn: all points slide, then some of them stick on the way back.
 const WAY: [f64; 6] = [0.25, 0.5, 0.46, 0.43, 0.47, 0.49];
 
 /// A converged step, with what its points remembered before it.

@@ -89,7 +89,7 @@ fn the_worn_volume_is_that_of_archard() {
     follows_archard(&space(), 1.2);
 }
 
-/// What is worn at the points of the block's surface, as functions of the own body read it.
+/// The worn depth at the points of the block's surface, as functions of the own body read it.
 #[forms]
 mod shown {
     pub struct Data {

@@ -125,7 +125,7 @@ pub enum HistoryMismatch {
 pub(crate) struct PointStorage<const D: usize> {
     mesh: Mesh<D>,
     entity: Entity,
-    /// What it was made for, in messages.
+    /// The region or pairing that it was made for, in messages.
     region: String,
     /// The regions whose entities have the values, one region after the other.
     regions: Vec<String>,

@@ -1,4 +1,4 @@
-//! What is not available on cut meshes is refused by name.
+//! Refusals on cut meshes, by name.
 
 use forms_fem::cut::CutError;
 use forms_fem::prelude::*;

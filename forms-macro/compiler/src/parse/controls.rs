@@ -66,7 +66,7 @@ pub fn expand(item: &mut ItemMod) -> TokenStream {
     errors
 }
 
-/// What the attribute says.
+/// The attribute's content.
 struct Choices {
     controls: Vec<Ident>,
     /// An energy that reads controls.
@@ -222,7 +222,7 @@ impl History {
         }
     }
 
-    /// What the derivative by the states before is tested with: the variable, the test function, its shape.
+    /// The tests of the derivatives by the states before: the variable, the test function, its shape.
     fn tested_before(&self) -> Vec<(Ident, Ident, TokenStream)> {
         let before = self.before.iter().zip(&self.unknowns).map(|(before, unknown)| {
             let test = match self.unknowns.len() {

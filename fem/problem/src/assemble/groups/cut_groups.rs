@@ -116,7 +116,7 @@ fn add_entry(
     }
 }
 
-/// What integrals over a cut mesh do not have.
+/// Refusal of integrals that a cut mesh does not have.
 ///
 /// # Errors
 /// [`AssemblyError::Cut`].

@@ -57,7 +57,7 @@ pub(in crate::solve) struct FreeEquations<'a> {
     pub(super) refinement: Refinement,
     /// Whether products need another tangent than the last one. It is assembled when a judgement asks for one.
     pub(super) products_are_old: bool,
-    /// What the free rows of the last iterate whose terms were summed may be off by.
+    /// Allowed residuals of the free rows, of the last iterate whose terms were summed.
     pub(super) allowed_before: Vec<f64>,
     /// The equation that is off by the most of its terms, where one was.
     pub(super) worst: Option<WorstEquation>,
