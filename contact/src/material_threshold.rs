@@ -182,11 +182,12 @@ macro_rules! threshold_of_material {
             $crate::material_threshold::NitscheContact::of_surface(&law.regions.$region.0.name, materials)
         });
     };
-    ($name:ident, $module:ident, pairs: $region:ident, $lambda:ident $(, theta: $theta:ident)?) => {
+    ($name:ident, $module:ident, pairs: $region:ident, $lambda:ident $(, theta: $theta:ident)? $(, traction: $traction:ident)?) => {
         $crate::material_threshold::threshold_of_material!(@ $name, $module, |law| {
             let materials = [&law.data.$lambda, &law.data.mu, &law.data.gamma0];
             $crate::material_threshold::NitscheContact {
                 $(theta: law.data.$theta,)?
+                $(traction: $crate::material_threshold::Traction::$traction,)?
                 ..$crate::material_threshold::NitscheContact::of_pairs(&law.regions.$region.0, materials, law.data.share)
             }
         });

@@ -26,16 +26,11 @@ pub mod barrier_obstacle {
     #[includes(
         crate::operators::linear_elastic::Data,
         crate::operators::barrier::Data,
+        crate::operators::flat_obstacle::Data,
         crate::operators::loads::Data,
         crate::operators::linear_criterion::Data
     )]
-    pub struct Data {
-        /// n_y, unit vector into the obstacle.
-        #[doc(alias = "n_y")]
-        pub obstacle_normal: Given<Vector>,
-        /// g, gap along n_y \[length\].
-        pub gap: Given<Scalar>,
-    }
+    pub struct Data {}
 
     /// Ω.
     #[cells]

@@ -11,6 +11,7 @@ pub use self::exponential_obstacle::*;
 /// Surfaces may overlap: a pressure p belongs to the gap c ln(p₀/p).
 #[forms]
 pub mod exponential_obstacle {
+    pub use super::super::barrier_obstacle::{GammaC, GammaN, Omega};
     use crate::operators::exponential_closure::{exponential_energy, exponential_pressure};
     pub use crate::operators::linear_criterion::criterion;
     use crate::operators::linear_elastic::energy_density;
@@ -21,26 +22,11 @@ pub mod exponential_obstacle {
     #[includes(
         crate::operators::linear_elastic::Data,
         crate::operators::exponential_closure::Data,
+        crate::operators::flat_obstacle::Data,
         crate::operators::loads::Data,
         crate::operators::linear_criterion::Data
     )]
-    pub struct Data {
-        /// n_y, unit vector into the obstacle.
-        #[doc(alias = "n_y")]
-        pub obstacle_normal: Given<Vector>,
-        /// g, gap along n_y \[length\].
-        pub gap: Given<Scalar>,
-    }
-
-    /// Ω.
-    #[cells]
-    pub struct Omega;
-    /// Γ_N, the loaded boundary.
-    #[facets]
-    pub struct GammaN;
-    /// Γ_C, the potential contact boundary.
-    #[facets]
-    pub struct GammaC;
+    pub struct Data {}
 
     /// p₀ exp(−(g − u_n)/c), the contact pressure.
     pub fn contact_pressure(w: Vector) -> Scalar {

@@ -1,11 +1,9 @@
 //! Contact of bodies at large sliding and finite strains with Coulomb's law regularised by springs that remember.
 
 use forms_fem::forms;
-use forms_fem::prelude::*;
 
 use crate::contact_law;
-use crate::material_threshold::{NitscheContact, Traction, material_threshold};
-use crate::threshold::Threshold;
+use crate::material_threshold::threshold_of_material;
 
 #[doc(inline)]
 pub use self::friction_with_memory::*;
@@ -16,7 +14,7 @@ pub use self::friction_with_memory::*;
 /// of the order κ p/ε, and the force does not depend on the size of the steps. Springs that forget, as in
 /// [`frictional_penalty`](super::frictional_penalty), lose their force as steps shrink.
 ///
-/// e is a [`History`] at the own points of the pairs, made by [`Assembler::history_on_sliding_pairs`]. After each step
+/// e is a [`History`](forms_fem::prelude::History) at the own points of the pairs, made by [`Assembler::history_on_sliding_pairs`](forms_fem::prelude::Assembler::history_on_sliding_pairs). After each step
 /// `assembler.update_sliding_history(&model.slip_after_step(&u), &model.data.elastic_slip, &touch, &u, WithoutPartner::Restart)` and
 /// `commit()`: a point that loses its opposite point forgets its spring, as one that presses no more does.
 /// [`friction_with_memory_adjoint`](mod@friction_with_memory_adjoint) differentiates whole load histories.
@@ -93,26 +91,14 @@ contact_law!(friction_with_memory {
     line_search: OnResidual,
 });
 
-fn threshold<const D: usize>(
-    law: &friction_with_memory::Model<D>,
-    assembler: &Assembler<D>,
-    space: &Arc<Space<D>>,
-) -> Result<Threshold, AssemblyError>
-where
-    Dim: Dimension<D>,
-{
-    let data = &law.data;
-    let materials = [&data.lambda, &data.mu, &data.gamma0];
-    let contact = NitscheContact::of_pairs(&law.regions.touch.0, materials, data.share);
-    material_threshold(assembler, space, &NitscheContact { traction: Traction::Normal, ..contact })
-}
+threshold_of_material!(threshold, friction_with_memory, pairs: touch, lambda, traction: Normal);
 
 /// Adjoint states of a row of steps with [`friction_with_memory`](mod@friction_with_memory), for J = Σ J(uⁿ). Each step n has data of its own: the
 /// state before it, the elastic slip before it, and a weight ω. Backwards from the last step, whose ω is zero:
 ///
 /// 1. pⁿ solves `adjoint` of step n plus `carried` of step n + 1, at homogeneous conditions;
 /// 2. ω of step n − 1 is written with `weight_before` of step n at uⁿ and pⁿ, by
-///    [`update_sliding_history`](Assembler::update_sliding_history) with `WithoutPartner::Restart`.
+///    [`update_sliding_history`](forms_fem::prelude::Assembler::update_sliding_history) with `WithoutPartner::Restart`.
 ///
 /// dJ/dκ is the sum of `by_friction` over the steps, dJ/dε that of `by_stiffness`. All of them are exact for what is assembled: the motion of
 /// opposite points, gaps and normals is in them.

@@ -20,13 +20,12 @@ pub mod proximal_obstacle {
     use crate::operators::obstacle::{current_gap, normal_displacement};
 
     /// Data of the body, the obstacle and the iteration.
-    #[includes(crate::operators::linear_elastic::Data, crate::operators::loads::Data)]
+    #[includes(
+        crate::operators::linear_elastic::Data,
+        crate::operators::flat_obstacle::Data,
+        crate::operators::loads::Data
+    )]
     pub struct Data {
-        /// n_y, unit vector into the obstacle.
-        #[doc(alias = "n_y")]
-        pub obstacle_normal: Given<Vector>,
-        /// g, gap along n_y \[length\].
-        pub gap: Given<Scalar>,
         /// α, the step \[1 per stress\]. At the first step α times the pressure should not be far above 10.
         #[doc(alias = "α")]
         pub alpha: Param,

@@ -1,11 +1,9 @@
 //! Wear of a body that slides far along another one, by Archard's law (1953), at points that slide, finite strains.
 
 use forms_fem::forms;
-use forms_fem::prelude::*;
 
 use crate::contact_law;
-use crate::material_threshold::{NitscheContact, material_threshold};
-use crate::threshold::Threshold;
+use crate::material_threshold::threshold_of_material;
 
 #[doc(inline)]
 pub use self::sliding_wear::*;
@@ -15,7 +13,7 @@ pub use self::sliding_wear::*;
 /// P_n = σ_n + γ (g + w),  w ← w + k_w p |s_t| after the step, with the pressure p = \[P_n\]₋ dA/da per deformed area and the slip s_t of the
 /// step.
 ///
-/// The worn depth is a [`History`] at the own points of the pairs, made by [`Assembler::history_on_sliding_pairs`] and held within a step:
+/// The worn depth is a [`History`](forms_fem::prelude::History) at the own points of the pairs, made by [`Assembler::history_on_sliding_pairs`](forms_fem::prelude::Assembler::history_on_sliding_pairs) and held within a step:
 /// Euler's explicit method in the distance slid. After the step
 /// `assembler.update_sliding_history(&model.worn_after(&u), &model.data.worn, &touch, &u, WithoutPartner::Keep)` and `commit()`: what has no
 /// opposite point stays as it is worn. The surface of the body that wears is the own one: `Pairing::onto(wearing, other)` with `share: 1.0`.
@@ -110,16 +108,4 @@ contact_law!(sliding_wear {
     line_search: OnResidual,
 });
 
-fn threshold<const D: usize>(
-    law: &sliding_wear::Model<D>,
-    assembler: &Assembler<D>,
-    space: &Arc<Space<D>>,
-) -> Result<Threshold, AssemblyError>
-where
-    Dim: Dimension<D>,
-{
-    let data = &law.data;
-    let materials = [&data.lambda, &data.mu, &data.gamma0];
-    let contact = NitscheContact::of_pairs(&law.regions.touch.0, materials, data.share);
-    material_threshold(assembler, space, &contact)
-}
+threshold_of_material!(threshold, sliding_wear, pairs: touch, lambda);

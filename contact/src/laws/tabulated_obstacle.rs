@@ -12,6 +12,7 @@ pub use self::tabulated_obstacle::*;
 /// A pressure that rises with the gap anywhere is unstable.
 #[forms]
 pub mod tabulated_obstacle {
+    pub use super::super::barrier_obstacle::{GammaC, GammaN, Omega};
     pub use crate::operators::linear_criterion::criterion;
     use crate::operators::linear_elastic::stress;
     pub use crate::operators::loads::loads;
@@ -20,28 +21,14 @@ pub mod tabulated_obstacle {
     /// Data of the body, the obstacle and the law.
     #[includes(
         crate::operators::linear_elastic::Data,
+        crate::operators::flat_obstacle::Data,
         crate::operators::loads::Data,
         crate::operators::linear_criterion::Data
     )]
     pub struct Data {
-        /// n_y, unit vector into the obstacle.
-        #[doc(alias = "n_y")]
-        pub obstacle_normal: Given<Vector>,
-        /// g, gap along n_y \[length\].
-        pub gap: Given<Scalar>,
         /// p, the pressure by the gap \[stress by length\].
         pub closure: Table,
     }
-
-    /// Ω.
-    #[cells]
-    pub struct Omega;
-    /// Γ_N, the loaded boundary.
-    #[facets]
-    pub struct GammaN;
-    /// Γ_C, the potential contact boundary.
-    #[facets]
-    pub struct GammaC;
 
     /// p(g − u_n), the contact pressure.
     pub fn contact_pressure(w: Vector) -> Scalar {

@@ -63,6 +63,34 @@ pub(crate) fn views<'a, const D: usize>(fields: &[&'a Field<D>]) -> Vec<FieldVie
     fields.iter().map(|field| field.view()).collect()
 }
 
+/// Coefficients of several fields, one field after the other, as views on their spaces.
+#[doc(hidden)]
+pub fn views_on<'a, const D: usize>(
+    spaces: &[&'a Arc<Space<D>>],
+    values: &'a [f64],
+) -> Vec<FieldView<'a, D>> {
+    let mut rest = values;
+    let view = |space: &&'a Arc<Space<D>>| {
+        let (values, others) = rest.split_at(space.unknowns());
+        rest = others;
+        FieldView { space, values, finite: false }
+    };
+    spaces.iter().map(view).collect()
+}
+
+/// Coefficients of several fields, one field after the other, as fields on their spaces.
+///
+/// # Errors
+/// [`FieldError::NotFinite`].
+#[doc(hidden)]
+pub fn fields_on<const D: usize>(
+    spaces: &[&Arc<Space<D>>],
+    values: &[f64],
+) -> Result<Vec<Field<D>>, FieldError> {
+    let field = |view: FieldView<D>| Field::from_values(view.space, view.values.to_vec());
+    views_on(spaces, values).into_iter().map(field).collect()
+}
+
 /// Errors of a field or of its evaluation.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[allow(missing_docs)]

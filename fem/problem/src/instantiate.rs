@@ -114,8 +114,7 @@ where
             Self::element_matrices::<L>(),
             Self::element_vectors::<L>(),
             Self::matrices::<L>(),
-            Self::segments::<L>(),
-            Self::slopes::<L>(),
+            Self::moving_points::<L>(),
         ]
     }
 }

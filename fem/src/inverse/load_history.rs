@@ -17,13 +17,13 @@ use super::observations::Observations;
 use super::reduced_problem::ReducedProblem;
 use super::second_order::{Hessian, SecondOrder, TwiceDifferentiable};
 use super::sensitivities::{BEFORE, add_sensitivities, names_before};
-use super::step_equations::{Solution, StepEquations, fields_on};
+use super::step_equations::{Solution, StepEquations};
 use super::sweep::{Gradient, gradient_stored, value_of};
 use super::tangent_state::{Changing, CurvedCriterion};
 use crate::assemble::Assembler;
 use crate::constraints::{Constraints, ConstraintsError};
 use crate::contract::{Energy, Form, Role};
-use crate::field::{Field, FieldView};
+use crate::field::{Field, FieldView, fields_on};
 use crate::instantiate::instantiate;
 use crate::solve::{LinearSolver, NewtonOptions, PerUnknown, SolverReport};
 use crate::space::Space;
@@ -174,7 +174,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
     }
 
     fn fields(&self, values: &[f64]) -> Result<Vec<Field<D>>, HistoryFailure> {
-        fields_on(&self.spaces, values)
+        Ok(fields_on(&self.unknowns_on(), values)?)
     }
 
     fn unknowns_on(&self) -> Vec<&Arc<Space<D>>> {

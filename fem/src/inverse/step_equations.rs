@@ -6,7 +6,7 @@ use super::error::HistoryFailure;
 use crate::assemble::{Assembler, BlockPattern, Outline, Parts, ValuesBefore};
 use crate::constraints::Constraints;
 use crate::contract::{Form, Source};
-use crate::field::{Field, FieldView};
+use crate::field::{Field, FieldView, fields_on};
 use crate::instantiate::instantiate;
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::{
@@ -180,7 +180,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
             self.tangent_of = Some(number);
             found
         };
-        fields_on(&self.spaces, &found)
+        Ok(fields_on(&self.on(), &found)?)
     }
 
     /// Kᵀ p with the tangent K of a form with one unknown at a solution.
@@ -200,20 +200,6 @@ impl<'a, const D: usize> StepEquations<'a, D> {
 
 fn views<const D: usize>(fields: &[Field<D>]) -> Vec<FieldView<'_, D>> {
     fields.iter().map(Field::view).collect()
-}
-
-/// Values of all unknowns, one after the other, as a field on each space.
-pub(super) fn fields_on<const D: usize>(
-    spaces: &[Arc<Space<D>>],
-    values: &[f64],
-) -> Result<Vec<Field<D>>, HistoryFailure> {
-    let mut rest = values;
-    let field = |space: &Arc<Space<D>>| {
-        let (own, others) = rest.split_at(space.unknowns());
-        rest = others;
-        Ok(Field::from_values(space, own.to_vec())?)
-    };
-    spaces.iter().map(field).collect()
 }
 
 /// Refuses forms of values at quadrature points that steps would write.

@@ -8,7 +8,7 @@ use super::mass::{Mass, diagonal, row_sums, with_inertia};
 use super::step_cost::StepCost;
 use crate::assemble::{Assembler, BlockPattern, Parts, ValuesBefore};
 use crate::contract::Form;
-use crate::field::{Field, FieldView};
+use crate::field::{FieldView, views_on};
 use crate::instantiate::instantiate;
 use crate::linear_algebra::BlockMatrix;
 use crate::linear_algebra::equations::Equations;
@@ -65,39 +65,36 @@ pub(super) enum Check {
 #[inline(never)]
 pub(super) fn solve<const D: usize>(
     (form, weights): (&Form<D>, &[[f64; 3]]),
-    guess: &[Field<D>],
+    (spaces, guess): (&[&Arc<Space<D>>], &[f64]),
     elimination: &mut Elimination,
     kept: &mut Option<StepMatrix>,
     means: &mut Means<'_, D>,
     check: Check,
 ) -> Result<LinearStep, StepFailure> {
-    let spaces: Vec<&Arc<Space<D>>> = guess.iter().map(Field::space).collect();
-    let sizes: Vec<usize> = guess.iter().map(|field| field.values().len()).collect();
-    let guess: Vec<f64> = guess.iter().flat_map(|field| field.values()).copied().collect();
     let mut cost = StepCost::default();
     let residual_at = |values: &[f64], cost: &mut StepCost| {
         let begun = Instant::now();
-        let views = views(&spaces, values);
-        let residual = means.assembler.residual_of(form, &views, &spaces, Parts::ALL);
+        let views = views_on(spaces, values);
+        let residual = means.assembler.residual_of(form, &views, spaces, Parts::ALL);
         cost.residuals += 1;
         cost.residual_seconds += begun.elapsed().as_secs_f64();
         residual
     };
-    let before = residual_at(&guess, &mut cost)?;
+    let before = residual_at(guess, &mut cost)?;
     let load: Vec<f64> = elimination.reduce(&before)?.iter().map(|value| -value).collect();
     let known = kept.take().filter(|kept| kept.weights == weights && kept.free == elimination.free());
     // A relation may have other factors than before without another free unknown.
     let mut fresh = known.is_none() || !elimination.only_prescribes();
     let mut matrix = match known {
         Some(known) if !fresh => known,
-        _ => StepMatrix::assemble((form, weights), (&spaces, &guess), elimination, means, &mut cost)?,
+        _ => StepMatrix::assemble((form, weights), (spaces, guess), elimination, means, &mut cost)?,
     };
     loop {
         let begun = Instant::now();
         let step = elimination.extend_by_zero(&means.solver.solve(&load, 0.0)?.solution)?;
         cost.solves += 1;
         cost.solve_seconds += begun.elapsed().as_secs_f64();
-        let mut unknown = guess.clone();
+        let mut unknown = guess.to_vec();
         add_scaled(&mut unknown, 1.0, &step);
         if check == Check::Nothing || matrix.lumped.is_some() {
             let residual = matrix.residual_after(&before, &step);
@@ -105,7 +102,8 @@ pub(super) fn solve<const D: usize>(
             return Ok(LinearStep { unknown, residual, cost });
         }
         let residual = residual_at(&unknown, &mut cost)?;
-        let Some(residual_of_row) = matrix.wrong_row(&residual, &load, (&unknown, &sizes), elimination)?
+        let Some(residual_of_row) =
+            matrix.wrong_row(&residual, &load, &views_on(spaces, &unknown), elimination)?
         else {
             *kept = Some(matrix);
             return Ok(LinearStep { unknown, residual, cost });
@@ -116,20 +114,9 @@ pub(super) fn solve<const D: usize>(
         if fresh {
             return Err(StepFailure::Inaccurate { residual: residual_of_row });
         }
-        matrix = StepMatrix::assemble((form, weights), (&spaces, &guess), elimination, means, &mut cost)?;
+        matrix = StepMatrix::assemble((form, weights), (spaces, guess), elimination, means, &mut cost)?;
         fresh = true;
     }
-}
-
-/// The unknowns one after the other, as views on their spaces.
-fn views<'f, const D: usize>(spaces: &[&'f Arc<Space<D>>], values: &'f [f64]) -> Vec<FieldView<'f, D>> {
-    let mut rest = values;
-    let view = |space: &&'f Arc<Space<D>>| {
-        let (values, others) = rest.split_at(space.unknowns());
-        rest = others;
-        FieldView { space, values, finite: false }
-    };
-    spaces.iter().map(view).collect()
 }
 
 impl StepMatrix {
@@ -144,7 +131,7 @@ impl StepMatrix {
     ) -> Result<Self, StepFailure> {
         let begun = Instant::now();
         let mut matrix = BlockMatrix::zero(means.pattern.sparsity());
-        let views = views(spaces, at);
+        let views = views_on(spaces, at);
         let arguments = (&views[..], spaces);
         let (assembler, vanish) = (means.assembler, ValuesBefore::Vanish);
         assembler.write_tangent(form, arguments, Parts::ALL, means.pattern, &mut matrix, vanish)?;
@@ -168,19 +155,15 @@ impl StepMatrix {
 
     /// The residual of the first equation that does not hold, each relative to its own terms with the largest values of the unknowns: a
     /// stiff part hides no soft one.
-    fn wrong_row(
+    fn wrong_row<const D: usize>(
         &self,
         residual: &[f64],
         load: &[f64],
-        (found, counts): (&[f64], &[usize]),
+        found: &[FieldView<D>],
         elimination: &Elimination,
     ) -> Result<Option<f64>, StepFailure> {
-        let (mut amplitudes, mut rest) = (Vec::with_capacity(found.len()), found);
-        for count in counts {
-            let (own, others) = rest.split_at(*count);
-            amplitudes.resize(amplitudes.len() + count, largest(own));
-            rest = others;
-        }
+        let of_unknown = |view: &FieldView<D>| vec![largest(view.values); view.values.len()];
+        let amplitudes: Vec<f64> = found.iter().flat_map(of_unknown).collect();
         let sizes = elimination.reduce_amounts(&self.matrix.products(&amplitudes)?.1)?;
         let rows = elimination.reduce(residual)?.into_iter().zip(load).zip(sizes);
         // A residual that is no number does not hold.

@@ -16,7 +16,7 @@ use super::step_cost::StepCost;
 use crate::assemble::{Assembler, BlockPattern, Outline, Parts};
 use crate::constraints::{Constraints, ConstraintsError};
 use crate::contract::Form;
-use crate::field::Field;
+use crate::field::{Field, fields_on};
 use crate::instantiate::instantiate;
 use crate::solve::{
     Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, SolvedForm, StepMemory, solve_owned,
@@ -480,14 +480,10 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         let mut elimination = Elimination::of(&constraints.iter().collect::<Vec<_>>())?;
         // From zero where masses are lumped: the form's residual knows the consistent ones.
         let of_second_rate = weights.iter().all(|weights| weights[0] == 0.0);
-        let guess = self.states[0].iter().map(|state| match of_second_rate {
-            true => Field::zero(state.value.space()),
-            false => state.value.clone(),
-        });
-        let guess: Vec<Field<D>> = guess.collect();
-        let mut values: Vec<f64> = guess.iter().flat_map(Field::values).copied().collect();
-        elimination.impose(&mut values)?;
-        let guess = on_spaces(&guess, &values)?;
+        let values = self.states[0].iter().flat_map(|state| state.value.values());
+        let mut guess: Vec<f64> = values.map(|value| if of_second_rate { 0.0 } else { *value }).collect();
+        elimination.impose(&mut guess)?;
+        let spaces: Vec<_> = self.states[0].iter().map(|state| state.value.space()).collect();
         let check = match (self.constant_coefficients, self.number % CHECKED_STEPS) {
             (false, _) => Check::Equations,
             (true, 0) => Check::Promise,
@@ -500,8 +496,8 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
             mass: if of_second_rate { self.mass } else { Mass::Consistent },
         };
         let LinearStep { unknown, residual, cost } =
-            solve((form, weights), &guess, &mut elimination, &mut self.kept, &mut means, check)?;
-        Ok((on_spaces(&guess, &unknown)?, residual, cost))
+            solve((form, weights), (&spaces, &guess), &mut elimination, &mut self.kept, &mut means, check)?;
+        Ok((fields_on(&spaces, &unknown)?, residual, cost))
     }
 
     fn solve_nonlinear(
@@ -524,17 +520,6 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         };
         Ok(solve_owned(owned, self.solver.get(), &mut self.memory)?)
     }
-}
-
-/// Values one after the other as fields on the spaces of others.
-fn on_spaces<const D: usize>(fields: &[Field<D>], values: &[f64]) -> Result<Vec<Field<D>>, StepFailure> {
-    let mut rest = values;
-    let field = |like: &Field<D>| {
-        let (own, others) = rest.split_at(like.values().len());
-        rest = others;
-        Ok(Field::from_values(like.space(), own.to_vec())?)
-    };
-    fields.iter().map(field).collect()
 }
 
 /// Prescribes zero for unknowns.

@@ -2,11 +2,10 @@
 
 use forms_fem::forms;
 
-/// A rigid obstacle whose normal is known, and the parameter of the method.
+/// A rigid obstacle whose normal is known.
 #[forms]
-pub mod rigid_flat {
+pub mod flat_obstacle {
     /// The place of the obstacle.
-    #[includes(super::super::penalty::Data)]
     pub struct Data {
         /// n_y, unit normal pointing into the obstacle.
         #[doc(alias = "n_y")]
@@ -15,6 +14,14 @@ pub mod rigid_flat {
         #[doc(alias = "g")]
         pub gap: Given<Scalar>,
     }
+}
+
+/// The same, with the parameter of Nitsche's method and of penalties.
+#[forms]
+pub mod rigid_flat {
+    /// The parameter, and the place of the obstacle.
+    #[includes(super::super::penalty::Data, super::flat_obstacle::Data)]
+    pub struct Data {}
 }
 
 /// Frictionless contact with a rigid obstacle, for any material: what Nitsche's method needs is the material's normal

@@ -11,7 +11,7 @@ use super::segment_tangent::has_segments;
 use super::{Assembler, AssemblyError, BlockPattern, Parts, ValuesBefore};
 use crate::constraints::Constraints;
 use crate::contract::Form;
-use crate::field::{Field, FieldView, views};
+use crate::field::{Field, FieldView, views, views_on};
 use crate::linear_algebra::{BlockMatrix, LinearOperator, OperatorError};
 use crate::pairs::PairError;
 use crate::space::Space;
@@ -202,14 +202,8 @@ impl<'a, const D: usize> TangentAction<'a, D> {
         for (unknown, terms) in &self.relations {
             free[*unknown] = terms.iter().map(|(index, factor)| factor * free[*index]).sum();
         }
-        let mut rest = &free[..];
-        let mut directions = Vec::with_capacity(self.unknowns.len());
-        for field in &self.unknowns {
-            let (values, others) = rest.split_at(field.space().unknowns());
-            rest = others;
-            directions.push(FieldView { space: field.space(), values, finite: false });
-        }
         let tests: Vec<&Arc<Space<D>>> = self.unknowns.iter().map(|field| field.space()).collect();
+        let directions = views_on(&tests, &free);
         let unknowns = views(&self.unknowns);
         let found = self.assembler.action_on(self.form, &unknowns, &directions, &tests, self.parts)?;
         product.copy_from_slice(&found);

@@ -8,6 +8,7 @@ use forms_core::contract::{FieldSlot, Role, Term};
 
 use super::batch::Cells;
 use super::binding::{Binding, Values};
+use super::element_loops::moving_points::PointMotion;
 use super::element_loops::vectors::ElementVectors;
 use super::groups::{Group, OwnPoints, groups};
 use super::kernels::VectorKernel;
@@ -133,7 +134,8 @@ impl<const D: usize> Moving<'_, D> {
         // Each cell's number is its own, so that threads do not show.
         let found = assembler.threads.run(parts, |entities: Range<usize>| {
             let mut numbers: Vec<f64> = Vec::with_capacity(entities.len());
-            term.kernel.compute_slopes(&task, assembler.instructions, entities, &mut |first, vectors| {
+            let moving = (PointMotion::OfRecords, entities);
+            term.kernel.compute_moving(&task, assembler.instructions, moving, &mut |first, vectors| {
                 for (entity, vector) in vectors.chunks_exact(size).enumerate() {
                     let nodes = test.space.nodes_at(side.cells[first + entity], local);
                     let values = nodes.iter().flat_map(|node| {

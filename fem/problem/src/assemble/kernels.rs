@@ -13,6 +13,7 @@ use forms_core::contract::{
 use super::AssemblyError;
 use super::batch::Batch;
 use super::element_loops::matrices::ElementMatrices;
+use super::element_loops::moving_points::PointMotion;
 use super::element_loops::sink::Deliver;
 use super::element_loops::vectors::ElementVectors;
 use super::functional::{ReceivePoint, each_point};
@@ -125,35 +126,17 @@ impl<const D: usize> VectorKernel<D> {
             |deliver: Deliver| self.calls.compute(task, &self.constants, set, entities.clone(), deliver);
         if self.factor == 1.0 { compute(deliver) } else { scaled(self.factor, deliver, &compute) }
     }
-}
 
-impl<const D: usize> VectorKernel<D> {
-    /// See [`ElementVectors::compute_by_ends`].
-    pub(in crate::assemble) fn compute_by_ends(
+    /// See [`ElementVectors::compute_moving`].
+    pub(in crate::assemble) fn compute_moving(
         &self,
         task: &ElementVectors<D>,
         set: InstructionSet,
-        entities: Range<usize>,
+        (motion, entities): (PointMotion, Range<usize>),
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
         let compute = |deliver: Deliver| {
-            self.calls.compute_by_ends(task, &self.constants, set, entities.clone(), deliver)
-        };
-        if self.factor == 1.0 { compute(deliver) } else { scaled(self.factor, deliver, &compute) }
-    }
-}
-
-impl<const D: usize> VectorKernel<D> {
-    /// See [`ElementVectors::compute_slopes`].
-    pub(in crate::assemble) fn compute_slopes(
-        &self,
-        task: &ElementVectors<D>,
-        set: InstructionSet,
-        entities: Range<usize>,
-        deliver: Deliver,
-    ) -> Result<(), AssemblyError> {
-        let compute = |deliver: Deliver| {
-            self.calls.compute_slopes(task, &self.constants, set, entities.clone(), deliver)
+            self.calls.compute_moving(task, &self.constants, set, (motion, entities.clone()), deliver)
         };
         if self.factor == 1.0 { compute(deliver) } else { scaled(self.factor, deliver, &compute) }
     }
@@ -216,21 +199,12 @@ trait VectorCalls<const D: usize>: Send + Sync {
         deliver: Deliver,
     ) -> Result<(), AssemblyError>;
 
-    fn compute_by_ends(
+    fn compute_moving(
         &self,
         task: &ElementVectors<D>,
         constants: &LinearConstants,
         set: InstructionSet,
-        entities: Range<usize>,
-        deliver: Deliver,
-    ) -> Result<(), AssemblyError>;
-
-    fn compute_slopes(
-        &self,
-        task: &ElementVectors<D>,
-        constants: &LinearConstants,
-        set: InstructionSet,
-        entities: Range<usize>,
+        moving: (PointMotion, Range<usize>),
         deliver: Deliver,
     ) -> Result<(), AssemblyError>;
 }
@@ -247,34 +221,22 @@ impl<K: LinearKernel<D>, const D: usize> VectorCalls<D> for K {
         task.compute((self, constants), set, entities, deliver)
     }
 
-    fn compute_by_ends(
+    fn compute_moving(
         &self,
         task: &ElementVectors<D>,
         constants: &LinearConstants,
         set: InstructionSet,
-        entities: Range<usize>,
+        moving: (PointMotion, Range<usize>),
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        // Other kernels are not compiled once more.
-        if const { K::SLIDES && D == 2 } {
-            return task.compute_by_ends((self, constants), set, entities, deliver);
+        if moving.0 == PointMotion::OfRecords && !K::MOVED_BY_LEVEL_SET {
+            return Err(AssemblyError::NoLevelSetDerivative { form: task.binding.name });
+        }
+        // Kernels whose points nothing moves are not compiled once more.
+        if const { K::MOVED_BY_LEVEL_SET || (K::SLIDES && D == 2) } {
+            return task.compute_moving((self, constants), set, moving, deliver);
         }
         Ok(())
-    }
-
-    fn compute_slopes(
-        &self,
-        task: &ElementVectors<D>,
-        constants: &LinearConstants,
-        set: InstructionSet,
-        entities: Range<usize>,
-        deliver: Deliver,
-    ) -> Result<(), AssemblyError> {
-        // Others neither.
-        if const { K::MOVED_BY_LEVEL_SET } {
-            return task.compute_slopes((self, constants), set, entities, deliver);
-        }
-        Err(AssemblyError::NoLevelSetDerivative { form: task.binding.name })
     }
 }
 

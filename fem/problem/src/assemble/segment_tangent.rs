@@ -10,6 +10,7 @@ use forms_core::contract::{FieldSlot, Role, Term};
 
 use super::batch::Cells;
 use super::binding::{Binding, Values, pair_error};
+use super::element_loops::moving_points::PointMotion;
 use super::element_loops::vectors::ElementVectors;
 use super::groups::{Group, groups};
 use super::kernels::VectorKernel;
@@ -180,7 +181,8 @@ impl<const D: usize> Motion<'_, D> {
         let parts = (0..threads).map(|part| part * count / threads..(part + 1) * count / threads).collect();
         let found = assembler.threads.run(parts, |units: Range<usize>| {
             let mut vectors: Vec<f64> = Vec::new();
-            term.kernel.compute_by_ends(&task, assembler.instructions, units, &mut |_, some| {
+            let moving = (PointMotion::ByEnds, units);
+            term.kernel.compute_moving(&task, assembler.instructions, moving, &mut |_, some| {
                 vectors.extend_from_slice(some);
                 Ok(())
             })?;

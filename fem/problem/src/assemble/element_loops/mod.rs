@@ -9,8 +9,7 @@ pub(super) mod sink;
 pub(super) mod sum_factorisation;
 
 pub(super) mod matrices;
-mod segments;
-mod slopes;
+pub(super) mod moving_points;
 pub(super) mod vectors;
 
 pub(super) use bilinear_calls::{BilinearCalls, Factors};

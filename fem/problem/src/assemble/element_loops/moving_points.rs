@@ -1,7 +1,7 @@
-//! Derivatives of element vectors by the ends of moving segments: a linear kernel that is run on values with derivatives along the motion of
-//! its points.
+//! Derivatives of element vectors whose points move: a linear kernel that is run on values with derivatives along the motion.
 //!
-//! With points s = (1 − ξ) a + ξ b of weight w (b − a) and the density ρ at them
+//! Points of cut cells move with the level set function, together with their weights. Those of moving segments follow the two ends. With
+//! points s = (1 − ξ) a + ξ b of weight w (b − a) and the density ρ at them
 //!
 //! ```text
 //! ∂/∂a Σ w (b − a) ρ(s) = Σ w (−ρ + (b − a)(1 − ξ) ρ′),  ∂/∂b: Σ w (ρ + (b − a) ξ ρ′)
@@ -23,31 +23,49 @@ use crate::assemble::scatter::group_nodes::Reading;
 use crate::instantiate::instantiate;
 use crate::lanes::{InstructionSet, LaneWork, Moving, SharedWork, SimdLane, Transposition, WIDEST};
 
+/// The motion of a group's points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PointMotion {
+    /// That of each point's record, with its weight: one vector per entity.
+    OfRecords,
+    /// Those by the two ends of moving segments: two vectors per entity, that by the first end before that by the last one.
+    ByEnds,
+}
+
+impl PointMotion {
+    /// Vectors per entity.
+    fn vectors(self) -> usize {
+        match self {
+            PointMotion::OfRecords => 1,
+            PointMotion::ByEnds => 2,
+        }
+    }
+}
+
 impl<const D: usize> ElementVectors<'_, D> {
-    /// The derivatives of the element vectors of a group of moving segments by their two ends, as [`ElementVectors::compute`] hands over
-    /// vectors: those by the first end before those by the last one.
+    /// The derivatives of the element vectors of a group whose points move, as [`ElementVectors::compute`] hands over vectors.
     ///
     /// # Errors
     /// Errors of the form's data, or of `deliver`.
-    pub fn compute_by_ends<K: LinearKernel<D>>(
+    pub fn compute_moving<K: LinearKernel<D>>(
         &self,
         (kernel, constants): (&K, &LinearConstants),
         set: InstructionSet,
-        range: Range<usize>,
+        (motion, range): (PointMotion, Range<usize>),
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        set.checked().run(Compute { task: self, kernel, constants, range, deliver })
+        set.checked().run(Compute { task: self, kernel, constants, motion, range, deliver })
     }
 
     #[inline(never)]
-    fn by_ends_in_lanes<L: SimdLane>(
+    fn moving_in_lanes<L: SimdLane>(
         &self,
         kernel: &LinearConstants,
         calls: &mut dyn VectorCalls<Moving<L>, D>,
-        range: Range<usize>,
+        (motion, range): (PointMotion, Range<usize>),
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        L::call(Loops { task: self, kernel, calls, range, deliver })
+        L::call(Loops { task: self, kernel, calls, motion, range, deliver })
     }
 }
 
@@ -55,6 +73,7 @@ struct Compute<'a, 'd, K, const D: usize> {
     task: &'a ElementVectors<'a, D>,
     kernel: &'a K,
     constants: &'a LinearConstants,
+    motion: PointMotion,
     range: Range<usize>,
     deliver: Deliver<'d>,
 }
@@ -65,7 +84,7 @@ impl<K: LinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
     #[inline(always)]
     fn run<L: SimdLane>(self) -> Self::Output {
         let calls = &mut LinearCalls::<K, Moving<L>, D>::new(self.kernel);
-        self.task.by_ends_in_lanes::<L>(self.constants, calls, self.range, self.deliver)
+        self.task.moving_in_lanes::<L>(self.constants, calls, (self.motion, self.range), self.deliver)
     }
 }
 
@@ -74,6 +93,7 @@ struct Loops<'a, 'd, 'c, L, const D: usize> {
     task: &'a ElementVectors<'d, D>,
     kernel: &'a LinearConstants,
     calls: &'a mut dyn VectorCalls<Moving<L>, D>,
+    motion: PointMotion,
     range: Range<usize>,
     deliver: Deliver<'c>,
 }
@@ -83,10 +103,14 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let Loops { task, kernel, calls, range, deliver } = self;
+        let Loops { task, kernel, calls, motion, range, deliver } = self;
         let ElementVectors { group, side, element, .. } = *task;
-        let Some(pairs) = group.pairs() else { return Ok(()) };
-        let motion = &pairs.group.motion;
+        let ends = match (motion, group.pairs()) {
+            (PointMotion::OfRecords, _) => None,
+            (PointMotion::ByEnds, Some(pairs)) => Some(&pairs.group.motion),
+            // No segments, no ends.
+            (PointMotion::ByEnds, None) => return Ok(()),
+        };
         let (nodes, zero, one) = (task.nodes(), L::splat(0.0), L::splat(1.0));
         let size = nodes * kernel.components;
         let requirements = *kernel.requirements;
@@ -95,28 +119,27 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
         let mut buffers = BatchBuffers::<Moving<L>, D>::default();
         let mut batch = Batch::new(task.binding, group, task.cells, requirements, &arguments, &mut buffers)?;
         let nothing = Moving { value: zero, slope: zero };
-        let (mut at_point, mut sums) = (vec![nothing; size], vec![zero; 2 * size]);
-        let mut vectors = vec![0.0; L::WIDTH * 2 * size];
+        let stride = motion.vectors() * size;
+        let (mut at_point, mut sums) = (vec![nothing; size], vec![zero; stride]);
+        let mut vectors = vec![0.0; L::WIDTH * stride];
         let (mut rates, mut places) = ([0.0; WIDEST], [0; WIDEST]);
         let mut start = range.start;
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
-            for lane in 0..L::WIDTH {
-                let unit = start + lane.min(filled - 1);
-                let [first, last] = &motion.ends[unit];
-                rates[lane] = 1.0 / (last.s - first.s);
-                places[lane] = unit * pairs.group.count;
+            if let Some(motion) = ends {
+                for lane in 0..L::WIDTH {
+                    let unit = start + lane.min(filled - 1);
+                    let [first, last] = &motion.ends[unit];
+                    rates[lane] = 1.0 / (last.s - first.s);
+                    places[lane] = unit * group.points();
+                }
             }
             let rate = L::load(&rates);
             calls.call(&mut VectorCall::Cell(&batch.load(start, filled)));
-            for k in 0..2 * size {
+            for k in 0..stride {
                 sums[k] = zero;
             }
-            for q in 0..pairs.group.count {
-                let [part] = L::gather::<1>(&motion.fractions, &places);
-                for lane in 0..L::WIDTH {
-                    places[lane] += 1;
-                }
+            for q in 0..group.points() {
                 for k in 0..size {
                     at_point[k] = nothing;
                 }
@@ -126,6 +149,16 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
                 let further = &batch.further(side, element)[..nodes];
                 let target = &mut at_point[..];
                 calls.call(&mut VectorCall::Point { geometry, fields, basis, further, target, stride: 1 });
+                let Some(motion) = ends else {
+                    for k in 0..size {
+                        sums[k] = sums[k] + at_point[k].slope;
+                    }
+                    continue;
+                };
+                let [part] = L::gather::<1>(&motion.fractions, &places);
+                for lane in 0..L::WIDTH {
+                    places[lane] += 1;
+                }
                 for k in 0..size {
                     let Moving { value, slope } = at_point[k];
                     let longer = rate * value;
@@ -133,12 +166,12 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
                     sums[size + k] = sums[size + k] + part * slope + longer;
                 }
             }
-            L::call(Transposition { source: &sums[..], filled, target: &mut vectors, stride: 2 * size });
-            deliver(start, &vectors[..filled * 2 * size])?;
+            L::call(Transposition { source: &sums[..], filled, target: &mut vectors, stride });
+            deliver(start, &vectors[..filled * stride])?;
             start += filled;
         }
         Ok(())
     }
 }
 
-instantiate!(segments in lanes: ElementVectors::<D>::by_ends_in_lanes::<L>);
+instantiate!(moving_points in lanes: ElementVectors::<D>::moving_in_lanes::<L>);
