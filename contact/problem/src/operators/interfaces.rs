@@ -16,7 +16,7 @@ pub mod flat_obstacle {
     }
 }
 
-/// The same, with the parameter of Nitsche's method and of penalties.
+/// A rigid obstacle whose normal is known, with the parameter of Nitsche's method and of penalties.
 #[forms]
 pub mod rigid_flat {
     /// The parameter, and the place of the obstacle.
