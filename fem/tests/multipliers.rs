@@ -59,6 +59,43 @@ mod glued {
     }
 }
 
+#[forms(dimension = 2)]
+mod open {
+    pub struct Data {
+        gap: Given<Scalar>,
+    }
+    #[cells]
+    pub struct Omega;
+    #[facets]
+    pub struct Gamma;
+
+    /// An elastic body above an obstacle, with the pressure as a multiplier.
+    pub fn contact(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
+        let update = pos_part(p - 10 / h * (gap + u[1]));
+        integral(Omega, 2 * inner(eps(u), eps(v)) - v[0])
+            + integral(Gamma, -p * v[1] - h / 10 * (p - update) * q)
+    }
+}
+
+/// The pressure below a body that stays open is zero, whatever noise the solver leaves: its equations decouple from the body's, and noise decays
+/// along the surface.
+#[test]
+fn a_multiplier_of_open_contact_is_zero() {
+    for (cells, degree) in [(4, 1), (12, 2), (40, 2)] {
+        let mesh = rectangle([0.0; 2], [1.0, 0.5], [cells, cells / 2], CellShape::Quadrilateral, 1).unwrap();
+        let (space, traces) =
+            (Space::vector(&mesh, degree).unwrap(), Space::on_facets(&mesh, "bottom", degree).unwrap());
+        let mut held = Constraints::new(&space);
+        held.fix("top", |_| [0.0; 2]).unwrap();
+        let form = open::Model::new(open::data().gap(|x: &[f64; 2]| 1.0 + x[0] * x[0])).contact();
+        for solver in [&mut TangentSolver::default() as &mut dyn LinearSolver, &mut LuSolver::default()] {
+            let mut problem = Problem::new(&form, [&space, &traces]).constrained(&held).solver(solver);
+            let [u, p] = problem.solve().unwrap().fields;
+            assert!(p.values().iter().all(|p| *p == 0.0) && u.values().iter().any(|u| u.abs() > 0.01));
+        }
+    }
+}
+
 fn data(source: Given<f64, 2>, wanted: Given<f64, 2>) -> held::Data<2> {
     held::data().source(source).wanted(wanted)
 }

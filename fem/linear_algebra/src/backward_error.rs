@@ -234,16 +234,27 @@ impl<'a, E: Equations> Refinement<'a, E> {
     /// zero, as a multiplier of contact that is open, a solve leaves rounding of the others, which is no solution of
     /// equations that these do not enter. False: the solution is left as it was.
     fn vanishes_where_wrong(&mut self) -> Result<bool, LinearAlgebraError> {
+        Ok(self.vanishes(Vanishing::WhereWrong)? || self.vanishes(Vanishing::WhereAsSmall)?)
+    }
+
+    /// The same by one choice of unknowns.
+    fn vanishes(&mut self, choice: Vanishing) -> Result<bool, LinearAlgebraError> {
         let mut x = self.x.clone();
         let mut residual = Residual::of(self.equations, self.threads, &x, self.b)?;
         for _ in 0..ZEROINGS {
-            let sizes = self.equations.products(&x)?.1;
-            let off = |row: usize| residual.rest[row].abs() > ACCEPTED * (sizes[row] + self.b[row].abs());
-            let wrong: Vec<usize> = (0..x.len()).filter(|row| off(*row) && x[*row] != 0.0).collect();
-            if wrong.is_empty() {
+            let mut sizes = self.equations.products(&x)?.1;
+            sizes.iter_mut().zip(self.b).for_each(|(size, b)| *size += b.abs());
+            let is_wrong = |row: usize| residual.rest[row].abs() > ACCEPTED * sizes[row];
+            let largest = (0..x.len()).filter(|row| is_wrong(*row)).map(|row| sizes[row]).fold(0.0, f64::max);
+            let is_chosen = |row: usize| match choice {
+                Vanishing::WhereWrong => is_wrong(row),
+                Vanishing::WhereAsSmall => sizes[row] <= largest,
+            };
+            let chosen: Vec<usize> = (0..x.len()).filter(|row| is_chosen(*row) && x[*row] != 0.0).collect();
+            if chosen.is_empty() {
                 return Ok(false);
             }
-            wrong.into_iter().for_each(|unknown| x[unknown] = 0.0);
+            chosen.into_iter().for_each(|unknown| x[unknown] = 0.0);
             residual = Residual::of(self.equations, self.threads, &x, self.b)?;
             if residual.check(self.equations, (&x, self.b), ACCEPTED).is_ok() {
                 (self.x, self.residual) = (x, residual);
@@ -252,6 +263,15 @@ impl<'a, E: Equations> Refinement<'a, E> {
         }
         Ok(false)
     }
+}
+
+/// The unknowns that may be zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Vanishing {
+    /// Those whose equations do not hold.
+    WhereWrong,
+    /// Those whose equations have terms no larger than the ones that do not hold: noise that satisfies the equations around it is noise, too.
+    WhereAsSmall,
 }
 
 #[cfg(test)]
@@ -300,5 +320,38 @@ mod tests {
         let x = [1e-6, 1e-6, 1.0];
         let residual = Residual::of(&Side::plain(&matrix), Threads::ONE, &x, &b).unwrap();
         assert!(residual.check(&Side::plain(&matrix), (&x, &b), 1e-10).is_err());
+    }
+
+    /// [K B; 0 M] whose second unknowns are zero. Refinement has left noise in one of them, and what it makes of the others decays from there
+    /// as M's inverse does: their equations hold.
+    #[test]
+    fn noise_that_satisfies_the_equations_around_it_vanishes() {
+        const COUNT: usize = 40;
+        let mut entries = vec![(0, 0, 2.0), (0, 1, 1.0)];
+        for k in 1..=COUNT {
+            entries.push((k, k, 4.0));
+            if k > 1 {
+                entries.extend([(k, k - 1, 1.0), (k - 1, k, 1.0)]);
+            }
+        }
+        let matrix = CsrMatrix::from_triplets(COUNT + 1, COUNT + 1, &entries).unwrap();
+        let side = Side::plain(&matrix);
+        let mut b = vec![0.0; COUNT + 1];
+        b[0] = 1.0;
+        let ratio = 3.0_f64.sqrt() - 2.0;
+        let mut x = vec![0.5];
+        x.extend((0..COUNT).map(|k| 1e-30 * ratio.powi(k as i32)));
+        // A solver without any improvement.
+        let nothing = |change: &mut Vec<f64>| -> Result<(), LinearAlgebraError> {
+            change.fill(0.0);
+            Ok(())
+        };
+        let mut found = Refinement::new(&side, Threads::ONE, &b, x.clone()).unwrap();
+        found.finish(nothing).unwrap();
+        assert!(found.x[0] == 0.5 && found.x[1..].iter().all(|x| *x == 0.0), "{:?}", found.x);
+        // Where the equation asks for something, however small, noise is refused.
+        b[1] = 1e-31;
+        let mut found = Refinement::new(&side, Threads::ONE, &b, x).unwrap();
+        assert!(found.finish(nothing).is_err());
     }
 }

@@ -151,7 +151,7 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
                 calls.call(&mut VectorCall::Point { geometry, fields, basis, further, target, stride: 1 });
                 let Some(motion) = ends else {
                     for k in 0..size {
-                        sums[k] = sums[k] + at_point[k].slope;
+                        sums[k] += at_point[k].slope;
                     }
                     continue;
                 };
