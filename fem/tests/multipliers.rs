@@ -67,13 +67,13 @@ mod open {
     #[cells]
     pub struct Omega;
     #[facets]
-    pub struct Gamma;
+    pub struct Bottom;
 
     /// An elastic body above an obstacle, with the pressure as a multiplier.
     pub fn contact(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
         let update = pos_part(p - 10 / h * (gap + u[1]));
         integral(Omega, 2 * inner(eps(u), eps(v)) - v[0])
-            + integral(Gamma, -p * v[1] - h / 10 * (p - update) * q)
+            + integral(Bottom, -p * v[1] - h / 10 * (p - update) * q)
     }
 }
 
