@@ -41,8 +41,7 @@ impl Formulation for AugmentedLagrangian {
             Contact::Bodies(_) => law::between(&data, &bodies, &load, &case.touch(Sides::Own)),
         };
         let (scalars, u) = (case.scalars()?, case.first());
-        // From zero the equations of the multiplier have no terms, so that their solution cannot be judged.
-        let guess = Field::from_values(&scalars, vec![case.pressure; scalars.unknowns()])?;
+        let guess = Field::zero(&scalars);
         let solved = case.mixed_problem(&form, &scalars).start([&u, &guess]).solve()?;
         let pressures = case.known_pressures(&solved.fields[1])?;
         Ok(Outcome::of(case, &solved, pressures)?.of_form(form))
