@@ -41,6 +41,15 @@ struct Outside {
     below: Vec<f64>,
 }
 
+impl Outside {
+    fn begin(&mut self, size: usize) {
+        if self.values.is_empty() {
+            // Memory that is zero from the start costs nothing where it is not touched.
+            self.values = vec![0.0; size];
+        }
+    }
+}
+
 impl SymmetricFactor {
     /// Replaces x, in elimination order, by L⁻¹ x.
     pub(crate) fn solve_with_lower(&self, x: &mut [f64]) {
@@ -58,7 +67,7 @@ impl SymmetricFactor {
         elimination.forward.run(self.threads, &mut Outside::default(), |number, outside| {
             let (unit, start) = (&elimination.units[number], parts.starts[number]);
             let Some(own) = parts.take(number) else { return };
-            outside.values.resize(size, 0.0);
+            outside.begin(size);
             let end = start + own.len();
             for child in &children[number] {
                 let changes = sums[*child].get().into_iter().flatten();
@@ -86,7 +95,7 @@ impl SymmetricFactor {
             let number = count - 1 - number;
             let (unit, start) = (&elimination.units[number], parts.starts[number]);
             let Some(own) = parts.take(number) else { return };
-            outside.values.resize(size, 0.0);
+            outside.begin(size);
             let mut rest = &unit.outer[..];
             while let Some(first) = rest.first() {
                 // Neighbours are in one unit.
