@@ -31,7 +31,7 @@ impl Threads {
     /// The environment variable with the number of threads of a program.
     pub const VARIABLE: &'static str = "FORMS_THREADS";
 
-    /// As many as the environment variable `FORMS_THREADS` says. Without it as many as the process may use: one for each core of its affinity, or less
+    /// The number in the environment variable `FORMS_THREADS`. Without it as many as the process may use: one for each core of its affinity, or less
     /// where a container has a limit. [`Threads::MOST`] at most. A value that is no such number counts as one; [`Threads::from_environment`] says what
     /// is wrong with it.
     pub fn all() -> Self {

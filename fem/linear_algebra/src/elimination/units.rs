@@ -126,7 +126,9 @@ impl<'a> Tree<'a> {
     fn ranges(&self) -> Vec<Range<usize>> {
         let count = self.first.len();
         let limit = (SHARE * self.cost[count]).max(LEAST);
-        let (mut found, mut rest) = (vec![], vec![0..count]);
+        let mut found = vec![];
+        let mut rest = Vec::with_capacity(64);
+        rest.push(0..count);
         while let Some(range) = rest.pop() {
             if self.cost_of(&range) <= limit {
                 found.push(range);
@@ -244,19 +246,18 @@ impl<'a> Tree<'a> {
             OVERHEAD + 0.5 * columns * columns * (columns / 3.0 + below)
         };
         let mut last_of_panel: Vec<u32> = vec![];
-        for panel in 0..unit.panels {
+        for (panel, gathered) in gathered.into_iter().enumerate() {
             edges.push((opened, tasks.len() as u32));
             tasks.push(Task::Gather(name, panel as u32));
-            costs.push(gathered[panel] + if panel == 0 { factored(0) } else { 0.0 });
+            costs.push(gathered + if panel == 0 { factored(0) } else { 0.0 });
             let rows = (height - panel * PANEL) as f64 - 0.5 * columns(panel) as f64;
-            for earlier in 0..panel {
+            for (earlier, last) in last_of_panel.iter().enumerate() {
                 let own = tasks.len() as u32;
-                edges.extend([(own - 1, own), (last_of_panel[earlier], own)]);
+                edges.extend([(own - 1, own), (*last, own)]);
                 tasks.push(Task::Take(name, panel as u32, earlier as u32));
                 let is_last = earlier + 1 == panel;
-                costs.push(
-                    columns(panel) as f64 * rows * PANEL as f64 + if is_last { factored(panel) } else { 0.0 },
-                );
+                let taken = columns(panel) as f64 * rows * PANEL as f64;
+                costs.push(taken + if is_last { factored(panel) } else { 0.0 });
             }
             last_of_panel.push(tasks.len() as u32 - 1);
         }
