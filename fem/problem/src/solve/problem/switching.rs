@@ -47,7 +47,7 @@ impl<const D: usize> Default for SwitchRecord<D> {
 }
 
 impl<const D: usize> SwitchRecord<D> {
-    /// Forgets the iterates.
+    /// A record without iterates, from here on.
     pub fn begin(&mut self) {
         (self.iterates, self.last) = (0, vec![]);
         self.changes.clear();
