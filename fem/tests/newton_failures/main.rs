@@ -128,3 +128,24 @@ fn too_few_iterations_without_an_oscillation_list_no_points() -> Outcome {
     assert!(error.oscillation.is_none(), "{error:?}");
     Ok(())
 }
+
+/// u + 1 where u is positive, else u − 1: from 1 to −1 and back.
+#[test]
+fn a_law_with_a_jump_is_named_at_all_of_its_points() -> Outcome {
+    let mesh = rectangle([0.0; 2], [1.0; 2], [4, 4], CellShape::Quadrilateral, 1)?;
+    let space = Space::scalar(&mesh, 1)?;
+    let form = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(
+        cells("all"),
+        (u + 2.0 * heaviside(u) - 1.0) * v
+    ));
+    let value = form!(|u: Unknown<Scalar>| -> Functional { integral(cells("all"), u) });
+    let start = Field::interpolate(&space, |_| 1.0)?;
+    let error = Problem::new(&form, &space).start(&start).observe(&value).solve().unwrap_err();
+    let found = error.oscillation.as_deref().expect("points that switch");
+    assert_eq!(found.points.len(), found.point_count);
+    for point in &found.points {
+        assert_eq!((point.since, &point.switches[..]), (1, &[0][..]), "{error:?}");
+        assert!((point.values[0].1.abs() - 1.0).abs() < 1e-12, "{error:?}");
+    }
+    Ok(())
+}
