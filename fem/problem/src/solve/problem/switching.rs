@@ -22,6 +22,9 @@ const KEPT: usize = 1 << 20;
 /// Points that get observed values.
 const OBSERVED: usize = 200;
 
+/// Values of an observed functional at its points.
+type PointsWithValues<const D: usize> = Vec<(f64, [f64; D])>;
+
 /// A change of a point's switches.
 #[derive(Clone, Copy, Debug)]
 struct Switched {
@@ -150,7 +153,7 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
         }
         let fields = self.system.fields(&error.u);
         let fields: Vec<&Field<D>> = fields.iter().collect();
-        let observed: Vec<(&'static str, Vec<(f64, [f64; D])>)> = self
+        let observed: Vec<(&'static str, PointsWithValues<D>)> = self
             .switches
             .observed
             .iter()
