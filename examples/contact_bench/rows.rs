@@ -79,6 +79,9 @@ impl Row {
     }
 }
 
+/// A solution with its gradient, or the reason why there is none.
+pub type WithGradient = (Outcome, Result<Gradient, Refusal>);
+
 /// The answer to a formulation's outcome, and to the outcomes of further cases.
 ///
 /// # Errors
@@ -86,7 +89,7 @@ impl Row {
 pub fn answer(
     problem: &dyn Problem,
     case: &Case,
-    (outcome, others): (Result<(Outcome, Result<Gradient, Refusal>), Refusal>, &[Outcome]),
+    (outcome, others): (Result<WithGradient, Refusal>, &[Outcome]),
     seconds: f64,
 ) -> Result<Answer, Failure> {
     let (found, gradient) = match outcome {
