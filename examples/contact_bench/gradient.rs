@@ -9,10 +9,11 @@ use forms_fem::solve::Elimination;
 
 use crate::case::Case;
 use crate::formulation::Formulation;
-use crate::outcome::{Outcome, Refusal};
+use crate::outcome::{Outcome, Refusal, not_defined};
 
-/// The step of the differences, as a part of the way.
-const STEP: f64 = 1e-5;
+/// Steps of the differences, as parts of the way. Solutions are known up to rounding, which a small step magnifies, and a kink or a third derivative
+/// shows with a large one.
+const STEPS: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-5];
 
 /// Both derivatives.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -30,25 +31,43 @@ impl Gradient {
     }
 }
 
-/// The gradient of a formulation at its solution; none where no value is prescribed other than zero, or the solution has no tangent.
+/// The gradient of a formulation at its solution.
 ///
 /// # Errors
-/// A solution next to this one that fails.
-pub fn gradient(
-    formulation: &dyn Formulation,
-    case: &Case,
-    found: &Outcome,
-) -> Result<Option<Gradient>, Refusal> {
+/// A problem without a way of its supports, a solution without a tangent, and a solution next to this one that fails.
+pub fn gradient(formulation: &dyn Formulation, case: &Case, found: &Outcome) -> Result<Gradient, Refusal> {
     let way = Elimination::of(&[&case.constraints])?.lifted()?;
-    let (Some(form), true) = (&found.form, way.iter().any(|value| *value != 0.0)) else { return Ok(None) };
-    let adjoint = by_transposed_tangent(case, form, &found.fields, &way)?;
-    let mut ends = [0.0; 2];
-    for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
-        let moved =
-            formulation.solve(&Case { constraints: scaled(case, 1.0 + sign * STEP)?, ..case.clone() })?;
-        *end = moved.residual.iter().zip(&way).map(|(residual, way)| residual * way).sum();
+    if way.iter().all(|value| *value == 0.0) {
+        return Err(not_defined("no way"));
     }
-    Ok(Some(Gradient { adjoint, difference: (ends[0] - ends[1]) / (2.0 * STEP) }))
+    let Some(form) = &found.form else { return Err(not_defined("no tangent")) };
+    let adjoint = by_transposed_tangent(case, form, &found.fields, &way)?;
+    let mut differences = [0.0; STEPS.len()];
+    for (difference, step) in differences.iter_mut().zip(STEPS) {
+        let mut ends = [0.0; 2];
+        for (end, sign) in ends.iter_mut().zip([1.0, -1.0]) {
+            let moved =
+                formulation.solve(&Case { constraints: scaled(case, 1.0 + sign * step)?, ..case.clone() })?;
+            *end = moved.residual.iter().zip(&way).map(|(residual, way)| residual * way).sum();
+        }
+        *difference = (ends[0] - ends[1]) / (2.0 * step);
+    }
+    Ok(Gradient { adjoint, difference: settled(differences) })
+}
+
+/// The difference that changes least from the larger step before to the smaller one after it: it does not know the adjoint.
+///
+/// From one step to the next the error of a kink or of a third derivative falls by ten or more, and that of rounding rises by ten.
+fn settled(differences: [f64; STEPS.len()]) -> f64 {
+    let change = |k: usize| (differences[k] - differences[k + 1]).abs();
+    let last = differences.len() - 1;
+    let error = |k: usize| match k {
+        0 => 1.1 * change(0),
+        k if k == last => 1.1 * change(k - 1),
+        k => 0.1 * (change(k - 1) + change(k)),
+    };
+    let best = (0..differences.len()).min_by(|a, b| error(*a).total_cmp(&error(*b)));
+    differences[best.unwrap_or(last)]
 }
 
 /// The conditions with all prescribed values times a factor.

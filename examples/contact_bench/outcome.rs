@@ -1,6 +1,7 @@
 //! The answer of a formulation on a case, or the reason why there is none.
 
 use std::error::Error;
+use std::fmt;
 
 use forms_fem::assemble::PointValues;
 use forms_fem::output::one_line;
@@ -82,6 +83,13 @@ pub enum Refusal {
     NotDefined(String),
     /// It failed.
     Failed(String),
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (Refusal::NotDefined(why) | Refusal::Failed(why)) = self;
+        f.write_str(why)
+    }
 }
 
 impl<E: Error> From<E> for Refusal {

@@ -7,8 +7,26 @@ use forms_fem::output::picture::{Colour, Curve, LinePlot, Panel, Picture, Scale}
 
 use crate::rows::Row;
 
-/// Curves of one picture at most.
-const CURVES: usize = 16;
+/// Curves of one picture at most: colours and markers repeat beyond.
+const CURVES: usize = 24;
+
+/// Width and height of the plots of curves \[pt\]: three columns of names fit below.
+const SIZE: [f64; 2] = [560.0, 480.0];
+
+/// A formulation's name in a legend.
+fn short(name: &str) -> String {
+    let mut short = name.replace("nitsche θ", "N θ");
+    for (long, abbreviation) in [
+        ("points of whole facets", "whole facets"),
+        ("augmented Lagrangian", "augm. Lagrangian"),
+        ("proximal Galerkin", "proximal"),
+        ("mean gaps, N θ = 0", "mean gaps"),
+        ("log barrier, ĝ/d", "barrier ĝ/d"),
+    ] {
+        short = short.replace(long, abbreviation);
+    }
+    short
+}
 
 /// Writes the plots of all problems, for the largest degree that was run. The paths.
 ///
@@ -47,7 +65,7 @@ pub fn write(rows: &[Row], directory: &Path) -> Result<Vec<PathBuf>, Failure> {
 
 fn errors(curves: &[(&str, Vec<&Row>)]) -> Option<LinePlot> {
     let mut plot = LinePlot::new()
-        .size(420.0, 560.0)
+        .size(SIZE[0], SIZE[1])
         .x_axis("unknowns", Scale::Logarithmic)
         .y_axis("relative error of the pressure", Scale::Logarithmic);
     let mut any = false;
@@ -59,7 +77,7 @@ fn errors(curves: &[(&str, Vec<&Row>)]) -> Option<LinePlot> {
             .collect();
         if points.len() > 1 {
             let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
-            plot = plot.curve(Curve::new(name, &x, &y));
+            plot = plot.curve(Curve::new(&short(name), &x, &y));
             any = true;
         }
     }
@@ -68,7 +86,7 @@ fn errors(curves: &[(&str, Vec<&Row>)]) -> Option<LinePlot> {
 
 fn newton(curves: &[(&str, Vec<&Row>)]) -> Option<LinePlot> {
     let mut plot = LinePlot::new()
-        .size(420.0, 560.0)
+        .size(SIZE[0], SIZE[1])
         .x_axis("unknowns", Scale::Logarithmic)
         .y_axis("Newton steps", Scale::Logarithmic);
     let mut any = false;
@@ -78,7 +96,7 @@ fn newton(curves: &[(&str, Vec<&Row>)]) -> Option<LinePlot> {
         if rows.len() > 1 {
             let x: Vec<f64> = rows.iter().map(|row| row.unknowns as f64).collect();
             let y: Vec<f64> = rows.iter().map(|row| steps(row) as f64).collect();
-            plot = plot.curve(Curve::new(name, &x, &y));
+            plot = plot.curve(Curve::new(&short(name), &x, &y));
             any = true;
         }
     }
@@ -105,7 +123,7 @@ fn pressures(curves: &[(&str, Vec<&Row>)]) -> Result<Option<Panel>, Failure> {
             continue;
         }
         let mut plot = LinePlot::new()
-            .title(name)
+            .title(&short(name))
             .size(190.0, 150.0)
             .x_axis("", Scale::Linear)
             .y_axis("", Scale::Linear)

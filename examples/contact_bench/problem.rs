@@ -40,6 +40,22 @@ pub trait Problem: Sync {
         place[0]
     }
 
+    /// Further cases of the same problem, as other places of a tool, which are solved after the first.
+    ///
+    /// # Errors
+    /// As [`Problem::case`].
+    fn further_cases(&self, _level: usize, _degree: usize) -> Result<Vec<Case>, Failure> {
+        Ok(vec![])
+    }
+
+    /// Numbers of the solutions of all cases, the first one in front.
+    ///
+    /// # Errors
+    /// Data that do not fit.
+    fn quantities_of_all(&self, _found: &[Outcome]) -> Result<Vec<Quantity>, Failure> {
+        Ok(vec![])
+    }
+
     /// Numbers of a solution that are known, or asked for.
     ///
     /// # Errors

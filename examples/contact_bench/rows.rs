@@ -40,6 +40,8 @@ pub struct Measured {
     pub moment_balance: Option<f64>,
     /// The gradient by the way of the supports; on the coarsest mesh.
     pub gradient: Option<Gradient>,
+    /// The reason for which there is no gradient.
+    pub no_gradient: Option<String>,
     /// The worst penetration, relative to a typical change of the gap.
     pub penetration: f64,
     /// Numbers of the problem.
@@ -77,14 +79,17 @@ impl Row {
     }
 }
 
-/// The answer to a formulation's outcome.
+/// A solution with its gradient, or the reason why there is none.
+pub type WithGradient = (Outcome, Result<Gradient, Refusal>);
+
+/// The answer to a formulation's outcome, and to the outcomes of further cases.
 ///
 /// # Errors
 /// Data that do not fit.
 pub fn answer(
     problem: &dyn Problem,
     case: &Case,
-    outcome: Result<(Outcome, Option<Gradient>), Refusal>,
+    (outcome, others): (Result<WithGradient, Refusal>, &[Outcome]),
     seconds: f64,
 ) -> Result<Answer, Failure> {
     let (found, gradient) = match outcome {
@@ -111,6 +116,9 @@ pub fn answer(
         list.sort_by(|a, b| a[0].total_cmp(&b[0]));
     }
     let sums = balance(case, &found.forces);
+    let mut quantities = problem.quantities(case, &found)?;
+    let all: Vec<Outcome> = std::iter::once(found.clone()).chain(others.iter().cloned()).collect();
+    quantities.extend(problem.quantities_of_all(&all)?);
     Ok(Answer::Solved(Measured {
         pressure_error,
         newton: found.newton.iter().sum(),
@@ -119,9 +127,10 @@ pub fn answer(
         seconds,
         force_balance: sums.map(|sums| sums.force),
         moment_balance: sums.map(|sums| sums.moment),
-        gradient,
+        no_gradient: gradient.as_ref().err().map(|why| why.to_string()),
+        gradient: gradient.ok(),
         penetration: case.penetration(&found.u)? / case.approach,
-        quantities: problem.quantities(case, &found)?,
+        quantities,
         pressures: along,
         known: known_along,
     }))

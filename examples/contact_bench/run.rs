@@ -10,6 +10,7 @@ use crate::case::Case;
 use crate::formulation::Formulation;
 use crate::gradient::gradient;
 use crate::options::{Options, chosen};
+use crate::outcome::{Outcome, Refusal, not_defined};
 use crate::problem::Problem;
 use crate::rows::{Answer, Row, answer};
 use crate::{plots, problems, table};
@@ -63,20 +64,27 @@ fn rows_of(
 ) -> Result<Vec<Row>, Failure> {
     let mut rows = vec![];
     for &degree in &options.degrees {
-        let cases =
-            (0..options.levels).map(|level| problem.case(level, degree)).collect::<Result<Vec<Case>, _>>()?;
+        let cases_of = |level: usize| -> Result<(Case, Vec<Case>), Failure> {
+            Ok((problem.case(level, degree)?, problem.further_cases(level, degree)?))
+        };
+        let cases = (0..options.levels).map(cases_of).collect::<Result<Vec<(Case, Vec<Case>)>, _>>()?;
         for formulation in formulations {
-            for (level, case) in cases.iter().enumerate() {
+            for (level, (case, further)) in cases.iter().enumerate() {
                 let start = Instant::now();
-                let outcome = formulation.solve(case);
+                let outcome = solve_all(*formulation, case, further);
                 let seconds = start.elapsed().as_secs_f64();
+                let (outcome, others) = match outcome {
+                    Ok((found, others)) => (Ok(found), others),
+                    Err(why) => (Err(why), vec![]),
+                };
                 let outcome = outcome.map(|found| {
-                    // A solution next to it that fails leaves the column empty.
-                    let gradient =
-                        (level == 0).then(|| gradient(*formulation, case, &found).ok().flatten()).flatten();
+                    let gradient = match level {
+                        0 => gradient(*formulation, case, &found),
+                        _ => Err(not_defined("first mesh")),
+                    };
                     (found, gradient)
                 });
-                let answer = answer(problem, case, outcome, seconds)?;
+                let answer = answer(problem, case, (outcome, &others), seconds)?;
                 let is_defined = !matches!(answer, Answer::NotDefined(_));
                 let unknowns = case.space.unknowns();
                 let (problem, formulation) = (problem.name(), formulation.name());
@@ -88,4 +96,16 @@ fn rows_of(
         }
     }
     Ok(rows)
+}
+
+/// The solutions of a case and of the further ones, with all Newton steps at the first.
+fn solve_all(
+    formulation: &dyn Formulation,
+    case: &Case,
+    further: &[Case],
+) -> Result<(Outcome, Vec<Outcome>), Refusal> {
+    let mut found = formulation.solve(case)?;
+    let others = further.iter().map(|case| formulation.solve(case)).collect::<Result<Vec<Outcome>, _>>()?;
+    found.newton.extend(others.iter().flat_map(|other| &other.newton));
+    Ok((found, others))
 }

@@ -8,8 +8,12 @@ use crate::rows::{Answer, Measured, Row};
 /// Characters of a reason in a cell.
 const REASON: usize = 160;
 
-fn number(value: Option<f64>) -> String {
-    value.map_or_else(|| "–".to_owned(), |value| format!("{value:.1e}"))
+/// The reason for a cell without an error: the pressure has no closed form.
+const NOT_KNOWN: &str = "no closed form";
+
+/// A number, or why there is none.
+fn number(value: Option<f64>, why: &str) -> String {
+    value.map_or_else(|| why.to_owned(), |value| format!("{value:.1e}"))
 }
 
 /// log₂ of the error before over this one.
@@ -17,7 +21,9 @@ fn order(before: Option<&Row>, row: &Row) -> String {
     let error = |row: &Row| row.measured().and_then(|measured| measured.pressure_error);
     match (before.filter(|before| before.is_coarser_than(row)).and_then(error), error(row)) {
         (Some(before), Some(after)) if after > 1e-9 => format!("{:.2}", (before / after).log2()),
-        _ => "–".to_owned(),
+        (Some(_), Some(_)) => "rounding".to_owned(),
+        (None, Some(_)) => "no mesh before".to_owned(),
+        (_, None) => NOT_KNOWN.to_owned(),
     }
 }
 
@@ -28,19 +34,20 @@ impl Row {
 }
 
 fn cells(measured: &Measured, order: &str) -> String {
-    let outer = measured.outer.map_or_else(|| "–".to_owned(), |outer| outer.to_string());
+    let outer = measured.outer.map_or_else(|| "none".to_owned(), |outer| outer.to_string());
+    let no_gradient = measured.no_gradient.as_deref().map(shortened).unwrap_or_default();
     let quantities: Vec<String> =
         measured.quantities.iter().map(|quantity| format!("{:.6}", Short(quantity.value))).collect();
     format!(
         "{} | {order} | {}, {} | {outer} | {:.2} | {} | {} | {} | {} | {}",
-        number(measured.pressure_error),
+        number(measured.pressure_error, NOT_KNOWN),
         measured.newton,
         measured.worst_newton,
         measured.seconds,
-        number(measured.force_balance),
-        number(measured.moment_balance),
-        number(Some(measured.penetration)),
-        number(measured.gradient.map(|gradient| gradient.error())),
+        number(measured.force_balance, "one body"),
+        number(measured.moment_balance, "one body"),
+        format_args!("{:.1e}", measured.penetration),
+        number(measured.gradient.map(|gradient| gradient.error()), &no_gradient),
         quantities.join("; "),
     )
 }

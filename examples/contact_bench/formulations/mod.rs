@@ -4,6 +4,7 @@ mod augmented_lagrangian;
 mod barrier;
 mod exponential;
 mod mean_nitsche;
+mod mortar;
 mod nitsche;
 mod penalty;
 mod proximal;
@@ -20,6 +21,7 @@ pub fn all() -> Vec<Box<dyn Formulation>> {
     add(&mut all, augmented_lagrangian::all());
     add(&mut all, uzawa::all());
     add(&mut all, mean_nitsche::all());
+    add(&mut all, mortar::all());
     add(&mut all, proximal::all());
     add(&mut all, barrier::all());
     add(&mut all, exponential::all());

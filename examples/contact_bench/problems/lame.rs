@@ -12,22 +12,31 @@ use crate::outcome::Outcome;
 use crate::problem::{Problem, Quantity};
 
 const POISSON: f64 = 0.3;
-/// By which the outer ring is too small.
-const INTERFERENCE: f64 = 1e-3;
 
 /// Rings of radii 1 to 2 and 2 to 3.
 pub enum Rings {
     /// The inner wall has the pressure 1.
     Loaded,
-    /// The outer ring is smaller, and shrunk onto the inner one.
+    /// The outer ring is smaller by 0.001, and shrunk onto the inner one.
     ShrinkFit,
+    /// It is smaller by 0.002.
+    TightFit,
 }
 
 impl Rings {
     fn pressure(&self) -> f64 {
         match self {
             Rings::Loaded => 0.15625,
-            Rings::ShrinkFit => 1.171875e-4 / (1.0 - POISSON * POISSON),
+            Rings::ShrinkFit | Rings::TightFit => 0.1171875 * self.interference() / (1.0 - POISSON * POISSON),
+        }
+    }
+
+    /// The length by which the outer ring is too small.
+    fn interference(&self) -> f64 {
+        match self {
+            Rings::Loaded => 0.0,
+            Rings::ShrinkFit => 1e-3,
+            Rings::TightFit => 2e-3,
         }
     }
 }
@@ -37,6 +46,7 @@ impl Problem for Rings {
         match self {
             Rings::Loaded => "lame",
             Rings::ShrinkFit => "shrink_fit",
+            Rings::TightFit => "tight_fit",
         }
         .to_owned()
     }
@@ -49,11 +59,12 @@ impl Problem for Rings {
             Rings::ShrinkFit => {
                 "the same rings, the outer one too small by 0.001; p = 1.171875e-4 E/(1 − ν²)"
             }
+            Rings::TightFit => "the same rings, the outer one too small by 0.002; p = 2.34375e-4 E/(1 − ν²)",
         }
     }
 
     fn case(&self, level: usize, degree: usize) -> Result<Case, Failure> {
-        let less = if matches!(self, Rings::ShrinkFit) { INTERFERENCE } else { 0.0 };
+        let less = self.interference();
         let ring = |from: f64, to: f64, around: usize| {
             let cells = [4 << level, around << level];
             structured(cells, CellShape::Quadrilateral, degree.min(2), |[across, turn]: [f64; 2]| {
@@ -79,7 +90,7 @@ impl Problem for Rings {
             contact: Contact::Bodies(["inner right", "outer left"].map(str::to_owned)),
             start: None,
             pressure: self.pressure(),
-            approach: if matches!(self, Rings::Loaded) { 1.0 } else { INTERFERENCE },
+            approach: if matches!(self, Rings::Loaded) { 1.0 } else { self.interference() },
         })
     }
 

@@ -6,7 +6,9 @@ mod hertz;
 mod lame;
 mod patch;
 mod punch;
+mod sliding_parabola;
 mod squares;
+mod two_balls;
 mod wavy;
 
 use crate::problem::Problem;
@@ -17,8 +19,12 @@ pub fn all() -> Vec<Box<dyn Problem>> {
         Box::new(patch::Patch),
         Box::new(lame::Rings::Loaded),
         Box::new(lame::Rings::ShrinkFit),
+        Box::new(lame::Rings::TightFit),
         Box::new(squares::Squares),
         Box::new(hertz::Line),
+        Box::new(two_balls::TwoBalls::OverSoft),
+        Box::new(two_balls::TwoBalls::OverHard),
+        Box::new(sliding_parabola::SlidingParabola),
         Box::new(punch::Punch::PlaneStress),
         Box::new(punch::Punch::PlaneStrain),
     ];

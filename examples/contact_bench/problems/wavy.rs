@@ -41,6 +41,18 @@ impl Wavy {
         WAVE * closed + q * full() * DEPTH / (lambda + 2.0 * mu)
     }
 
+    /// The place of a node: half of the cells are in contact, and all are small toward its known end, where the pressure begins as a square root.
+    fn place(&self, part: f64) -> f64 {
+        if self.part >= 1.0 {
+            return 0.5 * part;
+        }
+        let end = self.part.sqrt().asin() / PI;
+        match part <= 0.5 {
+            true => end * (1.0 - (1.0 - 2.0 * part).powi(2)),
+            false => end + (0.5 - end) * (2.0 * part - 1.0).powi(2),
+        }
+    }
+
     /// Westergaard's pressure at a distance from the crest.
     fn pressure(&self, x: f64) -> f64 {
         let (q, mean) = (self.part, self.part * full());
@@ -65,7 +77,7 @@ impl Problem for Wavy {
         let cells = [16 << level, 12 << level];
         let mut mesh = structured(cells, CellShape::Quadrilateral, 1, |[s, t]: [f64; 2]| {
             let up = 1.0 - t;
-            [0.5 * s, -DEPTH * (0.3 * up + 0.7 * up * up)]
+            [self.place(s), -DEPTH * (0.03 * up + 0.97 * up.powi(3))]
         })?;
         mesh.name_facets("contact", "top", |_| true)?;
         let space = Space::vector(&mesh, degree)?;

@@ -113,3 +113,34 @@ fn a_name_that_does_not_exist_is_refused_with_those_that_do() {
     let told = String::from_utf8_lossy(&output.stderr);
     assert!(told.contains("hertzz") && told.contains("patch"), "{told}");
 }
+
+/// Parts of a punch's force end at nodes, by every formulation with good pressures: a cut facet is off by the force between two of its points.
+#[test]
+fn parts_of_the_force_of_a_punch_are_those_of_the_finite_block() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let asked = [
+        "--problems",
+        "punch",
+        "--formulations",
+        "nitsche θ = -1,augmented",
+        "--degrees",
+        "2",
+        "--levels",
+        "2",
+    ];
+    let rows = run(&asked, directory.path());
+    for row in rows.iter().filter(|row| !row["answer"]["solved"].is_null()) {
+        let label = text(row, "formulation");
+        let tolerance = if row["level"] == 0 { 1.5e-3 } else { 4e-4 };
+        for (name, known) in [("part of F within a/2", 0.3338), ("part of F within 0.8 a", 0.5909)] {
+            let part = quantity(row, name);
+            assert!((part - known).abs() < tolerance, "{label}, {}, {name}: {part}", row["level"]);
+        }
+        if row["level"] == 0 {
+            let gradient = &row["answer"]["solved"]["gradient"];
+            let [adjoint, difference] =
+                ["adjoint", "difference"].map(|name| gradient[name].as_f64().unwrap());
+            assert!((adjoint / difference - 1.0).abs() < 1e-7, "{label}: {adjoint} {difference}");
+        }
+    }
+}

@@ -22,8 +22,9 @@ pub enum Marker {
 impl Marker {
     pub(super) const ALL: [Marker; 4] = [Marker::Circle, Marker::Square, Marker::Triangle, Marker::Diamond];
 
-    /// The outline about a point, for a marker as wide as 2 `radius`.
-    pub(super) fn outline(self, [x, y]: Point, radius: f64) -> Vec<Segment> {
+    /// The outline about a point, for a marker as wide as 2 `radius`. Another crate of the backend draws markers, too.
+    #[doc(hidden)]
+    pub fn outline(self, [x, y]: Point, radius: f64) -> Vec<Segment> {
         let corners: Vec<Point> = match self {
             Marker::Circle => return circle([x, y], radius),
             Marker::Square => [[-0.89, -0.89], [0.89, -0.89], [0.89, 0.89], [-0.89, 0.89]].to_vec(),

@@ -1,6 +1,7 @@
 //! Quantities that stay positive: the volume of a block under an extreme load, and the gap under a barrier.
 
 use forms_fem::prelude::*;
+use forms_fem::solve::NewtonFailure;
 
 use crate::Outcome;
 
@@ -110,6 +111,28 @@ fn a_start_that_is_inside_out_is_refused_by_name_and_place() -> Outcome {
     let error = Problem::new(&form, &space).start(&start).keep_positive(&volume).solve().unwrap_err();
     let text = error.to_string();
     assert!(text.contains("`volume`, which was to be kept positive, is -1"), "{text}");
+    Ok(())
+}
+
+/// The forces are no numbers where ln J is none: the report names what was to be kept positive, and where.
+#[test]
+fn an_infeasible_start_is_told_from_infeasible_conditions() -> Outcome {
+    let space = space()?;
+    let (form, volume) = (model(0.0).pressed(), model(0.0).volume());
+    let start = Field::interpolate(&space, |x| [0.0, if x[1] > 0.9 { -2.0 } else { 0.0 }])?;
+    let error = Problem::new(&form, &space).start(&start).keep_positive(&volume).solve().unwrap_err();
+    let text = error.to_string();
+    assert!(matches!(error.why, NewtonFailure::InfeasibleStart(_)), "{text}");
+    // The upper cells have the height 1/6, and their upper side is 2 lower.
+    let named = "the start itself is not feasible: `volume`, which was to be kept positive, is -11";
+    assert!(text.contains(named) && text.contains(", 0.8"), "{text}");
+    let mut held = Constraints::new(&space);
+    held.fix("bottom", |_| [0.0; 2])?;
+    held.fix("top", |_| [0.0, -2.0])?;
+    let error = Problem::new(&form, &space).constrained(&held).keep_positive(&volume).solve().unwrap_err();
+    let text = error.to_string();
+    assert!(matches!(error.why, NewtonFailure::InfeasibleConditions(_)), "{text}");
+    assert!(text.contains("the start is feasible, but not with the prescribed values"), "{text}");
     Ok(())
 }
 

@@ -128,6 +128,33 @@ impl<const D: usize> Assembler<D> {
         let found = points.all_chunks(form.switches(), &receive)?;
         Ok((!found.is_empty()).then(|| found.into_iter().flatten().flatten().collect()))
     }
+
+    /// The points of [`Assembler::active_set`], each with the number of its integral's region and its place.
+    ///
+    /// # Errors
+    /// As there.
+    #[inline(never)]
+    pub(crate) fn switch_places(
+        &self,
+        form: &Function<D>,
+        unknowns: &[FieldView<D>],
+    ) -> Result<Vec<(usize, [f64; D])>, AssemblyError> {
+        let binding = self.bind(form, unknowns)?;
+        let spaces: Vec<_> = unknowns.iter().map(|view| view.space).collect();
+        let degrees = binding.degrees(&spaces);
+        let points =
+            PointWalk { binding: &binding, quadrature: &self.quadrature, threads: self.threads, degrees };
+        let receive = |found: &mut Vec<[f64; D]>, _: &[f64], _: f64, x: &[f64; D]| {
+            found.push(*x);
+            Ok(())
+        };
+        let mut places = vec![];
+        for term in form.switches() {
+            let found = points.chunks(term, &receive)?;
+            places.extend(found.into_iter().flatten().map(|x| (term.integral.region, x)));
+        }
+        Ok(places)
+    }
 }
 
 /// Entities whose values are put together before those of other chunks, on any number of threads.
@@ -245,4 +272,4 @@ pub(super) fn each_point<K: ExpressionKernel<D>, const D: usize>(
     batch.check_weights(range)
 }
 
-instantiate!(functional: Assembler::<D>::sum_of, Assembler::<D>::active_set_of);
+instantiate!(functional: Assembler::<D>::sum_of, Assembler::<D>::active_set_of, Assembler::<D>::switch_places);

@@ -228,6 +228,14 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         self.assembler.active_set_of(&self.form, &self.views(u)?)
     }
 
+    /// The points of the active set, each with the number of its region.
+    ///
+    /// # Errors
+    /// As [`System::active_set`].
+    pub fn switch_places(&self, u: &[f64]) -> Result<Vec<(usize, [f64; D])>, AssemblyError> {
+        self.assembler.switch_places(&self.form, &self.views(u)?)
+    }
+
     /// The parts that no iterate changes, assembled in the memory of an earlier assembly, or of a matrix with the same positions.
     ///
     /// # Errors

@@ -61,8 +61,8 @@ pub use multigrid_solver::{MultigridSolver, MultigridSolverOptions, MultigridSol
 pub use newton::{
     ActivePoints, BoundFailure, FieldUnknowns, HeldUnknown, LineSearch, LinearPart, NewtonError,
     NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep, NonlinearProblem, NonlinearTangent,
-    PartlyLinear, PrescribedValues, Products, Start, Tangent, UnknownBounds, WorstEquation, newton,
-    newton_bounded, newton_eliminating,
+    Oscillation, PartlyLinear, PrescribedValues, Products, Remedy, Start, SwitchingPoint, Tangent,
+    UnknownBounds, WorstEquation, newton, newton_bounded, newton_eliminating,
 };
 pub use per_unknown::PerUnknown;
 #[doc(hidden)]

@@ -11,6 +11,7 @@ pub(super) mod iterates;
 mod judgement;
 mod line_search;
 mod nonlinear_problem;
+mod oscillation;
 mod partly_linear;
 mod report;
 mod tangent;
@@ -29,6 +30,7 @@ use free_equations::{FreeEquations, Residuals};
 use iterates::{Iterates, Step};
 pub use line_search::LineSearch;
 pub use nonlinear_problem::NonlinearProblem;
+pub use oscillation::{Oscillation, Remedy, SwitchingPoint};
 pub use partly_linear::{LinearPart, NonlinearTangent, PartlyLinear};
 pub use report::{
     NewtonError, NewtonFailure, NewtonOptions, NewtonSolution, NewtonStep, PrescribedValues, WorstEquation,
@@ -119,7 +121,7 @@ pub fn newton_bounded(
     let (Iterates { u, history, .. }, residual, worst) = equations.into_parts();
     match found {
         Ok(held) => Ok(NewtonSolution { u, residual, history, held }),
-        Err(why) => Err(NewtonError { why, history, u, worst: worst.map(Box::new), notes: vec![] }),
+        Err(why) => Err(NewtonError { history, u, worst: worst.map(Box::new), ..why.into() }),
     }
 }
 

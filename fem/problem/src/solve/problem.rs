@@ -11,6 +11,7 @@ mod positivity;
 mod setting;
 mod solution;
 mod step;
+mod switching;
 mod touching_start;
 
 use std::borrow::Cow;
@@ -75,6 +76,8 @@ pub struct Problem<'a, const D: usize, const N: usize = 1> {
     pub(in crate::solve) bounds: Vec<&'a Bounds<D>>,
     /// Functionals whose integrands are kept positive.
     pub(in crate::solve) positive: Vec<Functional<D>>,
+    /// The points that switch, for the account of a failure.
+    pub(in crate::solve) switches: switching::SwitchRecord<D>,
     /// The unknowns that the last solution has at bounds.
     pub(in crate::solve) held: Vec<HeldUnknown>,
     pub(in crate::solve) start: Option<[&'a Field<D>; N]>,
@@ -134,6 +137,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
             constraints: vec![],
             bounds: vec![],
             positive: vec![],
+            switches: switching::SwitchRecord::default(),
             held: vec![],
             start: None,
             last_state: None,

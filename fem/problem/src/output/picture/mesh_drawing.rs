@@ -6,9 +6,10 @@ use super::drawing::{Drawing, Stroke};
 use super::layout::Layout;
 use super::legend::{Key, Legend};
 use super::shading::Shading;
-use super::{Colour, ColourMap};
+use super::{Colour, ColourMap, Marker};
 use super::{Picture, PictureError};
 use crate::mesh::{Facet, Mesh};
+use crate::solve::Oscillation;
 
 /// Width of the first region's line \[pt\].
 const REGION_LINE: f64 = 3.2;
@@ -18,6 +19,7 @@ pub struct MeshDrawing<'a> {
     mesh: &'a Mesh<2>,
     regions: Vec<(String, Vec<Facet>)>,
     cells: Vec<(String, Vec<u32>)>,
+    points: Vec<(String, Vec<[f64; 2]>)>,
     title: String,
     unit: Option<String>,
     window: Option<[[f64; 2]; 2]>,
@@ -31,6 +33,7 @@ impl<'a> MeshDrawing<'a> {
             mesh,
             regions: Vec::new(),
             cells: Vec::new(),
+            points: Vec::new(),
             title: String::new(),
             unit: Some(String::new()),
             window: None,
@@ -73,6 +76,41 @@ impl<'a> MeshDrawing<'a> {
             }
         }
         self.regions.sort_by_key(|(_, facets)| std::cmp::Reverse(facets.len()));
+        self
+    }
+
+    /// Points with a marker, and their name in the legend.
+    pub fn points(mut self, points: &[[f64; 2]], name: &str) -> Self {
+        self.points.push((name.into(), points.to_vec()));
+        self
+    }
+
+    /// The points that oscillated before Newton's method failed, by region and by the switch that changes.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// use forms_fem::output::picture::{MeshDrawing, Picture};
+    ///
+    /// # fn draw(mesh: &Mesh<2>, error: &NewtonError) -> Result<(), Box<dyn std::error::Error>> {
+    /// if let Some(oscillation) = &error.oscillation {
+    ///     MeshDrawing::new(mesh).oscillation(oscillation).write_svg("oscillation.svg")?;
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn oscillation(mut self, oscillation: &Oscillation) -> Self {
+        let mut groups: Vec<(String, Vec<[f64; 2]>)> = vec![];
+        for point in &oscillation.points {
+            let [x, y] = point.position[..] else { continue };
+            let switches: Vec<String> = point.switches.iter().map(usize::to_string).collect();
+            let plural = if switches.len() == 1 { "switch" } else { "switches" };
+            let name = format!("{}: {plural} {}", point.region, switches.join(", "));
+            match groups.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, points)) => points.push([x, y]),
+                None => groups.push((name, vec![[x, y]])),
+            }
+        }
+        self.points.extend(groups);
         self
     }
 
@@ -124,7 +162,17 @@ impl<'a> MeshDrawing<'a> {
             stroke: Stroke::solid(cell_colour(k), 8.0),
             marker: None,
         }));
+        keys.extend(self.points.iter().enumerate().map(|(k, (name, _))| Key {
+            text: name.clone(),
+            stroke: Stroke::solid(self.point_colour(k), 0.0),
+            marker: Some(Marker::Circle),
+        }));
         keys
+    }
+
+    /// Points have colours that regions do not have.
+    fn point_colour(&self, number: usize) -> Colour {
+        Colour::of_series(self.regions.len() + number + 1)
     }
 }
 
@@ -166,6 +214,13 @@ impl Picture for MeshDrawing<'_> {
         draw_polylines(&mut drawing, &outline, place, Stroke::solid(Colour::BLACK, 0.7), clip);
         for (number, (_, facets)) in self.regions.iter().enumerate() {
             draw_polylines(&mut drawing, &body.facets(facets), place, self.stroke(number), clip);
+        }
+        for (number, (_, points)) in self.points.iter().enumerate() {
+            for point in points.iter().map(|point| place(*point)).filter(|point| frame.area.contains(*point))
+            {
+                let edge = Stroke::solid(Colour::WHITE, 0.5);
+                drawing.path(Marker::Circle.outline(point, 2.6), Some(self.point_colour(number)), Some(edge));
+            }
         }
         layout.finish(&mut drawing, &frame);
         Ok(drawing)

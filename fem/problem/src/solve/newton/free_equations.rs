@@ -115,11 +115,14 @@ impl<'a> FreeEquations<'a> {
     /// If assembly fails.
     pub fn enter_start(&mut self, given: &[f64]) -> Result<(), NewtonFailure> {
         self.residuals = self.residuals_at_last()?;
-        if (!norm(&self.residuals.reduced).is_finite() || !self.may_begin())
-            && let Some(found) = self.impose_by_tangent(given)?
-        {
-            self.residuals = found.residuals;
-            return self.enter(Step::default(), None);
+        let is_finite = norm(&self.residuals.reduced).is_finite();
+        if !is_finite || !self.may_begin() {
+            if let Some(found) = self.impose_by_tangent(given)? {
+                self.residuals = found.residuals;
+                return self.enter(Step::default(), None);
+            }
+            // A quantity that is not positive says more than forces that are no numbers.
+            self.check_feasible(given)?;
         }
         self.enter(Step::default(), None)?;
         match self.iterates.options.prescribed_values {
@@ -132,6 +135,14 @@ impl<'a> FreeEquations<'a> {
     pub(super) fn may_begin(&mut self) -> bool {
         let at_rest = vec![0.0; self.iterates.u.len()];
         self.problem.largest_step(&self.iterates.u, &at_rest).is_ok()
+    }
+
+    /// An error where what is kept positive is not so at the last iterate: of the start as it was given, or of the prescribed values.
+    fn check_feasible(&mut self, given: &[f64]) -> Result<(), NewtonFailure> {
+        let at_rest = vec![0.0; given.len()];
+        let Err(imposed) = self.problem.largest_step(&self.iterates.u, &at_rest) else { return Ok(()) };
+        self.problem.largest_step(given, &at_rest).map_err(NewtonFailure::InfeasibleStart)?;
+        Err(NewtonFailure::InfeasibleConditions(imposed))
     }
 
     /// The residual at the last iterate.

@@ -6,6 +6,7 @@ use super::bounded::{BoundFailure, HeldUnknown};
 use super::line_search::LineSearch;
 #[cfg(doc)]
 use super::newton;
+use super::oscillation::Oscillation;
 use crate::assemble::AssemblyError;
 use crate::linear_algebra::LinearAlgebraError;
 use crate::solve::linear_solver::SolverError;
@@ -204,6 +205,12 @@ pub enum NewtonFailure {
         /// Its number among the known ones.
         number: usize,
     },
+    /// The start is not one: what is to be kept positive is not so there.
+    #[error("the start itself is not feasible: {0}")]
+    InfeasibleStart(#[source] AssemblyError),
+    /// What is to be kept positive is so at the start, but not with the prescribed values on it.
+    #[error("the start is feasible, but not with the prescribed values imposed on it: {0}")]
+    InfeasibleConditions(#[source] AssemblyError),
     /// The residual became NaN or infinite.
     #[error("the residual is not finite")]
     NotFinite,
@@ -280,6 +287,8 @@ pub struct NewtonError {
     pub u: Vec<f64>,
     /// The equation that held worst at the last iterate that was judged, if one did not hold.
     pub worst: Option<Box<WorstEquation>>,
+    /// The points that switched back and forth, where a law of the form has branches and its points have places on the undeformed mesh.
+    pub oscillation: Option<Box<Oscillation>>,
     /// Remarks of the problem, as that points of sliding pairs have lost each other.
     pub notes: Vec<String>,
 }
@@ -298,7 +307,7 @@ fn stage(history: &[NewtonStep]) -> String {
 
 impl From<NewtonFailure> for NewtonError {
     fn from(why: NewtonFailure) -> Self {
-        NewtonError { why, history: vec![], u: vec![], worst: None, notes: vec![] }
+        NewtonError { why, history: vec![], u: vec![], worst: None, oscillation: None, notes: vec![] }
     }
 }
 
@@ -337,6 +346,9 @@ impl fmt::Debug for NewtonError {
         }
         for step in &self.history[earlier..] {
             write!(f, "\n{step}")?;
+        }
+        if let Some(oscillation) = &self.oscillation {
+            write!(f, "\n{oscillation}")?;
         }
         write!(f, "\n{} unknowns", self.u.len())
     }

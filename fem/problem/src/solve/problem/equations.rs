@@ -49,7 +49,9 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
         // A point with several switches counts once; which of them are on tells sets apart.
         Ok(set.map(|bits| {
             let on = bits.iter().enumerate().filter(|(_, bits)| **bits != 0);
-            ActivePoints::from_numbers(on.map(|(point, bits)| point << 32 | *bits as usize))
+            let set = ActivePoints::from_numbers(on.map(|(point, bits)| point << 32 | *bits as usize));
+            self.switches.record(bits);
+            set
         }))
     }
 }

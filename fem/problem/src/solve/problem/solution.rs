@@ -14,7 +14,8 @@ use crate::solve::communicator::agreed;
 use crate::solve::linear_part::{Assembled, System};
 use crate::solve::local_unknowns::groups_of;
 use crate::solve::{
-    Elimination, LinearSolver, LocalUnknowns, NewtonFailure, NewtonStep, Solved, Start, newton_bounded,
+    Elimination, LinearSolver, LocalUnknowns, NewtonFailure, NewtonStep, Oscillation, Solved, Start,
+    newton_bounded,
 };
 
 /// Memory that one step of a history leaves to the next, and the map from its matrix to the reduced one: nothing that a result depends on.
@@ -149,6 +150,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         self.repel(&elimination, &u)?;
         let guess = self.extrapolate_prescribed(&u, constraints);
         self.split = None;
+        self.switches.begin();
         let bounds = self.all_bounds()?;
         let options = self.options.clone();
         let mut progress = self.progress.take();
@@ -170,6 +172,8 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
             }
             error.notes = self.lost_pairs(&error.u);
             error.notes.extend(self.bounds_in_words(&error));
+            error.oscillation = self.oscillation(&error).map(Box::new);
+            error.notes.extend(error.oscillation.as_deref().map(Oscillation::summary));
             error.notes.extend(error.worst.as_deref().and_then(|worst| self.equation_that_is_off(*worst)));
             if matches!(error.why, NewtonFailure::NotFinite) {
                 error.notes.extend(self.place_without_a_number(&error.u));
