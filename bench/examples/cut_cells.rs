@@ -120,15 +120,15 @@ where
             let mut matrix = BlockMatrix::zero(pattern.sparsity());
             Ok(whole.assemble_tangent(&fitted, &[&u], &[&space], Parts::ALL, pattern, &mut matrix)?)
         })?;
-        let cut_by_phi = || Ok(Assembler::new(mesh).cut_by(&phi)?.with_threads(Threads::new(1)));
+        let cut_by_phi = || Assembler::new(mesh).cut_by(&phi).map(|own| own.with_threads(Threads::new(1)));
         let known = Problem::new(&own, &space).assembler(&body);
         let (pattern, mut matrix) = (known.pattern()?, BlockMatrix::zero(known.pattern()?.sparsity()));
         let new = least(inside + crossed, || -> Result<(), Box<dyn Error>> {
-            let fresh: Assembler<D> = cut_by_phi()?;
+            let fresh = cut_by_phi()?;
             Ok(fresh.assemble_tangent(&own, &[&u], &[&space], Parts::ALL, pattern, &mut matrix)?)
         })?;
         let new_with_pattern = least(inside + crossed, || -> Result<(), Box<dyn Error>> {
-            let fresh: Assembler<D> = cut_by_phi()?;
+            let fresh = cut_by_phi()?;
             let problem = Problem::new(&own, &space).assembler(&fresh);
             let pattern = problem.pattern()?;
             let mut matrix = BlockMatrix::zero(pattern.sparsity());

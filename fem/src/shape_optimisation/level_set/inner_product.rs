@@ -13,7 +13,7 @@ use crate::solve::{Elimination, TangentSolver, solve_linear};
 /// The inner product as a form.
 #[forms(crate = crate)]
 pub mod level_set_product {
-    /// Its weight.
+    /// Weight of the gradients.
     pub struct Data {
         /// α² \[length²\].
         pub square: Param,
@@ -39,7 +39,10 @@ impl<const D: usize> ChangeProduct<D>
 where
     Dim: Dimension<D>,
 {
-    /// With the length α, and zero where changes are held.
+    /// The product with the length α, and zero where changes are held.
+    ///
+    /// # Errors
+    /// Data that do not fit, or constraints that contradict each other.
     pub fn new(smoothing: f64, held: &Constraints<D>) -> Result<Self, ShapeOptimisationError> {
         let space = held.space();
         let data = level_set_product::data().square(smoothing * smoothing);
@@ -54,6 +57,9 @@ where
     }
 
     /// The change w with ⟨w, v⟩ = g\[v\] for all v.
+    ///
+    /// # Errors
+    /// A singular matrix, or sizes that disagree.
     pub fn represent(&mut self, functional: &[f64]) -> Result<Vec<f64>, ShapeOptimisationError> {
         Ok(solve_linear(&self.matrix, functional, &mut self.elimination, &mut self.solver)?.solution)
     }

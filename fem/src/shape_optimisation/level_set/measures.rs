@@ -17,7 +17,7 @@ pub mod measure_forms {
     /// The body.
     #[cells]
     pub struct Omega;
-    /// Its boundary inside cells.
+    /// Γ, the boundary of the body inside cells.
     #[interface]
     pub struct Gamma;
 

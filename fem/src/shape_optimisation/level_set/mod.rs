@@ -21,4 +21,4 @@ pub use history::{LevelSetRow, LevelSetState};
 pub use inner_product::level_set_product;
 pub use measures::{LevelSetVolume, interface_measure, measure_forms};
 pub use options::LevelSetOptions;
-pub use problem::{LevelSetControls, LevelSetProblem};
+pub use problem::{LevelSetControls, LevelSetFailure, LevelSetProblem};
