@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use thiserror::Error;
@@ -11,9 +12,9 @@ use super::history::DescentState;
 use crate::output::write_whole;
 
 /// The state of a descent, and the settings that it belongs to. Numbers are written such that they read back as what they
-/// were, to the last bit. The file also contains a checksum.
+/// were, to the last bit. The file also contains a checksum. A descent on a level set function has a state of its own type.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Checkpoint {
+pub struct Checkpoint<S = DescentState> {
     /// Version of this package, whose later ones may take other steps.
     version: String,
     /// The program's settings, by name: all that the result depends on.
@@ -23,7 +24,7 @@ pub struct Checkpoint {
     /// Steps whose shapes have been written.
     pub shapes: Vec<usize>,
     /// The state.
-    pub state: DescentState,
+    pub state: S,
 }
 
 /// Errors of a checkpoint.
@@ -64,9 +65,9 @@ struct Sealed {
     checkpoint: Value,
 }
 
-impl Checkpoint {
+impl<S: Serialize + DeserializeOwned> Checkpoint<S> {
     /// A checkpoint of this version.
-    pub fn new(settings: Value, changeable: Value, shapes: Vec<usize>, state: DescentState) -> Self {
+    pub fn new(settings: Value, changeable: Value, shapes: Vec<usize>, state: S) -> Self {
         Checkpoint { version: env!("CARGO_PKG_VERSION").to_owned(), settings, changeable, shapes, state }
     }
 
@@ -110,7 +111,7 @@ impl Checkpoint {
     ///
     /// # Errors
     /// [`CheckpointError::OtherSettings`] names the first that differs.
-    pub fn state_for(self, settings: &Value) -> Result<DescentState, CheckpointError> {
+    pub fn state_for(self, settings: &Value) -> Result<S, CheckpointError> {
         let version = env!("CARGO_PKG_VERSION");
         if self.version != version {
             let name = format!("the version of {}", env!("CARGO_PKG_NAME"));
@@ -183,10 +184,10 @@ mod tests {
     fn numbers_come_back_to_the_last_bit() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("checkpoint.json");
-        assert!(Checkpoint::read(&path).unwrap().is_none());
+        assert!(Checkpoint::<DescentState>::read(&path).unwrap().is_none());
         let written = checkpoint();
         written.write(&path).unwrap();
-        let read = Checkpoint::read(&path).unwrap().unwrap();
+        let read = Checkpoint::<DescentState>::read(&path).unwrap().unwrap();
         assert_eq!(read, written);
         let bits = |checkpoint: &Checkpoint| -> Vec<u64> {
             checkpoint.state.nodes.iter().map(|x| x.to_bits()).collect()
@@ -222,13 +223,13 @@ mod tests {
         for (sound, damaged) in [("0.30000000000000004", "0.30000000000000008"), ("[0,1]", "[0,3]")] {
             assert!(text.contains(sound), "{text}");
             std::fs::write(&path, text.replace(sound, damaged)).unwrap();
-            let message = Checkpoint::read(&path).unwrap_err().to_string();
+            let message = Checkpoint::<DescentState>::read(&path).unwrap_err().to_string();
             assert!(message.contains("checkpoint.json is damaged: its checksum is "), "{message}");
         }
         // Spaces and lines are no damage.
         let spaced = serde_json::to_string_pretty(&serde_json::from_str::<Value>(&text).unwrap()).unwrap();
         std::fs::write(&path, spaced).unwrap();
-        assert_eq!(Checkpoint::read(&path).unwrap().unwrap(), checkpoint());
+        assert_eq!(Checkpoint::<DescentState>::read(&path).unwrap().unwrap(), checkpoint());
     }
 
     #[test]
@@ -236,7 +237,7 @@ mod tests {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("checkpoint.json");
         std::fs::write(&path, "{ \"settings\": 1 }").unwrap();
-        let message = Checkpoint::read(&path).unwrap_err().to_string();
+        let message = Checkpoint::<DescentState>::read(&path).unwrap_err().to_string();
         assert!(message.contains("checkpoint.json is no checkpoint: "), "{message}");
     }
 }

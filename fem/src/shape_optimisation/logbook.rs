@@ -55,7 +55,8 @@ impl Logbook {
     /// # Errors
     /// As [`Checkpoint::read`] and [`Checkpoint::state_for`].
     pub fn state(&mut self) -> Result<Option<DescentState>, CheckpointError> {
-        let Some(mut checkpoint) = Checkpoint::read(self.directory.join("checkpoint.json"))? else {
+        let Some(mut checkpoint) = Checkpoint::<DescentState>::read(self.directory.join("checkpoint.json"))?
+        else {
             return Ok(None);
         };
         let shapes = std::mem::take(&mut checkpoint.shapes);

@@ -7,7 +7,8 @@
 //! descent of the criterion; [`Descent`] takes a step of Armijo's length on an augmented Lagrangian. A [`Wall`] keeps boundaries
 //! apart, [`Remesh`] goes on with other cells where these have suffered. A [`DescentState`] is
 //! all that a run needs to resume: a [`Checkpoint`] writes it to the last bit, with a checksum and the version, in the
-//! directory of a [`Logbook`] next to the history and every n-th shape.
+//! directory of a [`Logbook`] next to the history and every n-th shape. [`level_set`] has descents on level set functions, which change
+//! the topology.
 
 mod checkpoint;
 mod descent;
@@ -18,6 +19,7 @@ mod distance;
 mod error;
 mod history;
 mod inner_product;
+pub mod level_set;
 mod logbook;
 mod perimeter;
 #[cfg(feature = "pictures")]

@@ -1,6 +1,6 @@
 //! Solutions on cut bodies, their parts, and their pieces as a mesh.
 
-use forms_fem::cut::CutSide;
+use forms_fem::cut::{Cut, CutSide};
 use forms_fem::output::VtuFile;
 use forms_fem::prelude::*;
 
@@ -167,4 +167,70 @@ fn pieces_are_a_mesh_to_be_drawn() {
         let folder = tempfile::tempdir().unwrap();
         file.write(folder.path().join("body.vtu")).unwrap();
     }
+}
+
+/// Points that are kept, and made on several threads.
+#[test]
+fn points_are_kept_and_do_not_depend_on_threads() {
+    let mesh = square(40, CellShape::Triangle);
+    let phi = level(&mesh, circle);
+    let volumes = form!(|v: Test<Scalar>| integral(cells("all"), v) + integral(interface("all"), v));
+    let space = Space::scalar(&mesh, 2).unwrap();
+    let on = |threads: usize| {
+        // A new cut each time: it keeps the points of the first integral.
+        let body = Assembler::new(&mesh).cut_by(&phi).unwrap().with_threads(Threads::new(threads));
+        let [first, again] = [0, 1].map(|_| body.linear_form(&volumes, &space).unwrap());
+        assert_eq!(first, again);
+        first
+    };
+    let one = on(1);
+    assert!(cut(&mesh, circle).cut().unwrap().cut_cells().len() > 128);
+    for threads in [2, 3, 7] {
+        assert_eq!(on(threads), one);
+    }
+}
+
+/// Cuts of functions within a band have the same unknowns.
+#[test]
+fn bands_keep_active_cells_and_ghost_facets() {
+    let mesh = square(16, CellShape::Triangle);
+    let space = Space::scalar(&mesh, 1).unwrap();
+    let body = |radius: f64| level(&mesh, |x| (x[0] - 0.013).hypot(x[1] + 0.021) - radius);
+    let cut = Cut::by(&body(0.6)).unwrap();
+    let band = cut.band(0.06);
+    let held = |cut: &Cut<2>| {
+        let mut held = Constraints::new(&space);
+        cut.hold_outside(&mut held).unwrap();
+        held.prescribed().keys().copied().collect::<Vec<usize>>()
+    };
+    let (smaller, larger) =
+        (Cut::within(&body(0.65), &band).unwrap(), Cut::within(&body(0.55), &band).unwrap());
+    assert!(smaller.cut_cells() != larger.cut_cells());
+    assert_eq!(smaller.ghost_facets(), larger.ghost_facets());
+    assert_eq!(held(&smaller), held(&larger));
+    assert!(held(&smaller).len() < held(&cut).len());
+    // The matrix of the band is regular, and its solution that of the body: linear functions are reproduced.
+    for own in [&smaller, &larger] {
+        let mut constraints = Constraints::new(&space);
+        own.hold_outside(&mut constraints).unwrap();
+        let exact = |x: &[f64; 2]| 1.0 + 2.0 * x[0] - 3.0 * x[1];
+        let data =
+            membrane::data().theta(1.0).gamma0(10.0).weight(0.1).load(0.0).prescribed(Given::function(exact));
+        let regions = membrane::Regions::default().ghost("ghost");
+        let model = membrane::Model { data, regions };
+        let assembler = Assembler::new(&mesh).with_cut(own).unwrap();
+        let mut problem = Problem::new(&model.poisson(), &space).assembler(&assembler);
+        let solved = problem.constrained(&constraints).solve().unwrap();
+        let error = assembler.functional(&model.error(solved.field())).unwrap().sqrt();
+        assert!(error < 1e-11, "{error:e}");
+    }
+    let error = Cut::within(&body(0.8), &band).unwrap_err().to_string();
+    assert!(error.contains("the level set function has changed by more than the band's width"), "{error}");
+    // Islands that were removed stay removed.
+    let island = level(&mesh, |x| (x[0] + 0.311).min((x[0] - 0.51).hypot(x[1]) - 0.243));
+    let (bar, islands) = Cut::by(&island).unwrap().without_islands(&["left"]).unwrap();
+    assert_eq!(islands.len(), 1);
+    let again = Cut::within(&island, &bar.band(0.05)).unwrap();
+    assert_eq!(again.cut_cells(), bar.cut_cells());
+    assert_eq!(again.parts().len(), 1);
 }

@@ -1,7 +1,8 @@
-//! Bodies that are cut from a mesh: areas and normals, what is refused, solutions on them.
+//! Bodies that are cut from a mesh: areas and normals, what is refused, solutions on them, descents.
 
 mod areas;
 mod bodies;
+mod descent;
 mod refusals;
 
 use forms_fem::prelude::*;

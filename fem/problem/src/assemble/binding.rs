@@ -175,6 +175,11 @@ impl<'a, const D: usize> Binding<'a, D> {
         self
     }
 
+    /// The threads of the assembler.
+    pub fn threads(&self) -> Threads {
+        self.searches.map_or(Threads::ONE, |(_, threads)| threads)
+    }
+
     /// The directions of an action, bound: one per unknown and on its space.
     ///
     /// # Errors

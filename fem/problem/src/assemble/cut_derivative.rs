@@ -89,7 +89,7 @@ impl<const D: usize> Assembler<D> {
                 for vertex in 0..group.sides[side].shape.vertices() {
                     let moved = match &mut group.own {
                         Some(OwnPoints::Cut(points)) => {
-                            points.move_with(cut, &group.sides[0], vertex);
+                            points.move_with(cut, &group.sides[0], vertex, self.threads);
                             true
                         }
                         // Whole cells and facets, and pairs, do not move.

@@ -68,7 +68,7 @@ impl<const D: usize> Cut<D> {
         }
         for cell in self.cut_cells() {
             for pieces in VertexValues::<f64>::new(self, *cell, None).simplices() {
-                for piece in &pieces.cut.inside {
+                for piece in pieces.cut.inside.iter() {
                     let places = pieces.places(piece);
                     let (volume, mut corners) = (determinant_of(&edges_of(&places)), places[..=D].to_vec());
                     if volume < 0.0 {

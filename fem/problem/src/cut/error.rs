@@ -63,6 +63,9 @@ pub enum CutError {
     /// A region that touches no part of the body.
     #[error("no part of the body touches {names}")]
     NoPart { names: String },
+    /// A function that has changed by more than a band allows.
+    #[error("near {position:?} the level set function has changed by more than the band's width")]
+    LeftBand { position: Vec<f64> },
     /// A problem of the mesh.
     #[error("{text}")]
     Mesh { text: String },

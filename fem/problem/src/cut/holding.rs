@@ -1,6 +1,6 @@
 //! Unknowns that belong to no active cell: integrals do not reach them, and a matrix would be singular.
 
-use super::{Cut, CutError, CutSide};
+use super::{Cut, CutError};
 use crate::constraints::Constraints;
 use crate::instantiate::instantiate;
 
@@ -21,9 +21,8 @@ impl<const D: usize> Cut<D> {
         let mut active = vec![false; space.node_count()];
         // Cells that carry rigid surfaces are no part of the background.
         let carriers = self.mesh().body_cells().end..self.mesh().cell_count();
-        let own = (0..self.mesh().cell_count() as u32).filter(|cell| {
-            self.side_of_cell(*cell) != CutSide::Outside || carriers.contains(&(*cell as usize))
-        });
+        let own = (0..self.mesh().cell_count() as u32)
+            .filter(|cell| self.is_active(*cell) || carriers.contains(&(*cell as usize)));
         for cell in own {
             space.cell_nodes(cell as usize).iter().for_each(|node| active[*node as usize] = true);
         }

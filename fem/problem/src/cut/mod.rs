@@ -3,22 +3,30 @@
 //! ```text
 //! simplices   the pieces of one simplex
 //! pieces   a cell and a facet in pieces, with the points of rules
+//! band     active cells and ghost facets that stay while the function changes a little
 //! parts    parts of the body that no cell connects
+//! known_points  points of rules, made once
+//! interface  the interface in space, and the distance to it
 //! holding  unknowns that no active cell has
 //! body     the pieces as a mesh of their own, to be drawn and written
 //! ```
 
+mod band;
 mod body;
 mod error;
 mod holding;
+mod interface;
+pub(crate) mod known_points;
 mod parts;
 mod pieces;
 mod simplices;
 
 use std::sync::Arc;
 
+pub use self::band::CutBand;
 pub use self::body::CutBody;
 pub use self::error::CutError;
+use self::known_points::KnownPoints;
 pub use self::parts::BodyPart;
 pub(crate) use self::pieces::VertexValues;
 pub(crate) use self::simplices::{determinant_of, edges_of};
@@ -82,6 +90,10 @@ pub struct Cut<const D: usize> {
     inside: Vec<u32>,
     cut: Vec<u32>,
     ghost: Vec<[Facet; 2]>,
+    known: KnownPoints,
+    /// What stays, and the cells that are active therefore.
+    band: Option<Arc<CutBand<D>>>,
+    kept: Vec<bool>,
 }
 
 impl<const D: usize> Cut<D> {
@@ -93,8 +105,12 @@ impl<const D: usize> Cut<D> {
     /// # Errors
     /// [`CutError`]: a field that is no continuous scalar of degree 1 on all cells, a mesh of hexahedra or with hanging nodes, regions of the mesh that
     /// have a name of the cut's, or a function that is nowhere negative.
-    #[inline(never)]
     pub fn by(phi: &Field<D>) -> Result<Arc<Self>, CutError> {
+        Self::made(phi, None)
+    }
+
+    #[inline(never)]
+    fn made(phi: &Field<D>, band: Option<&Arc<CutBand<D>>>) -> Result<Arc<Self>, CutError> {
         let space = phi.space();
         let mesh = space.mesh();
         if space.components() != 1 {
@@ -129,8 +145,11 @@ impl<const D: usize> Cut<D> {
             sides[cell] = side(of_cell(cell).iter().map(|node| values[*node as usize]));
         }
         let mesh = mesh.clone();
-        let (inside, cut, ghost) = (vec![], vec![], vec![]);
-        let mut made = Cut { mesh, values, vertices, starts, moved, sides, inside, cut, ghost };
+        let (inside, cut, ghost, known) = (vec![], vec![], vec![], KnownPoints::default());
+        let (band, kept) = (band.cloned(), vec![]);
+        let mut made =
+            Cut { mesh, values, vertices, starts, moved, sides, inside, cut, ghost, known, band, kept };
+        made.stay()?;
         made.list();
         if made.inside.is_empty() && made.cut.is_empty() {
             return Err(CutError::Empty);
@@ -148,7 +167,21 @@ impl<const D: usize> Cut<D> {
             let sides = facets.map(|facet| self.sides[facet.cell as usize]);
             !sides.contains(&CutSide::Outside) && sides.contains(&CutSide::Cut)
         };
-        self.ghost = self.mesh.interior_facets().iter().filter(is_ghost).copied().collect();
+        self.ghost = match self.kept_by_band() {
+            Some((kept, ghost)) => {
+                self.kept = kept;
+                ghost
+            }
+            None => self.mesh.interior_facets().iter().filter(is_ghost).copied().collect(),
+        };
+    }
+
+    /// Whether something of the body is in a cell, or a band keeps it.
+    pub(crate) fn is_active(&self, cell: u32) -> bool {
+        match &self.band {
+            Some(_) => self.kept[cell as usize],
+            None => self.sides[cell as usize] != CutSide::Outside,
+        }
     }
 
     /// The background mesh.
@@ -297,4 +330,4 @@ fn away_from_zero<'a>(values: &[f64], cells: impl Iterator<Item = &'a [u32]>) ->
     (values, moved)
 }
 
-instantiate!(cut: Cut::<D>::by, Cut::<D>::side_of_facet, vertices_of::<D>);
+instantiate!(cut: Cut::<D>::made, Cut::<D>::side_of_facet, vertices_of::<D>);

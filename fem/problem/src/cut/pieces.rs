@@ -87,7 +87,7 @@ impl<R: Moved> VertexValues<R> {
     /// The points of a rule on each piece inside, in reference coordinates with their weights there.
     pub fn points_inside<const D: usize>(&self, rule: &QuadratureRule<D>, points: &mut Vec<R>) {
         for simplex in self.simplices::<D>() {
-            for piece in &simplex.cut.inside {
+            for piece in simplex.cut.inside.iter() {
                 let corners = simplex.places(piece);
                 let edges = edges_of(&corners);
                 let volume = determinant_of(&edges).abs();
@@ -110,7 +110,7 @@ impl<R: Moved> VertexValues<R> {
             }
             let slope = linear_gradient(&simplex.vertices[..=D], &simplex.values[..=D]);
             let size = slope.iter().map(|entry| *entry * *entry).sum::<R>().sqrt();
-            for piece in &simplex.cut.zeros {
+            for piece in simplex.cut.zeros.iter() {
                 let corners = simplex.places(piece);
                 let edges = edges_of(&corners);
                 let area = area(&edges);

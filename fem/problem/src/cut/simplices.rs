@@ -3,6 +3,8 @@
 //! The signs at the vertices say which corners a piece has; only the places of these depend on the values. All numbers are generic, so that
 //! derivatives by the values come from the same lines.
 
+use std::ops::Deref;
+
 use forms_core::contract::Real;
 
 use crate::mesh::small_matrices::inverse;
@@ -37,52 +39,88 @@ impl CutCorner {
     }
 }
 
+/// Pieces of one simplex: three at most, without an allocation.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pieces {
+    list: [CutPiece; 3],
+    count: usize,
+}
+
+impl Pieces {
+    const NONE: Self = Pieces { list: [[CutCorner { from: 0, to: 0 }; 4]; 3], count: 0 };
+
+    /// Adds a piece; corners that it does not have are the first vertex.
+    fn push<const C: usize>(&mut self, corners: [CutCorner; C]) {
+        self.list[self.count][..C].copy_from_slice(&corners);
+        self.count += 1;
+    }
+}
+
+impl Deref for Pieces {
+    type Target = [CutPiece];
+
+    fn deref(&self) -> &[CutPiece] {
+        &self.list[..self.count]
+    }
+}
+
 /// A simplex in pieces.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct CutSimplex {
     /// Pieces on which the function is negative.
-    pub inside: Vec<CutPiece>,
+    pub inside: Pieces,
     /// Pieces of its zeros, with one corner fewer each.
-    pub zeros: Vec<CutPiece>,
+    pub zeros: Pieces,
 }
 
 impl CutSimplex {
     /// The pieces for values at the vertices. No value is zero.
     pub fn new<R: Real>(values: &[R]) -> Self {
-        let (inner, outer): (Vec<usize>, Vec<usize>) = (0..values.len()).partition(|k| values[*k] < 0.0);
+        let (mut inner, mut outer, mut count) = ([0; 4], [0; 4], [0; 2]);
+        for (k, value) in values.iter().enumerate() {
+            let (list, count) =
+                if *value < 0.0 { (&mut inner, &mut count[0]) } else { (&mut outer, &mut count[1]) };
+            list[*count] = k;
+            *count += 1;
+        }
         let (vertex, zero) = (CutCorner::vertex, CutCorner::zero);
-        let mut cut = CutSimplex::default();
-        let filled = |corners: &[CutCorner]| -> CutPiece {
-            std::array::from_fn(|k| corners.get(k).copied().unwrap_or(vertex(0)))
-        };
-        match (&inner[..], &outer[..]) {
-            ([], _) => {}
-            (all, []) => {
-                let corners: Vec<CutCorner> = all.iter().map(|k| vertex(*k)).collect();
-                cut.inside.push(filled(&corners));
+        let mut cut = CutSimplex { inside: Pieces::NONE, zeros: Pieces::NONE };
+        match (&inner[..count[0]], &outer[..count[1]]) {
+            (&[a, b, c], []) => cut.inside.push([a, b, c].map(vertex)),
+            (&[a, b, c, d], []) => cut.inside.push([a, b, c, d].map(vertex)),
+            (&[a, b], []) => cut.inside.push([a, b].map(vertex)),
+            (&[a], &[b]) => {
+                cut.inside.push([vertex(a), zero(a, b)]);
+                cut.zeros.push([zero(a, b)]);
             }
-            (&[a], others) => {
-                let zeros: Vec<CutCorner> = others.iter().map(|b| zero(a, *b)).collect();
-                cut.inside.push(filled(&[&[vertex(a)], &zeros[..]].concat()));
-                cut.zeros.push(filled(&zeros));
+            (&[a], &[b, c]) => {
+                cut.inside.push([vertex(a), zero(a, b), zero(a, c)]);
+                cut.zeros.push([zero(a, b), zero(a, c)]);
+            }
+            (&[a], &[b, c, d]) => {
+                let zeros = [zero(a, b), zero(a, c), zero(a, d)];
+                cut.inside.push([vertex(a), zeros[0], zeros[1], zeros[2]]);
+                cut.zeros.push(zeros);
             }
             (&[a, b], &[c]) => {
-                cut.inside.push(filled(&[vertex(a), vertex(b), zero(b, c)]));
-                cut.inside.push(filled(&[vertex(a), zero(b, c), zero(a, c)]));
-                cut.zeros.push(filled(&[zero(a, c), zero(b, c)]));
+                cut.inside.push([vertex(a), vertex(b), zero(b, c)]);
+                cut.inside.push([vertex(a), zero(b, c), zero(a, c)]);
+                cut.zeros.push([zero(a, c), zero(b, c)]);
             }
             (&[a, b, c], &[d]) => {
                 let tops = [zero(a, d), zero(b, d), zero(c, d)];
-                cut.inside.extend(prism([vertex(a), vertex(b), vertex(c)], tops));
-                cut.zeros.push(filled(&tops));
+                prism([vertex(a), vertex(b), vertex(c)], tops)
+                    .into_iter()
+                    .for_each(|piece| cut.inside.push(piece));
+                cut.zeros.push(tops);
             }
             (&[a, b], &[c, d]) => {
                 let ends = [[vertex(a), zero(a, c), zero(a, d)], [vertex(b), zero(b, c), zero(b, d)]];
-                cut.inside.extend(prism(ends[0], ends[1]));
-                cut.zeros.push(filled(&[zero(a, c), zero(b, c), zero(a, d)]));
-                cut.zeros.push(filled(&[zero(b, c), zero(a, d), zero(b, d)]));
+                prism(ends[0], ends[1]).into_iter().for_each(|piece| cut.inside.push(piece));
+                cut.zeros.push([zero(a, c), zero(b, c), zero(a, d)]);
+                cut.zeros.push([zero(b, c), zero(a, d), zero(b, d)]);
             }
-            // A simplex has four vertices at most.
+            // Nothing is inside; a simplex has two to four vertices.
             _ => {}
         }
         cut

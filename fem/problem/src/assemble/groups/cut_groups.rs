@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use forms_core::contract::{Dual, Integral, Requirements};
+use forms_core::contract::{Integral, Requirements};
 
 use super::degrees::Estimate;
 use super::means::FurtherTables;
@@ -12,11 +12,13 @@ use crate::assemble::AssemblyError;
 use crate::assemble::batch::basis_in_lanes::LaneElement;
 use crate::assemble::binding::Binding;
 use crate::assemble::binding::entities::Entities;
-use crate::cut::{Cut, CutError, CutSide, VertexValues};
+use crate::cut::known_points::{PieceRule, PointsOn};
+use crate::cut::{Cut, CutError, CutSide};
 use crate::element::{CellShape, Element};
 use crate::instantiate::instantiate;
 use crate::mesh::Facet;
 use crate::quadrature::{Piece, Quadrature, QuadratureRule, cell_rule, facet_reference_rule, map_to_facet};
+use crate::threads::Threads;
 
 /// Location of a group's pieces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,13 +26,6 @@ pub(in crate::assemble) enum PieceKind {
     Cell,
     Facet,
     Interface,
-}
-
-/// A rule on the simplices of a cell's dimension, or of a facet's.
-#[derive(Clone)]
-enum PieceRule<const D: usize> {
-    Cells(QuadratureRule<D>),
-    Facets(QuadratureRule<2>),
 }
 
 /// The points of a group's pieces, with the elements that are evaluated there.
@@ -65,25 +60,19 @@ impl<const D: usize> CutTables<D> {
     }
 
     /// Motion of all points as the value of a level set function grows at the vertex of this number of each cell.
-    pub fn move_with(&mut self, cut: &Cut<D>, side: &GroupSide<D>, vertex: usize) {
-        self.slopes.clear();
-        let local = side.facet.map(|(local, _)| local);
-        let mut points: Vec<Dual<f64>> = Vec::new();
-        for cell in &side.cells {
-            points.clear();
-            let values = VertexValues::new(cut, *cell, Some(vertex));
-            match (&self.rule, self.kind, local) {
-                (Some(PieceRule::Cells(rule)), PieceKind::Cell, _) => values.points_inside(rule, &mut points),
+    pub fn move_with(&mut self, cut: &Cut<D>, side: &GroupSide<D>, vertex: usize, threads: Threads) {
+        let (kind, rule, local) = (self.kind, &self.rule, side.facet.map(|(local, _)| local));
+        self.slopes =
+            cut.rates_of_points(&side.cells, vertex, threads, &|values, points| match (rule, kind, local) {
+                (Some(PieceRule::Cells(rule)), PieceKind::Cell, _) => values.points_inside(rule, points),
                 (Some(PieceRule::Facets(rule)), PieceKind::Interface, _) => {
-                    values.points_of_interface::<D>(rule, &mut points);
+                    values.points_of_interface::<D>(rule, points);
                 }
                 (Some(PieceRule::Facets(rule)), PieceKind::Facet, Some(local)) => {
-                    values.points_on_facet::<D>(local, rule, &mut points);
+                    values.points_on_facet::<D>(local, rule, points);
                 }
                 _ => {}
-            }
-            self.slopes.extend(points.iter().map(|number| number.derivative));
-        }
+            });
         // What no rule moves must not pass for something that is held.
         self.slopes.resize(self.points.len(), f64::NAN);
     }
@@ -164,14 +153,13 @@ pub(in crate::assemble) fn inside_of_cells<const D: usize>(
     let simplex = if D == 2 { CellShape::Triangle } else { CellShape::Tetrahedron };
     let rule: QuadratureRule<D> =
         cell_rule(simplex, degree).map_err(|source| AssemblyError::Quadrature { form, source })?;
-    let (mut entries, mut own) = (Entries::new(), Vec::new());
+    let rule = PieceRule::Cells(rule);
+    let points = cut.points(PointsOn::Inside(shape, degree), &rule, binding.threads());
+    let mut entries = Entries::new();
     for cell in cells {
-        own.clear();
-        VertexValues::new(cut, *cell, None).points_inside(&rule, &mut own);
-        add_entry(&mut entries, (shape, None), *cell, D + 1, &own);
+        add_entry(&mut entries, (shape, None), *cell, D + 1, points.of(*cell));
     }
-    let rule = Some(PieceRule::Cells(rule));
-    groups_of_pieces(binding, place, (PieceKind::Cell, rule), entries, requirements)
+    groups_of_pieces(binding, place, (PieceKind::Cell, Some(rule)), entries, requirements)
 }
 
 /// The parts of the interface in the cells of a region.
@@ -188,20 +176,21 @@ pub(in crate::assemble) fn interface_groups<const D: usize>(
     let refused = |source| AssemblyError::Cut { form, place: place.clone(), source };
     let Some(cut) = binding.cut else { return Err(refused(CutError::NoCut)) };
     let Entities::Cells(cells) = binding.entities(integral.region)? else { return Ok(vec![]) };
+    let crossed: Vec<u32> =
+        cells.iter().copied().filter(|cell| cut.side_of_cell(*cell) == CutSide::Cut).collect();
     let mut groups = Vec::new();
-    for (shape, cells) in mesh.by_shape(mesh.walk_of_cells(&cells)) {
+    for (shape, cells) in mesh.by_shape(mesh.walk_of_cells(&crossed)) {
         let degree = total_degree(quadrature, shape, estimate.on_interface(mesh, shape)).map_err(refused)?;
         let simplex = if D == 2 { CellShape::Triangle } else { CellShape::Tetrahedron };
         let rule = facet_reference_rule(simplex, degree)
             .map_err(|source| AssemblyError::Quadrature { form, source })?;
-        let (mut entries, mut own) = (Entries::new(), Vec::new());
+        let rule = PieceRule::Facets(rule);
+        let points = cut.points(PointsOn::Interface(shape, degree), &rule, binding.threads());
+        let mut entries = Entries::new();
         for cell in cells {
-            own.clear();
-            VertexValues::new(cut, cell, None).points_of_interface::<D>(&rule, &mut own);
-            add_entry(&mut entries, (shape, None), cell, 2 * D + 1, &own);
+            add_entry(&mut entries, (shape, None), cell, 2 * D + 1, points.of(cell));
         }
-        let rule = Some(PieceRule::Facets(rule));
-        let kind = (PieceKind::Interface, rule);
+        let kind = (PieceKind::Interface, Some(rule));
         groups.extend(groups_of_pieces(binding, &place, kind, entries, requirements)?);
     }
     Ok(groups)

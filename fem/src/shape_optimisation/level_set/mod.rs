@@ -1,0 +1,24 @@
+//! Shapes as level set functions: descent on the nodal values of φ, by which holes merge and vanish.
+//!
+//! ```text
+//! problem    a criterion of a cut body with its derivative by φ; as a reduced problem whose controls are the values of φ
+//! measures   volume and perimeter with their derivatives
+//! options    options of a descent
+//! history    all that a descent needs to go on
+//! inner_product  what makes a derivative a change of φ
+//! descent    Armijo's steps within bands, and distances in place of φ
+//! ```
+
+mod descent;
+mod history;
+mod inner_product;
+mod measures;
+mod options;
+mod problem;
+
+pub use descent::{LevelSetDescent, LevelSetOptimised, LevelSetReport};
+pub use history::{LevelSetRow, LevelSetState};
+pub use inner_product::level_set_product;
+pub use measures::{LevelSetVolume, interface_measure, measure_forms};
+pub use options::LevelSetOptions;
+pub use problem::{LevelSetControls, LevelSetFailure, LevelSetProblem};
