@@ -44,7 +44,8 @@ fn mesh(cells: usize, levels: usize) -> Result<Mesh<2>, Box<dyn Error>> {
     for level in 0..levels {
         let (wide, high) = (0.4 / f64::from(1_u32 << level), 0.4 / f64::from(1_u32 << level));
         let is_near = |cell: &u32| {
-            let corners = mesh.mesh().cell(*cell as usize).iter().map(|node| mesh.mesh().nodes()[*node as usize]);
+            let corners =
+                mesh.mesh().cell(*cell as usize).iter().map(|node| mesh.mesh().nodes()[*node as usize]);
             let least = corners.fold([f64::MAX; 2], |[a, b], x| [a.min(x[0].abs()), b.min(x[1])]);
             least[0] < wide && least[1] < high
         };
@@ -56,7 +57,8 @@ fn mesh(cells: usize, levels: usize) -> Result<Mesh<2>, Box<dyn Error>> {
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let number = |place: usize, otherwise: usize| arguments.get(place).map_or(Ok(otherwise), |word| word.parse());
+    let number =
+        |place: usize, otherwise: usize| arguments.get(place).map_or(Ok(otherwise), |word| word.parse());
     let mesh = mesh(number(0, 32)?, number(1, 3)?)?;
     let space = Space::vector(&mesh, 2)?;
     let mut held = Constraints::new(&space);
@@ -86,7 +88,8 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         out.line(format!("| {name} | {steps} | {unknowns} | {seconds:.3} |"));
     }
     let largest = found[0].values().iter().fold(0.0_f64, |most, u| most.max(u.abs()));
-    let apart = found[0].values().iter().zip(found[1].values()).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+    let apart =
+        found[0].values().iter().zip(found[1].values()).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
     out.line(format!("displacements differ by {:.0e} of the largest", apart / largest));
     Ok(())
 }
