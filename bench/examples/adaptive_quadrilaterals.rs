@@ -79,12 +79,15 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         let is_few = name == "on few unknowns";
         let solver: &mut dyn LinearSolver = if is_few { &mut few } else { &mut all };
         let start = Instant::now();
-        let problem = Problem::new(&form, &space).threads(Threads::ONE).constrained(&held).solver(solver);
+        let mut problem =
+            Problem::new(&form, &space).threads(Threads::ONE).constrained(&held).solver(&mut *solver);
         let solved = problem.solve()?;
+        drop(problem);
         let seconds = start.elapsed().as_secs_f64();
         let steps = solved.iterations();
         found.push(solved.into_field());
-        let unknowns = few.report().condensed_unknowns.unwrap_or(space.unknowns());
+        let unknowns =
+            solver.report().and_then(|report| report.condensed_unknowns).unwrap_or(space.unknowns());
         out.line(format!("| {name} | {steps} | {unknowns} | {seconds:.3} |"));
     }
     let largest = found[0].values().iter().fold(0.0_f64, |most, u| most.max(u.abs()));

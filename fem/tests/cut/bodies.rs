@@ -219,7 +219,7 @@ fn bands_keep_active_cells_and_ghost_facets() {
         let regions = membrane::Regions::default().ghost("ghost");
         let model = membrane::Model { data, regions };
         let assembler = Assembler::new(&mesh).with_cut(own).unwrap();
-        let mut problem = Problem::new(&model.poisson(), &space).assembler(&assembler);
+        let problem = Problem::new(&model.poisson(), &space).assembler(&assembler);
         let solved = problem.constrained(&constraints).solve().unwrap();
         let error = assembler.functional(&model.error(solved.field())).unwrap().sqrt();
         assert!(error < 1e-11, "{error:e}");
