@@ -15,8 +15,7 @@ use forms_core::contract::Entity;
 
 use self::loads::{Systems, systems};
 use self::mass::MassByCells;
-pub(super) use self::pieces::Pieces;
-pub(super) use self::solve::cells_of_parts;
+use self::pieces::Pieces;
 use self::solve::{by_cells, by_factor, by_matrix};
 use super::groups::degrees::degree_on_all_cells;
 use super::{Assembler, AssemblyError};

@@ -3,24 +3,23 @@
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
 /// Rows of an earlier supernode that are columns of a later one.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Update {
-    pub(crate) supernode: u32,
+#[derive(Clone, Copy, Default)]
+pub(super) struct Update {
+    pub(super) supernode: u32,
     /// The first of them among the rows below the earlier one's triangle.
-    pub(crate) first: u32,
-    pub(crate) count: u32,
+    pub(super) first: u32,
+    pub(super) count: u32,
 }
 
 /// For each supernode those before it that have rows in it, ascending.
-#[derive(Debug)]
-pub(crate) struct Updates {
+pub(super) struct Updates {
     /// With two numbers more than there are supernodes.
     ends: Vec<u32>,
     all: Vec<Update>,
 }
 
 impl Updates {
-    pub(crate) fn new(symbolic: &SymbolicSupernodalCholesky<u32>) -> Self {
+    pub(super) fn new(symbolic: &SymbolicSupernodalCholesky<u32>) -> Self {
         let count = symbolic.n_supernodes();
         let ends_of_columns = symbolic.supernode_end();
         let mut holders = vec![0_u32; symbolic.nrows()];
@@ -58,12 +57,7 @@ impl Updates {
         Updates { ends, all }
     }
 
-    /// Of no supernodes.
-    pub(crate) fn none() -> Self {
-        Updates { ends: vec![], all: vec![] }
-    }
-
-    pub(crate) fn of(&self, supernode: usize) -> &[Update] {
+    pub(super) fn of(&self, supernode: usize) -> &[Update] {
         &self.all[self.ends[supernode] as usize..self.ends[supernode + 1] as usize]
     }
 }
