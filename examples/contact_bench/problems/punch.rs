@@ -32,7 +32,7 @@ pub enum Punch {
 /// Parts of the punch whose forces are asked for.
 const PARTS: [f64; 2] = [0.5, 0.8];
 
-/// The place of a node of the coarsest mesh, in cells, and between such nodes. Parts of the force end at nodes: an integral over points of a facet that a
+/// The distance from the axis at a number of cells of the coarsest mesh, which need not be whole. Parts of the force end at nodes: an integral over points of a facet that a
 /// limit cuts is off by the force between two points. Cells are small toward the corner on both of its sides.
 fn place(cells: f64) -> f64 {
     let [inner, outer] = PARTS.map(|part| part * HALF);

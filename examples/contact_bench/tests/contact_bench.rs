@@ -19,6 +19,14 @@ fn run(arguments: &[&str], directory: &Path) -> Vec<Value> {
     serde_json::from_str(&json).expect("it can be read")
 }
 
+/// The rows of Nitsche's method and the augmented Lagrangian on two meshes, with degree 2.
+fn on_two_meshes(problems: &str) -> Vec<Value> {
+    let directory = tempfile::tempdir().expect("a directory");
+    let formulations = "nitsche θ = -1,augmented";
+    let asked = ["--problems", problems, "--formulations", formulations, "--degrees", "2", "--levels", "2"];
+    run(&asked, directory.path())
+}
+
 fn text(row: &Value, name: &str) -> String {
     row[name].as_str().unwrap_or_default().to_owned()
 }
@@ -76,18 +84,7 @@ fn every_formulation_has_a_row_with_numbers_or_a_reason() {
 
 #[test]
 fn known_pressures_are_met_with_order_two() {
-    let directory = tempfile::tempdir().expect("a directory");
-    let asked = [
-        "--problems",
-        "lame,shrink_fit",
-        "--formulations",
-        "nitsche θ = -1,augmented",
-        "--degrees",
-        "2",
-        "--levels",
-        "2",
-    ];
-    let rows = run(&asked, directory.path());
+    let rows = on_two_meshes("lame,shrink_fit");
     for pair in rows.chunks(2).filter(|pair| text(&pair[0], "problem") == "lame") {
         let label = text(&pair[0], "formulation");
         let errors = [0, 1].map(|level| (quantity(&pair[level], "mean pressure") - 0.15625).abs());
@@ -117,18 +114,7 @@ fn a_name_that_does_not_exist_is_refused_with_those_that_do() {
 /// Parts of a punch's force end at nodes, by every formulation with good pressures: a cut facet is off by the force between two of its points.
 #[test]
 fn parts_of_the_force_of_a_punch_are_those_of_the_finite_block() {
-    let directory = tempfile::tempdir().expect("a directory");
-    let asked = [
-        "--problems",
-        "punch",
-        "--formulations",
-        "nitsche θ = -1,augmented",
-        "--degrees",
-        "2",
-        "--levels",
-        "2",
-    ];
-    let rows = run(&asked, directory.path());
+    let rows = on_two_meshes("punch");
     for row in rows.iter().filter(|row| !row["answer"]["solved"].is_null()) {
         let label = text(row, "formulation");
         let tolerance = if row["level"] == 0 { 1.5e-3 } else { 4e-4 };

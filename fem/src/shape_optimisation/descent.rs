@@ -22,7 +22,7 @@ use crate::space::Space;
 /// Steps over which a stalled descent is judged.
 const STALLED_STEPS: usize = 5;
 /// Halvings of a step before it is given up.
-const MOST_TRIALS: usize = 25;
+pub(super) const MOST_TRIALS: usize = 25;
 /// The factor of a step, relative to the largest so far, below which it is given up: what ends there does not go on.
 const SMALLEST_FACTOR: f64 = 1e-4;
 

@@ -85,7 +85,7 @@ fn cycles(aside: f64) -> Outcome<bool> {
         assert!(point.since <= first + period, "{point:?}");
         let names: Vec<&str> = point.values.iter().map(|(name, _)| *name).collect();
         assert_eq!(names, ["gap", "pressure", "slip"]);
-        // The pressure is that of the law at the point: it has its gap, or the stress.
+        // No value is lost, and no pressure pulls.
         assert!(point.values[1].1 >= 0.0 && point.values.iter().all(|(_, value)| value.is_finite()));
     }
     assert_eq!(found.remedy, Remedy::ShorterSteps);

@@ -75,11 +75,11 @@ impl<const D: usize> Cut<D> {
         }
     }
 
-    /// Without the islands that a band left out.
+    /// The check that a cut fits its band, without the islands that the band left out.
     ///
     /// # Errors
     /// [`CutError::LeftBand`].
-    pub(super) fn stay(&mut self) -> Result<(), CutError> {
+    pub(super) fn fit_band(&mut self) -> Result<(), CutError> {
         if let Some(band) = &self.band {
             for (cell, side) in self.sides.iter_mut().enumerate() {
                 if band.removed[cell] {

@@ -50,7 +50,7 @@ impl CutPoints {
 pub(crate) struct KnownPoints(Mutex<Vec<(PointsOn, Arc<CutPoints>)>>);
 
 impl Clone for KnownPoints {
-    /// None: another cut may have other cells.
+    /// An empty list: another cut may have other cells.
     fn clone(&self) -> Self {
         KnownPoints::default()
     }

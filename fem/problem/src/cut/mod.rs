@@ -149,7 +149,7 @@ impl<const D: usize> Cut<D> {
         let (band, kept) = (band.cloned(), vec![]);
         let mut made =
             Cut { mesh, values, vertices, starts, moved, sides, inside, cut, ghost, known, band, kept };
-        made.stay()?;
+        made.fit_band()?;
         made.list();
         if made.inside.is_empty() && made.cut.is_empty() {
             return Err(CutError::Empty);

@@ -10,11 +10,9 @@ use crate::constraints::Constraints;
 use crate::cut::{Cut, CutBand, CutError};
 use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
+use crate::shape_optimisation::descent::MOST_TRIALS;
 use crate::shape_optimisation::direction::{Constrained, Direction, check_length, longest};
 use crate::shape_optimisation::{Derivatives, Failure, ShapeOptimisationError, Step, StopReason, Values};
-
-/// Halvings of a step before it is given up.
-const MOST_TRIALS: usize = 25;
 
 /// Callback at the start and after each step; an error ends the run.
 pub type LevelSetListener<'a, S, const D: usize> =
