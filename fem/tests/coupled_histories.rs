@@ -1,9 +1,9 @@
 //! Load histories of several unknowns: gradients against differences, adjoints that are exact for any number of stored states, starts as controls,
-//! what is missing by name.
+//! Hessians, what is missing by name.
 
 use forms_fem::inverse::{
     ControlError, ControlValues, Controls, HistoryFailure, LoadHistory, Observations, ReducedProblem,
-    TwiceDifferentiable, taylor_test,
+    TwiceDifferentiable, second_order_taylor_test, taylor_test,
 };
 use forms_fem::prelude::*;
 
@@ -21,6 +21,7 @@ mod porous {
     #[facets]
     pub struct Top;
 
+    #[controls(mu, permeability, load, order = 2)]
     pub fn step(
         u: Unknown<Vector>,
         p: Unknown<Scalar>,
@@ -74,13 +75,16 @@ struct Body {
     controls: Controls<2>,
 }
 
-fn model(at: &ControlValues<2>) -> Result<porous::Model<2>, ControlError> {
-    let data = porous::data()
+fn data(at: &ControlValues<2>) -> Result<porous::Data<2>, ControlError> {
+    Ok(porous::data()
         .size(0.1)
         .mu(&at.field("mu")?)
         .permeability(at.number("permeability")?)
-        .load(at.number("load")?);
-    Ok(porous::Model::new(data))
+        .load(at.number("load")?))
+}
+
+fn model(at: &ControlValues<2>) -> Result<porous::Model<2>, ControlError> {
+    Ok(porous::Model::new(data(at)?))
 }
 
 impl Body {
@@ -206,5 +210,48 @@ fn what_is_missing_is_named() {
     let found = why(untested);
     assert!(matches!(found, HistoryFailure::RateOfUnknown { .. }), "{found}");
     let found = body.history().second_order(&m, &m).unwrap_err().why;
-    assert!(matches!(found, HistoryFailure::SecondOrderOfSeveral { count: 2 }), "{found}");
+    assert!(matches!(found, HistoryFailure::Missing("second_sensitivities")), "{found}");
+}
+
+/// The whole Hessian along a direction, by starts and controls, of a criterion that reads both unknowns and of observations of the second one.
+#[test]
+fn the_remainder_with_the_hessian_has_order_three() {
+    let body = Body::new();
+    let u0 = Field::interpolate(&body.displacements, |x| [0.01 * x[0] * x[1], -0.02 * x[1]]).unwrap();
+    let p0 = Field::interpolate(&body.pressures, |x| 0.1 * (1.0 - x[1])).unwrap();
+    let controls = body.controls.clone().start("p0", &p0).start("u0", &u0);
+    let pressures = Observations::new(&body.pressures).at_point(&[0.2, 0.1], &[0.3], 2.0).unwrap();
+    let mut history = body
+        .bare(controls.clone())
+        .criterion(|at| Ok(model(at)?.criterion()))
+        .observed(2, pressures)
+        .coupled_second_sensitivities(|at, states| {
+            let [u0, p0] = at.before_of_all()? else { unreachable!("two unknowns") };
+            let ([u, p], [y, z]) = (states.u, states.p) else { unreachable!("two unknowns") };
+            let ([du, dp], [du0, dp0]) = (states.du, states.dbefore) else { unreachable!("two unknowns") };
+            let [dy, dz] = states.dp else { unreachable!("two unknowns") };
+            let along = &states.along;
+            let data = data(at)?
+                .d_mu(&along.field("mu")?)
+                .d_permeability(along.number("permeability")?)
+                .d_load(along.number("load")?);
+            let model = porous::Model::new(data);
+            Ok(model.step_second_sensitivities(u, p, u0, p0, y, z, du, dp, du0, dp0, dy, dz))
+        });
+    let m = controls.values().to_vec();
+    let directions = [1.3, 0.7]
+        .map(|factor| (0..m.len()).map(|k| 0.3 * (factor * k as f64 + 0.2).cos()).collect::<Vec<f64>>());
+    let [gradient, hessian] = second_order_taylor_test(&mut history, &m, &directions[0], 0.1).unwrap();
+    println!("{gradient}{hessian}");
+    assert!((gradient.second_order().unwrap() - 2.0).abs() < 0.05, "{gradient}");
+    assert!((hessian.third_order().unwrap() - 3.0).abs() < 0.1, "{hessian}");
+    let dot = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(one, other)| one * other).sum::<f64>();
+    let [first, second] = directions.each_ref().map(|along| history.hessian(&m, along).unwrap());
+    let (across, back) = (dot(&first.along, &directions[1]), dot(&second.along, &directions[0]));
+    assert!((across - back).abs() < 1e-10 * across.abs(), "{across} {back}");
+    let few = history.stored_states(2).hessian(&m, &directions[0]).unwrap();
+    let largest = first.along.iter().fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
+    for (few, all) in few.along.iter().zip(&first.along) {
+        assert!((few - all).abs() < 1e-11 * largest, "{few} {all}");
+    }
 }

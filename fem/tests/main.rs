@@ -7,6 +7,7 @@ mod bad_input;
 mod cell_means;
 mod cell_values;
 mod coupled_histories;
+mod coupled_motions;
 mod coupled_steps;
 mod diameter_kinks;
 mod eigenproblems;

@@ -125,13 +125,12 @@ macro_rules! choices_of {
                 pair: [&[f64]; 2],
                 [slope, change]: [&mut [f64]; 2],
             ) -> Result<(), HistoryFailure> {
-                let [value, dvalue] = pair
-                    .map(|values| Field::from_values(ControlledEvolution::spaces(self)[0], values.to_vec()));
-                let (value, dvalue) = (value?, dvalue?);
+                let [values, changes] = pair.map(|values| fields_on(&self.unknowns_on(), values));
+                let (values, changes) = (values?, changes?);
                 let (at, assembler) =
                     (ControlValues::new(&self.controls, step, None), &self.equations.assembler);
-                self.criterion.add_slope(&at, assembler, std::slice::from_ref(&value), slope)?;
-                self.criterion.add_curvature(&at, assembler, [&value, &dvalue], change)
+                self.criterion.add_slope(&at, assembler, &values, slope)?;
+                self.criterion.add_curvature(&at, assembler, [&values, &changes], change)
             }
         }
 

@@ -105,6 +105,13 @@ pub enum ControlError {
     /// The rate of the start of a history that has no rates.
     #[error("the control `{name}` is a rate at the start, and steps of loads have no rates")]
     NoRate { name: String },
+    /// The steps of another number of unknowns than a motion has.
+    #[error("the steps of {asked} unknowns are asked for, and the motion has {count}")]
+    StepsOfUnknowns {
+        /// The number asked for.
+        asked: usize,
+        count: usize,
+    },
     /// Fields that do not fit.
     #[error(transparent)]
     Field(#[from] FieldError),

@@ -40,6 +40,11 @@ fn unknown_of<const D: usize>(observations: &Observations<D>, states: &[Field<D>
     states.iter().position(|state| observations.fit(state.space())).unwrap_or(0)
 }
 
+/// The number of coefficients of the unknowns before one.
+fn values_before<const D: usize>(unknown: usize, states: &[Field<D>]) -> usize {
+    states[..unknown].iter().map(|field| field.values().len()).sum()
+}
+
 impl<'a, const D: usize> Criterion<'a, D> {
     /// No criterion yet.
     pub fn none() -> Criterion<'a, D> {
@@ -120,7 +125,7 @@ impl<'a, const D: usize> Criterion<'a, D> {
         }
         for observations in self.observations.get(&at.step()).into_iter().flatten() {
             let unknown = unknown_of(observations, after);
-            let from = after[..unknown].iter().map(|field| field.values().len()).sum::<usize>();
+            let from = values_before(unknown, after);
             observations.add_slope(after[unknown].values(), &mut slope[from..]);
         }
         Ok(())
@@ -134,16 +139,21 @@ impl<'a, const D: usize> Criterion<'a, D> {
         &self,
         at: &ControlValues<D>,
         assembler: &Assembler<D>,
-        [after, change]: [&Field<D>; 2],
+        [after, change]: [&[Field<D>]; 2],
         curvature: &mut [f64],
     ) -> Result<(), HistoryFailure> {
         if let Some(energy) = &self.energy {
             let energy = energy(at)?;
-            let product = assembler.action(&energy, &[after], &[change], &[after.space()])?;
-            add_scaled(curvature, 1.0, &product);
+            let (read, changed) = (read_by(&energy, after), read_by(&energy, change));
+            let spaces: Vec<&Arc<Space<D>>> = read.iter().map(|field| field.space()).collect();
+            let product = assembler.action(&energy, &read, &changed, &spaces)?;
+            add_scaled(&mut curvature[..product.len()], 1.0, &product);
         }
-        let observed = self.observations.get(&at.step()).into_iter().flatten();
-        observed.for_each(|observations| observations.add_curvature(change.values(), curvature));
+        for observations in self.observations.get(&at.step()).into_iter().flatten() {
+            let unknown = unknown_of(observations, after);
+            let from = values_before(unknown, after);
+            observations.add_curvature(change[unknown].values(), &mut curvature[from..]);
+        }
         Ok(())
     }
 

@@ -47,7 +47,7 @@ pub enum HistoryFailure {
     /// A test function of the sensitivities that belongs to no control.
     #[error(
         "the test function `{test}` of `{form}` belongs to no control: it is `by_` and a control's name, `by_before` (of several unknowns `by_before_u` and \
-         so on), or of motions `by_value`, `by_rate`, `by_second_rate`"
+         so on), or of motions `by_value`, `by_rate`, `by_second_rate` (of several unknowns `by_value_u` and so on)"
     )]
     UnknownTest {
         /// The form of the sensitivities.
@@ -106,9 +106,6 @@ pub enum HistoryFailure {
     /// Constraints on a space on which no unknown is left without.
     #[error("constraints were given for a space on which no unknown is left without")]
     Unconstrained,
-    /// Second derivatives of a history of several unknowns.
-    #[error("second derivatives are those of histories with one unknown, and this one has {count}")]
-    SecondOrderOfSeveral { count: usize },
     /// A form of a step with another number of unknowns than the history has spaces.
     #[error("`{form}` has {found} unknowns, and the history has {expected} spaces")]
     Unknowns { form: &'static str, found: usize, expected: usize },

@@ -4,8 +4,8 @@ mod second_order;
 
 use std::sync::Arc;
 
-pub use self::second_order::SecondOrderState;
 use self::second_order::{ADJOINT, STATE, SecondSensitivitiesAt};
+pub use self::second_order::{SecondOrderState, SecondOrderStates};
 use super::checkpoint_store::Storage;
 use super::choices::choices_of;
 use super::controls::{ControlError, ControlValues, Controls, Start};
@@ -16,13 +16,13 @@ use super::evolution::{ControlledEvolution, Evolution};
 use super::observations::Observations;
 use super::reduced_problem::ReducedProblem;
 use super::second_order::{Hessian, SecondOrder, TwiceDifferentiable};
-use super::sensitivities::{BEFORE, add_sensitivities, names_before};
+use super::sensitivities::{BEFORE, add_sensitivities, has_unknowns, names_of, names_of_unknowns};
 use super::step_equations::{Solution, StepEquations};
 use super::sweep::{Gradient, gradient_stored, value_of};
 use super::tangent_state::{Changing, CurvedCriterion};
 use crate::assemble::Assembler;
 use crate::constraints::{Constraints, ConstraintsError};
-use crate::contract::{Energy, Form, Role};
+use crate::contract::{Energy, Form};
 use crate::field::{Field, FieldView, fields_on};
 use crate::instantiate::instantiate;
 use crate::solve::{LinearSolver, NewtonOptions, PerUnknown, SolverReport};
@@ -165,12 +165,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
 
     /// The form of a step from a state.
     fn form(&self, at: &ControlValues<D>) -> Result<Form<D>, HistoryFailure> {
-        let form = self.step.as_ref().ok_or(HistoryFailure::Missing("step"))?(at)?;
-        let (found, expected) = (names_of_unknowns(&form).len(), self.spaces.len());
-        match found == expected {
-            true => Ok(form),
-            false => Err(HistoryFailure::Unknowns { form: form.name(), found, expected }),
-        }
+        has_unknowns(self.step.as_ref().ok_or(HistoryFailure::Missing("step"))?(at)?, self.spaces.len())
     }
 
     fn fields(&self, values: &[f64]) -> Result<Vec<Field<D>>, HistoryFailure> {
@@ -188,7 +183,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
 
     /// The test functions of the derivatives by the states before, of a step's form.
     fn tests_before(&self, form: &Form<D>) -> Vec<(String, &Arc<Space<D>>)> {
-        names_before(&names_of_unknowns(form)).into_iter().zip(&self.spaces).collect()
+        names_of(BEFORE, &names_of_unknowns(form)).into_iter().zip(&self.spaces).collect()
     }
 
     #[inline(never)]
@@ -292,17 +287,6 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
         };
         found().map_err(|why| why.at(step))
     }
-}
-
-/// The names of a form's unknowns, in their order.
-fn names_of_unknowns<const D: usize>(form: &Form<D>) -> Vec<&'static str> {
-    let unknowns = form.fields().iter().filter_map(|field| match field.role {
-        Role::Unknown(number) => Some((number, field.name)),
-        _ => None,
-    });
-    let mut unknowns: Vec<_> = unknowns.collect();
-    unknowns.sort_unstable();
-    unknowns.into_iter().map(|(_, name)| name).collect()
 }
 
 choices_of!(LoadHistory, constrained_at usize, "the number of the step", second_rates by &[STATE, ADJOINT]);

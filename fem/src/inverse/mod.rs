@@ -92,9 +92,9 @@ pub use criterion_map::CriterionMap;
 pub use differentiable_map::{DifferentiableMap, MapError, Part};
 pub use error::{HistoryError, HistoryFailure};
 pub use evolution::{ControlledEvolution, Evolution};
-pub use load_history::{LoadHistory, SecondOrderState};
+pub use load_history::{LoadHistory, SecondOrderState, SecondOrderStates};
 pub use minimise::{MinimisationError, MinimisationStep, Minimise, Minimum, StopReason};
-pub use motion_history::{MotionHistory, SecondOrderMotion};
+pub use motion_history::{MotionHistory, SecondOrderMotion, SecondOrderMotions};
 pub use moving_asymptotes::{
     ConstrainedError, ConstrainedMinimum, ConstrainedStep, Inequality, MovingAsymptotes,
 };

@@ -5,10 +5,11 @@ mod reverse;
 mod second_order;
 
 use std::cell::Cell;
+use std::rc::Rc;
 use std::sync::Arc;
 
-pub use self::second_order::SecondOrderMotion;
 use self::second_order::{ADJOINT, SecondSensitivitiesOf};
+pub use self::second_order::{SecondOrderMotion, SecondOrderMotions};
 use super::checkpoint_store::Storage;
 use super::choices::choices_of;
 use super::controls::{ControlError, ControlValues, Controls, Start};
@@ -19,7 +20,7 @@ use super::evolution::{ControlledEvolution, Evolution};
 use super::observations::Observations;
 use super::reduced_problem::ReducedProblem;
 use super::second_order::{Hessian, SecondOrder, TwiceDifferentiable};
-use super::sensitivities::{BEFORE, OPERATORS};
+use super::sensitivities::{BEFORE, OPERATORS, has_unknowns};
 use super::step_context::StepContext;
 use super::step_equations::{Solution, StepEquations};
 use super::step_map::{StepMap, of_start};
@@ -29,13 +30,14 @@ use super::tangent_state::{Changing, CurvedCriterion};
 use crate::assemble::Assembler;
 use crate::constraints::{Constraints, ConstraintsError};
 use crate::contract::{Energy, Form};
-use crate::field::Field;
+use crate::field::{Field, fields_on};
 use crate::instantiate::instantiate;
-use crate::solve::{LinearSolver, NewtonOptions, SolverReport};
+use crate::solve::{LinearSolver, NewtonOptions, PerUnknown, SolverReport};
 use crate::space::Space;
 use crate::time::central_differences::supports_stand;
-use crate::time::conditions::Conditions;
-use crate::time::{Mass, Scheme, SolvedFor, Step, StepFailure};
+use crate::time::conditions::{Conditions, hold};
+use crate::time::scheme::agreed_unknown;
+use crate::time::{Formulas, Mass, Scheme, SolvedFor, Step, StepFailure};
 use crate::verification::Sample;
 
 /// A motion in steps by a scheme, with a criterion J(m) = Σ Jⁿ(uⁿ), with value and gradient by m.
@@ -47,12 +49,22 @@ use crate::verification::Sample;
 /// ([`StepContext::before`]), the rates have a test `by_before`. It may read the unknown itself, which is the value at the end of the step, with
 /// schemes that read no second rates; with others it is refused by name.
 ///
+/// Forms of up to four unknowns are motions on the list of their spaces, as `[&displacements, &pressures]`. They read
+/// [`StepContext::steps`], the sensitivities are [`MotionHistory::coupled_sensitivities`], and tests of derivatives by what is known of the
+/// unknown `u` are `by_value_u`, `by_rate_u`, `by_second_rate_u` and `by_before_u`. An unknown may have a scheme of its own
+/// ([`MotionHistory::scheme_of`]); one without inertia has a scheme that reads no second rates. The criterion may read the first unknown
+/// or more of them.
+///
 /// A scheme that reads k states begins with one, and with the formulas that it has for fewer; each stored state is then k states.
 /// Controls of the start of explicit steps have to be what the conditions prescribe; the gradient by what is prescribed is zero.
 pub struct MotionHistory<'a, const D: usize> {
-    space: Arc<Space<D>>,
+    /// Of each unknown.
+    spaces: Vec<Arc<Space<D>>>,
     sizes: StepSizes,
-    scheme: Box<dyn Scheme + 'a>,
+    /// Of each unknown.
+    schemes: Vec<Rc<dyn Scheme + 'a>>,
+    /// An unknown that was given a scheme and does not exist.
+    no_unknown: Option<usize>,
     mass: Mass,
     controls: Controls<D>,
     motion: Option<FormAt<'a, D>>,
@@ -74,36 +86,39 @@ enum Reading {
     Unseen,
     /// By operators alone: an affine form, where one step is enough.
     ByOperators,
-    /// Itself, in addition to them.
-    Itself,
+    /// Itself, in addition to them: the number of the first unknown that is read so.
+    Itself(usize),
 }
 
 type FormAt<'a, const D: usize> = Box<dyn Fn(&StepContext<D>) -> Result<Form<D>, ControlError> + 'a>;
 type SensitivitiesAt<'a, const D: usize> =
-    Box<dyn Fn(&StepContext<D>, &Field<D>, &Field<D>) -> Result<Form<D>, ControlError> + 'a>;
+    Box<dyn Fn(&StepContext<D>, &[Field<D>], &[Field<D>]) -> Result<Form<D>, ControlError> + 'a>;
 
 impl<'a, const D: usize> MotionHistory<'a, D> {
-    /// Steps from time zero, `(200, 0.01)` equal ones or the size of each, at rest unless the start is a control.
-    pub fn new(
-        space: &Arc<Space<D>>,
+    /// Steps from time zero on a space, or on `[&first, &second]`: `(200, 0.01)` equal ones or the size of each, at rest unless the start is a
+    /// control.
+    pub fn new<'s, const N: usize>(
+        spaces: impl PerUnknown<'s, Arc<Space<D>>, N>,
         sizes: impl Into<StepSizes>,
         scheme: impl Scheme + 'a,
         controls: Controls<D>,
     ) -> Self {
-        Self::of(space, sizes.into(), Box::new(scheme), controls)
+        const { assert!(N > 0, "a motion has an unknown") };
+        Self::of(&spaces.per_unknown(), sizes.into(), Rc::new(scheme), controls)
     }
 
     #[inline(never)]
     fn of(
-        space: &Arc<Space<D>>,
+        spaces: &[&Arc<Space<D>>],
         sizes: StepSizes,
-        scheme: Box<dyn Scheme + 'a>,
+        scheme: Rc<dyn Scheme + 'a>,
         controls: Controls<D>,
     ) -> Self {
         MotionHistory {
-            space: Arc::clone(space),
+            spaces: spaces.iter().map(|space| Arc::clone(space)).collect(),
             sizes,
-            scheme,
+            schemes: vec![scheme; spaces.len()],
+            no_unknown: None,
             mass: Mass::Consistent,
             controls,
             motion: None,
@@ -111,11 +126,21 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
             second_sensitivities: None,
             criterion: Criterion::none(),
             constraints: Conditions::none(),
-            equations: StepEquations::new(&[space]),
+            equations: StepEquations::new(spaces),
             storage: Storage::ALL,
             reading: Reading::Unseen,
             before_is_read: Cell::new(false),
         }
+    }
+
+    /// The scheme of one unknown, by its number, in place of the common one. All schemes have to give loads at the same time of a step and
+    /// to solve for the same: a motion that does not agree is an error.
+    pub fn scheme_of(mut self, unknown: usize, scheme: impl Scheme + 'a) -> Self {
+        match self.schemes.get_mut(unknown) {
+            Some(own) => *own = Rc::new(scheme),
+            None => self.no_unknown = Some(unknown),
+        }
+        self
     }
 
     /// The form of motion.
@@ -132,6 +157,15 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         mut self,
         form: impl Fn(&StepContext<D>, &Field<D>, &Field<D>) -> Result<F, ControlError> + 'a,
     ) -> Self {
+        self.sensitivities = Some(Box::new(move |during, u, p| Ok(form(during, &u[0], &p[0])?.into())));
+        self
+    }
+
+    /// The rates of a step of several unknowns at them and their adjoint states, a field for each unknown.
+    pub fn coupled_sensitivities<F: Into<Form<D>>>(
+        mut self,
+        form: impl Fn(&StepContext<D>, &[Field<D>], &[Field<D>]) -> Result<F, ControlError> + 'a,
+    ) -> Self {
         self.sensitivities = Some(Box::new(move |during, u, p| Ok(form(during, u, p)?.into())));
         self
     }
@@ -146,9 +180,12 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         if let Some(size) = self.sizes.unfit() {
             return Err(HistoryFailure::StepSize(size));
         }
-        self.controls.check(&[&self.space], self.sizes.count())?;
+        if let Some(unknown) = self.no_unknown {
+            return Err(StepFailure::NoUnknown { unknown, count: self.schemes.len() }.into());
+        }
+        self.controls.check(&self.unknowns_on(), self.sizes.count())?;
         self.controls.are_not(&[&OPERATORS[..], &[BEFORE]].concat())?;
-        self.criterion.check(&[&self.space], self.sizes.count())?;
+        self.criterion.check(&self.unknowns_on(), self.sizes.count())?;
         self.equations.forget();
         self.reading = Reading::Unseen;
         self.before_is_read.set(false);
@@ -156,112 +193,139 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
     }
 
     fn unknowns_on(&self) -> Vec<&Arc<Space<D>>> {
-        vec![&self.space]
+        self.spaces.iter().collect()
+    }
+
+    /// The number of coefficients of all unknowns.
+    fn count(&self) -> usize {
+        self.spaces.iter().map(|space| space.unknowns()).sum()
     }
 
     /// The states in a row.
     fn states(&self) -> usize {
-        self.scheme.states().max(1)
+        self.schemes.iter().map(|scheme| scheme.states()).max().unwrap_or(0).max(1)
+    }
+
+    /// Whether the scheme of an unknown reads second rates.
+    fn reads_second_rates(&self) -> bool {
+        self.schemes.iter().any(|scheme| scheme.reads_second_rates())
     }
 
     fn interval(&self, step: usize) -> Result<StepMap, HistoryFailure> {
         let known = self.states().min(step + 1);
-        let formulas = self.scheme.formulas(&self.sizes.newest_first(step, known));
-        let read = formulas.states();
+        let sizes = self.sizes.newest_first(step, known);
+        let formulas: Vec<Formulas> = self.schemes.iter().map(|scheme| scheme.formulas(&sizes)).collect();
+        let solved_for = agreed_unknown(&self.schemes, &formulas)?;
+        let read = formulas.iter().map(Formulas::states).max().unwrap_or(0);
         if read > known {
             return Err(StepFailure::MissingStates { read, known }.into());
         }
-        Ok(StepMap {
-            solution: Solution::Step(step),
-            formulas,
-            solved_for: self.scheme.solved_for(),
-            times: self.sizes.times(step),
-            unknowns: self.space.unknowns(),
-            states: self.states(),
-        })
+        Ok(self.step_map(Solution::Step(step), formulas, solved_for, self.sizes.times(step)))
     }
 
     /// The start at time zero, where a second rate is found from the form.
     fn interval_at_start(&self) -> StepMap {
-        StepMap {
-            solution: Solution::Start,
-            formulas: of_start(),
-            solved_for: SolvedFor::SecondRate,
-            times: [0.0; 2],
-            unknowns: self.space.unknowns(),
-            states: self.states(),
-        }
+        let formulas = self.schemes.iter().map(|scheme| of_start(scheme.reads_second_rates())).collect();
+        self.step_map(Solution::Start, formulas, SolvedFor::SecondRate, [0.0; 2])
     }
 
-    /// The value in a row.
-    fn value_in(&self, row: &[f64]) -> Result<Field<D>, HistoryFailure> {
-        Ok(Field::from_values(&self.space, row[..self.space.unknowns()].to_vec())?)
+    fn step_map(
+        &self,
+        solution: Solution,
+        formulas: Vec<Formulas>,
+        solved_for: SolvedFor,
+        times: [f64; 2],
+    ) -> StepMap {
+        let counts = self.spaces.iter().map(|space| space.unknowns()).collect();
+        StepMap { solution, formulas, solved_for, times, counts, states: self.states() }
     }
 
-    fn form(&self, interval: &StepMap, step: &Step<D>) -> Result<Form<D>, HistoryFailure> {
-        Ok(self.motion.as_ref().ok_or(HistoryFailure::Missing("motion"))?(&self.during(interval, step))?)
+    /// The values in a row, of each unknown.
+    fn values_in(&self, row: &[f64]) -> Result<Vec<Field<D>>, HistoryFailure> {
+        Ok(fields_on(&self.unknowns_on(), &row[..self.count()])?)
     }
 
-    fn during<'s>(&'s self, interval: &StepMap, step: &'s Step<D>) -> StepContext<'s, D> {
+    fn zero(&self) -> Vec<Field<D>> {
+        self.spaces.iter().map(Field::zero).collect()
+    }
+
+    fn form(&self, interval: &StepMap, steps: &[Step<D>]) -> Result<Form<D>, HistoryFailure> {
+        let form =
+            self.motion.as_ref().ok_or(HistoryFailure::Missing("motion"))?(&self.during(interval, steps))?;
+        has_unknowns(form, self.spaces.len())
+    }
+
+    fn during<'s>(&'s self, interval: &StepMap, steps: &'s [Step<D>]) -> StepContext<'s, D> {
         let at = ControlValues::new(&self.controls, interval.step(), None);
-        StepContext { step, at, before_is_read: &self.before_is_read }
+        StepContext { steps, at, before_is_read: &self.before_is_read }
     }
 
-    /// The conditions at a time.
-    fn conditions_at(&self, time: f64) -> Result<Constraints<D>, HistoryFailure> {
-        let found = self.constraints.at(time, &[&self.space])?;
-        Ok(found.ok_or(HistoryFailure::Unconstrained)?.swap_remove(0))
+    /// The conditions on each unknown at a time.
+    fn conditions_at(&self, time: f64) -> Result<Vec<Constraints<D>>, HistoryFailure> {
+        self.constraints.at(time, &self.unknowns_on())?.ok_or(HistoryFailure::Unconstrained)
     }
 
-    /// The conditions on the unknown of a step, which is a value or a second rate.
-    fn conditions(&self, interval: &StepMap) -> Result<Constraints<D>, HistoryFailure> {
-        let constraints = self.conditions_at(interval.times[1])?;
-        Ok(match interval.solved_for {
-            SolvedFor::Value => constraints,
-            SolvedFor::SecondRate => constraints.homogeneous(),
-        })
+    /// The conditions on the unknowns of a step, which are values or second rates.
+    fn conditions(&self, interval: &StepMap) -> Result<Vec<Constraints<D>>, HistoryFailure> {
+        let mut conditions = self.conditions_at(interval.times[1])?;
+        if interval.solved_for == SolvedFor::Value {
+            return Ok(conditions);
+        }
+        for (conditions, formulas) in conditions.iter_mut().zip(&interval.formulas) {
+            *conditions = conditions.homogeneous();
+            if formulas.evaluated[2].unknown == 0.0 {
+                // Without a second rate.
+                *conditions = Constraints::new(conditions.space());
+                let all = 0..conditions.space().unknowns();
+                hold(conditions, all)?;
+            }
+        }
+        Ok(conditions)
     }
 
     #[inline(never)]
     fn advance_by(&mut self, interval: &StepMap, before: &[f64]) -> Result<Vec<f64>, HistoryFailure> {
-        let step = interval.step_from(&self.space, before)?;
-        let form = self.form(interval, &step)?;
+        let steps = interval.steps_from(&self.unknowns_on(), before)?;
+        let form = self.form(interval, &steps)?;
         if form.is_on_displaced_surfaces() {
             return Err(HistoryFailure::Sliding { form: form.name() });
         }
         if interval.is_explicit_step() {
-            supports_stand(&step.known[0], &self.conditions_at(step.end)?)?;
+            for (step, conditions) in steps.iter().zip(self.conditions_at(interval.times[1])?) {
+                supports_stand(&step.known[0], &conditions)?;
+            }
         }
         let conditions = self.conditions(interval)?;
-        let unknown = match (interval.masses(before), interval.solved_for) {
-            (Some(masses), _) => self.by_masses(&form, masses, &conditions)?,
-            (None, SolvedFor::Value) => {
-                let start = std::slice::from_ref(&step.before.value);
-                self.equations.solve(interval.solution, form, &[conditions], start)?.swap_remove(0)
-            }
-            (None, SolvedFor::SecondRate) => {
-                let start = std::slice::from_ref(&step.before.second_rate);
-                self.equations.solve(interval.solution, form, &[conditions], start)?.swap_remove(0)
+        let unknowns = match interval.masses(before) {
+            Some(masses) => self.by_masses(&form, masses, &conditions)?,
+            None => {
+                let start: Vec<Field<D>> = match interval.solved_for {
+                    SolvedFor::Value => steps.into_iter().map(|step| step.before.value).collect(),
+                    SolvedFor::SecondRate => steps.into_iter().map(|step| step.before.second_rate).collect(),
+                };
+                self.equations.solve(interval.solution, form, &conditions, &start)?
             }
         };
-        Ok(interval.end_of(before, unknown.values()))
+        Ok(interval.end_of(before, &coefficients(&unknowns)))
     }
 
     /// The row of the first state, without its second rate.
     fn start_of(&self, controls: &Controls<D>) -> Vec<f64> {
-        let count = self.space.unknowns();
-        let mut start = controls.start_values(Start::Value, &[&self.space]);
-        start.extend(controls.start_values(Start::Rate, &[&self.space]));
-        start.resize(3 * self.states() * count, 0.0);
+        let mut start = controls.start_values(Start::Value, &self.unknowns_on());
+        start.extend(controls.start_values(Start::Rate, &self.unknowns_on()));
+        start.resize(3 * self.states() * self.count(), 0.0);
         start
     }
 
     /// The slope by a first state, without what the conditions prescribe in explicit steps.
     fn slope_by_start(&self, mut slope: Vec<f64>) -> Result<Vec<f64>, HistoryFailure> {
-        if self.scheme.solved_for() == SolvedFor::SecondRate {
-            let count = self.space.unknowns();
-            for unknown in self.conditions_at(0.0)?.prescribed().keys() {
-                (slope[*unknown], slope[count + unknown]) = (0.0, 0.0);
+        if self.schemes[0].solved_for() == SolvedFor::SecondRate {
+            let (count, mut from) = (self.count(), 0);
+            for (conditions, space) in self.conditions_at(0.0)?.iter().zip(&self.spaces) {
+                for unknown in conditions.prescribed().keys() {
+                    (slope[from + unknown], slope[count + from + unknown]) = (0.0, 0.0);
+                }
+                from += space.unknowns();
             }
         }
         Ok(slope)
@@ -286,7 +350,7 @@ impl<const D: usize> Evolution for MotionHistory<'_, D> {
                 let masses = self.masses_at(&start)?;
                 start.extend(masses);
             }
-            match self.scheme.reads_second_rates() {
+            match self.reads_second_rates() {
                 true => self.advance_by(&self.interval_at_start(), &start),
                 false => Ok(start),
             }
@@ -301,9 +365,9 @@ impl<const D: usize> Evolution for MotionHistory<'_, D> {
 
     fn cost(&mut self, step: usize, _: &[f64], after: &[f64]) -> Result<f64, HistoryError> {
         let value = || {
-            let after = self.value_in(after)?;
+            let after = self.values_in(after)?;
             let at = ControlValues::new(&self.controls, step, None);
-            self.criterion.value(&at, &self.equations.assembler, std::slice::from_ref(&after))
+            self.criterion.value(&at, &self.equations.assembler, &after)
         };
         value().map_err(|why| why.at(step))
     }
@@ -317,10 +381,10 @@ impl<const D: usize> Evolution for MotionHistory<'_, D> {
         gradient: &mut [f64],
     ) -> Result<Vec<f64>, HistoryError> {
         let mut reverse = || {
-            let value = self.value_in(after)?;
+            let values = self.values_in(after)?;
             let at = ControlValues::new(&self.controls, step, None);
-            let own = &mut slope[..value.values().len()];
-            self.criterion.add_slope(&at, &self.equations.assembler, std::slice::from_ref(&value), own)?;
+            let own = &mut slope[..self.count()];
+            self.criterion.add_slope(&at, &self.equations.assembler, &values, own)?;
             self.reverse_by(&self.interval(step)?, [before, after], &slope, gradient)
         };
         reverse().map_err(|why| why.at(step))
@@ -334,7 +398,7 @@ impl<const D: usize> Evolution for MotionHistory<'_, D> {
     ) -> Result<(), HistoryError> {
         let mut reverse = || {
             let mut slope = slope.to_vec();
-            if self.scheme.reads_second_rates() {
+            if self.reads_second_rates() {
                 slope = self.reverse_by(&self.interval_at_start(), [start, start], &slope, gradient)?;
             }
             if self.lumps() {
@@ -343,11 +407,16 @@ impl<const D: usize> Evolution for MotionHistory<'_, D> {
             self.slope_by_start(slope)
         };
         let slope = reverse().map_err(|why: HistoryFailure| why.at(0))?;
-        let (count, spaces) = (self.space.unknowns(), [&self.space]);
+        let (count, spaces) = (self.count(), self.unknowns_on());
         self.controls.add_start(Start::Value, &spaces, &slope[..count], gradient);
         self.controls.add_start(Start::Rate, &spaces, &slope[count..2 * count], gradient);
         Ok(())
     }
+}
+
+/// The coefficients of all unknowns, one after the other.
+fn coefficients<const D: usize>(fields: &[Field<D>]) -> Vec<f64> {
+    fields.iter().flat_map(Field::values).copied().collect()
 }
 
 choices_of!(

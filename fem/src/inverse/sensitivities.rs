@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::controls::Controls;
+use super::controls::{ControlError, Controls};
 use super::error::HistoryFailure;
 use crate::assemble::Assembler;
 use crate::contract::{Form, Role};
@@ -22,12 +22,38 @@ pub(super) fn is_tested<const D: usize>(rates: &Form<D>, name: &str) -> bool {
     rates.fields().iter().any(|field| field.name.strip_prefix(BY) == Some(name))
 }
 
-/// The names of the test functions of the derivatives by the states before, of a form with these unknowns: `before`, or of several unknowns
+/// The names of the test functions of derivatives by a quantity of each of these unknowns: that of the quantity, or of several unknowns
 /// `before_u` and so on.
-pub(super) fn names_before(unknowns: &[&str]) -> Vec<String> {
+pub(super) fn names_of(quantity: &str, unknowns: &[&str]) -> Vec<String> {
     match unknowns {
-        [_] => vec![BEFORE.to_owned()],
-        _ => unknowns.iter().map(|unknown| format!("{BEFORE}_{unknown}")).collect(),
+        [_] => vec![quantity.to_owned()],
+        _ => unknowns.iter().map(|unknown| format!("{quantity}_{unknown}")).collect(),
+    }
+}
+
+/// The names of a form's unknowns, in their order.
+pub(super) fn names_of_unknowns<const D: usize>(form: &Form<D>) -> Vec<&'static str> {
+    let unknowns = form.fields().iter().filter_map(|field| match field.role {
+        Role::Unknown(number) => Some((number, field.name)),
+        _ => None,
+    });
+    let mut unknowns: Vec<_> = unknowns.collect();
+    unknowns.sort_unstable();
+    unknowns.into_iter().map(|(_, name)| name).collect()
+}
+
+/// A form with as many unknowns as a history has.
+///
+/// # Errors
+/// [`HistoryFailure::Unknowns`].
+pub(super) fn has_unknowns<const D: usize>(
+    form: Form<D>,
+    expected: usize,
+) -> Result<Form<D>, HistoryFailure> {
+    let found = names_of_unknowns(&form).len();
+    match found == expected {
+        true => Ok(form),
+        false => Err(HistoryFailure::Unknowns { form: form.name(), found, expected }),
     }
 }
 
@@ -73,23 +99,9 @@ impl Wanted {
     }
 }
 
-/// [`rows_of`] a known number of own test functions.
-pub(super) fn rows<const D: usize, const N: usize>(
-    rates: &Form<D>,
-    own: &[Own<'_, D>; N],
-    step: usize,
-    controls: &Controls<D>,
-    constants: &Arc<Space<D>>,
-    assembler: &Assembler<D>,
-    gradient: &mut [f64],
-) -> Result<[Vec<f64>; N], HistoryFailure> {
-    let mut found = rows_of(rates, own, step, controls, constants, assembler, gradient)?;
-    Ok(std::array::from_fn(|place| std::mem::take(&mut found[place])))
-}
-
 /// Assembles a form of sensitivities. It adds the rows by the controls to the gradient, and returns those of its own test functions on their
 /// spaces, zeros for one that is not wanted or missing.
-fn rows_of<const D: usize>(
+pub(super) fn rows_of<const D: usize>(
     rates: &Form<D>,
     own: &[Own<'_, D>],
     step: usize,
@@ -143,6 +155,9 @@ fn tests<const D: usize>(
             Role::Test(_) => tests.push(name),
             _ => {}
         }
+    }
+    if let Some(name) = controls.tested().find(|name| own.iter().any(|own| own.name == *name)) {
+        return Err(ControlError::Reserved { name: name.to_owned() }.into());
     }
     let missing = |name: &str, meaning| HistoryFailure::NotTested {
         form: rates.name(),

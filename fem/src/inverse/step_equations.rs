@@ -183,7 +183,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         Ok(fields_on(&self.on(), &found)?)
     }
 
-    /// Kᵀ p with the tangent K of a form with one unknown at a solution.
+    /// Kᵀ p with the tangent K of a form at a solution, p with the coefficients of all unknowns.
     ///
     /// # Errors
     /// Those of the assembly.
@@ -191,14 +191,14 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     pub fn transposed(
         &mut self,
         form: &Form<D>,
-        at: &Field<D>,
-        p: &Field<D>,
+        at: &[Field<D>],
+        p: &[f64],
     ) -> Result<Vec<f64>, HistoryFailure> {
-        Ok(self.tangent(form, std::slice::from_ref(at))?.multiply_transposed(p.values())?)
+        Ok(self.tangent(form, at)?.multiply_transposed(p)?)
     }
 }
 
-fn views<const D: usize>(fields: &[Field<D>]) -> Vec<FieldView<'_, D>> {
+pub(super) fn views<const D: usize>(fields: &[Field<D>]) -> Vec<FieldView<'_, D>> {
     fields.iter().map(Field::view).collect()
 }
 

@@ -1,13 +1,15 @@
 //! A step of a motion between rows of states, forward and back: the formulas of a scheme as linear maps of rows.
 //!
-//! A row is the data between two steps: value, rate and second rate of as many states as the scheme reads, newest first, zero where
-//! there are none yet; after them the lumped masses, where there are such, the same in all rows.
+//! A row is the data between two steps: value, rate and second rate of as many states as the schemes read, newest first, zero where
+//! there are none yet; after them the lumped masses, where there are such, the same in all rows. Each of these parts has the coefficients
+//! of all unknowns, one after the other.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::error::HistoryFailure;
 use super::step_equations::Solution;
-use crate::field::Field;
+use crate::field::{Field, fields_on};
 use crate::linear_algebra::vector::add_scaled;
 use crate::space::Space;
 use crate::time::{Combination, Formulas, SolvedFor, State, Step};
@@ -15,26 +17,28 @@ use crate::time::{Combination, Formulas, SolvedFor, State, Step};
 /// One time step: its formulas and the times at its ends.
 pub(super) struct StepMap {
     pub solution: Solution,
-    pub formulas: Formulas,
+    /// Of each unknown.
+    pub formulas: Vec<Formulas>,
     pub solved_for: SolvedFor,
     /// Time before the step, and at its end.
     pub times: [f64; 2],
-    /// Unknowns of a field.
-    pub unknowns: usize,
+    /// The number of coefficients of each unknown.
+    pub counts: Vec<usize>,
     /// The states in a row.
     pub states: usize,
 }
 
-/// The formulas by which the second rate of the first state is found: it is the unknown, with known value and rate.
-pub(super) fn of_start() -> Formulas {
-    let all = || {
+/// The formulas by which the second rate of the first state is found: it is the unknown, with known value and rate. Where schemes read no
+/// second rates the form does not see it.
+pub(super) fn of_start(reads_second_rates: bool) -> Formulas {
+    let all = |weight| {
         [
             Combination::new(0.0, [1.0, 0.0, 0.0]),
             Combination::new(0.0, [0.0, 1.0, 0.0]),
-            Combination::new(1.0, [0.0; 3]),
+            Combination::new(weight, [0.0; 3]),
         ]
     };
-    Formulas { evaluated: all(), end: all(), load_at: 0.0 }
+    Formulas { evaluated: all(f64::from(u8::from(reads_second_rates))), end: all(1.0), load_at: 0.0 }
 }
 
 /// Whether a combination is the unknown and nothing else.
@@ -61,56 +65,87 @@ impl StepMap {
         self.solved_for == SolvedFor::SecondRate && self.solution != Solution::Start
     }
 
-    /// The part of a combination that the states of a row give.
-    fn known(&self, combination: &Combination, row: &[f64]) -> Vec<f64> {
-        let mut sum = vec![0.0; self.unknowns];
-        let weights = combination.states.iter().flatten().zip(row.chunks(self.unknowns));
-        weights.filter(|(weight, _)| **weight != 0.0).for_each(|(weight, part)| {
-            add_scaled(&mut sum, *weight, part);
-        });
+    /// The number of coefficients of all unknowns.
+    pub fn count(&self) -> usize {
+        self.counts.iter().sum()
+    }
+
+    /// The places of an unknown's coefficients in a part of a row.
+    pub fn block(&self, unknown: usize) -> Range<usize> {
+        let from = self.counts[..unknown].iter().sum();
+        from..from + self.counts[unknown]
+    }
+
+    /// The part of combinations, one of each unknown, that the states of a row give.
+    fn known(&self, of: impl Fn(&Formulas) -> &Combination, row: &[f64]) -> Vec<f64> {
+        let count = self.count();
+        let mut sum = vec![0.0; count];
+        for (unknown, formulas) in self.formulas.iter().enumerate() {
+            let block = self.block(unknown);
+            let weights = of(formulas).states.iter().flatten().zip(row.chunks(count));
+            weights.filter(|(weight, _)| **weight != 0.0).for_each(|(weight, part)| {
+                add_scaled(&mut sum[block.clone()], *weight, &part[block.clone()]);
+            });
+        }
         sum
     }
 
-    /// The slope by a combination, added to that by the row whose states it reads.
-    pub fn add_slope(&self, combination: &Combination, slope: &[f64], by_row: &mut [f64]) {
-        let weights = combination.states.iter().flatten().zip(by_row.chunks_mut(self.unknowns));
+    /// The slope by a combination of an unknown, added to that by the row whose states it reads.
+    pub fn add_slope(&self, unknown: usize, combination: &Combination, slope: &[f64], by_row: &mut [f64]) {
+        let block = self.block(unknown);
+        let weights = combination.states.iter().flatten().zip(by_row.chunks_mut(self.count()));
         weights.filter(|(weight, _)| **weight != 0.0).for_each(|(weight, part)| {
-            add_scaled(part, *weight, slope);
+            add_scaled(&mut part[block.clone()], *weight, slope);
         });
     }
 
-    /// The step as a form reads it, from the row before.
+    /// The slopes by what the operators evaluate of each unknown, value, rate and second rate, added to that by the row.
+    pub fn add_slopes_by_evaluated(&self, slopes: &[[Vec<f64>; 3]], by_row: &mut [f64]) {
+        for (unknown, slopes) in slopes.iter().enumerate() {
+            for (combination, slope) in self.formulas[unknown].evaluated.iter().zip(slopes) {
+                self.add_slope(unknown, combination, slope, by_row);
+            }
+        }
+    }
+
+    /// The step as a form reads it, of each unknown, from the row before.
     ///
     /// # Errors
-    /// Values that do not fit the space.
-    pub fn step_from<const D: usize>(
+    /// Values that do not fit the spaces.
+    pub fn steps_from<const D: usize>(
         &self,
-        space: &Arc<Space<D>>,
+        spaces: &[&Arc<Space<D>>],
         before: &[f64],
-    ) -> Result<Step<D>, HistoryFailure> {
-        let [from, end] = self.times;
-        let part =
-            |k: usize| Field::from_values(space, before[k * self.unknowns..(k + 1) * self.unknowns].to_vec());
-        let known =
-            |which: usize| Field::from_values(space, self.known(&self.formulas.evaluated[which], before));
-        Ok(Step {
-            before: State { time: from, value: part(0)?, rate: part(1)?, second_rate: part(2)? },
-            end,
-            time: from + self.formulas.load_at * (end - from),
-            weights: self.formulas.evaluated.each_ref().map(|combination| combination.unknown),
-            known: [known(0)?, known(1)?, known(2)?],
-        })
+    ) -> Result<Vec<Step<D>>, HistoryFailure> {
+        let ([from, end], count) = (self.times, self.count());
+        let known = [0, 1, 2].map(|which| self.known(|formulas| &formulas.evaluated[which], before));
+        let step = |(unknown, formulas): (usize, &Formulas)| {
+            let block = self.block(unknown);
+            let field = |part: &[f64]| Field::from_values(spaces[unknown], part[block.clone()].to_vec());
+            let before = |which: usize| field(&before[which * count..]);
+            Ok(Step {
+                before: State { time: from, value: before(0)?, rate: before(1)?, second_rate: before(2)? },
+                end,
+                time: from + formulas.load_at * (end - from),
+                weights: formulas.evaluated.each_ref().map(|combination| combination.unknown),
+                known: [field(&known[0])?, field(&known[1])?, field(&known[2])?],
+            })
+        };
+        self.formulas.iter().enumerate().map(step).collect()
     }
 
     /// The row at the end of the step.
     pub fn end_of(&self, before: &[f64], unknown: &[f64]) -> Vec<f64> {
         let mut after = Vec::with_capacity(before.len());
-        for combination in &self.formulas.end {
-            let mut part = self.known(combination, before);
-            add_scaled(&mut part, combination.unknown, unknown);
+        for which in 0..3 {
+            let mut part = self.known(|formulas| &formulas.end[which], before);
+            for (place, formulas) in self.formulas.iter().enumerate() {
+                let block = self.block(place);
+                add_scaled(&mut part[block.clone()], formulas.end[which].unknown, &unknown[block]);
+            }
             after.extend(part);
         }
-        let [own, all] = [3, 3 * self.states].map(|parts| parts * self.unknowns);
+        let [own, all] = [3, 3 * self.states].map(|parts| parts * self.count());
         match self.solution {
             Solution::Start => after.extend(&before[own..all]),
             Solution::Step(_) => after.extend(&before[..all - own]),
@@ -122,10 +157,12 @@ impl StepMap {
     /// The slope by the row before, with the step's unknown kept fixed, from that by the row at its end.
     pub fn slope_before(&self, slope: &[f64]) -> Vec<f64> {
         let mut by_before = vec![0.0; slope.len()];
-        for (combination, slope) in self.formulas.end.iter().zip(slope.chunks(self.unknowns)) {
-            self.add_slope(combination, slope, &mut by_before);
+        for (unknown, formulas) in self.formulas.iter().enumerate() {
+            for (combination, slope) in formulas.end.iter().zip(slope.chunks(self.count())) {
+                self.add_slope(unknown, combination, &slope[self.block(unknown)], &mut by_before);
+            }
         }
-        let [own, all] = [3, 3 * self.states].map(|parts| parts * self.unknowns);
+        let [own, all] = [3, 3 * self.states].map(|parts| parts * self.count());
         let carried = match self.solution {
             Solution::Start => &mut by_before[own..all],
             Solution::Step(_) => &mut by_before[..all - own],
@@ -135,38 +172,47 @@ impl StepMap {
         by_before
     }
 
-    /// The step's unknown from the rows at its ends: from that of value, rate and second rate which is the unknown, or else from the
+    /// The step's unknowns from the rows at its ends: each from that of value, rate and second rate which is the unknown, or else from the
     /// first that contains it.
     ///
     /// # Errors
-    /// Values that do not fit the space.
-    pub fn unknown_of<const D: usize>(
+    /// Values that do not fit the spaces.
+    pub fn unknowns_of<const D: usize>(
         &self,
-        space: &Arc<Space<D>>,
+        spaces: &[&Arc<Space<D>>],
         before: &[f64],
         after: &[f64],
-    ) -> Result<Field<D>, HistoryFailure> {
-        let end = &self.formulas.end;
-        let alone = end.iter().position(is_the_unknown);
-        let part = alone.or_else(|| end.iter().position(|part| part.unknown != 0.0)).unwrap_or(0);
-        let mut unknown = after[part * self.unknowns..(part + 1) * self.unknowns].to_vec();
-        add_scaled(&mut unknown, -1.0, &self.known(&end[part], before));
-        unknown.iter_mut().for_each(|value| *value /= end[part].unknown);
-        Ok(Field::from_values(space, unknown)?)
+    ) -> Result<Vec<Field<D>>, HistoryFailure> {
+        let count = self.count();
+        let mut unknowns = vec![0.0; count];
+        for (unknown, formulas) in self.formulas.iter().enumerate() {
+            let (end, block) = (&formulas.end, self.block(unknown));
+            let only = end.iter().position(is_the_unknown);
+            let which = only.or_else(|| end.iter().position(|part| part.unknown != 0.0)).unwrap_or(0);
+            let known = self.known(|formulas| &formulas.end[which], before);
+            let own = &mut unknowns[block.clone()];
+            own.copy_from_slice(&after[which * count..][block.clone()]);
+            add_scaled(own, -1.0, &known[block]);
+            own.iter_mut().for_each(|value| *value /= end[which].unknown);
+        }
+        Ok(fields_on(spaces, &unknowns)?)
     }
 
-    /// The slope by the step's unknown from that by the row at its end.
-    pub fn slope_by_unknown(&self, slope: &[f64]) -> Vec<f64> {
-        let mut sum = vec![0.0; self.unknowns];
-        for (combination, slope) in self.formulas.end.iter().zip(slope.chunks(self.unknowns)) {
-            add_scaled(&mut sum, combination.unknown, slope);
+    /// The slope by the step's unknowns from that by the row at its end.
+    pub fn slope_by_unknowns(&self, slope: &[f64]) -> Vec<f64> {
+        let mut sum = vec![0.0; self.count()];
+        for (unknown, formulas) in self.formulas.iter().enumerate() {
+            let block = self.block(unknown);
+            for (combination, slope) in formulas.end.iter().zip(slope.chunks(self.count())) {
+                add_scaled(&mut sum[block.clone()], combination.unknown, &slope[block.clone()]);
+            }
         }
         sum
     }
 
     /// The lumped masses of a row with which the step is solved.
     pub fn masses<'r>(&self, row: &'r [f64]) -> Option<&'r [f64]> {
-        let masses = &row[3 * self.states * self.unknowns..];
+        let masses = &row[3 * self.states * self.count()..];
         (self.solved_for == SolvedFor::SecondRate && !masses.is_empty()).then_some(masses)
     }
 }

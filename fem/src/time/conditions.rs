@@ -47,3 +47,14 @@ impl<'a, T: Copy, const D: usize> Conditions<'a, T, D> {
         Ok(Some(all.into_iter().zip(spaces).map(or_none).collect()))
     }
 }
+
+/// Prescribes zero for unknowns, by their numbers on the conditions' space.
+pub(crate) fn hold<const D: usize>(
+    conditions: &mut Constraints<D>,
+    unknowns: impl IntoIterator<Item = usize>,
+) -> Result<(), ConstraintsError> {
+    let components = conditions.space().components();
+    unknowns.into_iter().try_for_each(|unknown| {
+        conditions.fix_node(unknown / components, unknown % components, 0.0).map(|_| ())
+    })
+}

@@ -117,3 +117,29 @@ impl<const D: usize> Default for vector::Data<D> {
             .known_second_rate(none())
     }
 }
+
+/// Data of no step: for functionals of the same module, which read none.
+impl<const D: usize> Default for scalar::Data<D> {
+    fn default() -> Self {
+        let none = || Given::constant(0.0);
+        scalar::data()
+            .value_weight(0.0)
+            .rate_weight(0.0)
+            .second_rate_weight(0.0)
+            .known_value(none())
+            .known_rate(none())
+            .known_second_rate(none())
+    }
+}
+
+/// Data of no step: for functionals of the same module, which read none.
+impl<const D: usize> Default for vector_and_scalar::Data<D> {
+    fn default() -> Self {
+        let none = || Given::constant(0.0);
+        vector_and_scalar::data_from(vector::Data::default())
+            .scalar_value_weight(0.0)
+            .scalar_rate_weight(0.0)
+            .known_scalar_value(none())
+            .known_scalar_rate(none())
+    }
+}

@@ -1,8 +1,11 @@
 //! Schemes of time integration as tables of numbers.
 
 use std::fmt::Debug;
+use std::rc::Rc;
 
 use thiserror::Error;
+
+use super::error::StepFailure;
 
 /// A scheme: formulas that give a step's evaluated and final value, rate and second rate by the step's unknown x and the states
 /// before it.
@@ -114,6 +117,25 @@ impl Combination {
             }
         }
         sum
+    }
+}
+
+/// The meaning of the unknowns of a step, on which the schemes of all unknowns have to agree, as on the time of loads.
+pub(crate) fn agreed_unknown(
+    schemes: &[Rc<dyn Scheme + '_>],
+    formulas: &[Formulas],
+) -> Result<SolvedFor, StepFailure> {
+    let solved_for = schemes[0].solved_for();
+    let agree = |(scheme, own): (&Rc<dyn Scheme + '_>, &Formulas)| {
+        scheme.solved_for() == solved_for && own.load_at == formulas[0].load_at
+    };
+    match schemes.iter().zip(formulas).position(|both| !agree(both)) {
+        None => Ok(solved_for),
+        Some(unknown) => Err(StepFailure::Schemes {
+            unknown,
+            scheme: format!("{:?}", schemes[unknown]),
+            first: format!("{:?}", schemes[0]),
+        }),
     }
 }
 

@@ -6,11 +6,11 @@ use std::time::Instant;
 
 use super::central_differences::supports_stand;
 use super::checkpoint::Checkpoint;
-use super::conditions::Conditions;
+use super::conditions::{Conditions, hold};
 use super::error::{StepError, StepFailure};
 use super::linear_step::{Check, LinearStep, Means, StepMatrix, solve};
 use super::mass::Mass;
-use super::scheme::{Formulas, Scheme, SolvedFor};
+use super::scheme::{Formulas, Scheme, SolvedFor, agreed_unknown};
 use super::step::{State, Step, Taken, known};
 use super::step_cost::StepCost;
 use crate::assemble::{Assembler, BlockPattern, Outline, Parts};
@@ -289,7 +289,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         self.find_second_rates(&constraints)?;
         let sizes = self.sizes(size)?;
         let formulas: Vec<Formulas> = self.schemes.iter().map(|scheme| scheme.formulas(&sizes)).collect();
-        let solved_for = self.agreed_unknown(&formulas)?;
+        let solved_for = agreed_unknown(&self.schemes, &formulas)?;
         let read = formulas.iter().map(Formulas::states).max().unwrap_or(0);
         if read > self.states.len() {
             return Err(StepFailure::MissingStates { read, known: self.states.len() });
@@ -360,22 +360,6 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
             return Err(StepFailure::NotEarlier { times });
         }
         Ok(sizes)
-    }
-
-    /// The meaning of the unknowns, on which all schemes have to agree, as on the time of loads.
-    fn agreed_unknown(&self, formulas: &[Formulas]) -> Result<SolvedFor, StepFailure> {
-        let solved_for = self.schemes[0].solved_for();
-        let agree = |(scheme, own): (&Rc<dyn Scheme + 'a>, &Formulas)| {
-            scheme.solved_for() == solved_for && own.load_at == formulas[0].load_at
-        };
-        match self.schemes.iter().zip(formulas).position(|both| !agree(both)) {
-            None => Ok(solved_for),
-            Some(unknown) => Err(StepFailure::Schemes {
-                unknown,
-                scheme: format!("{:?}", self.schemes[unknown]),
-                first: format!("{:?}", self.schemes[0]),
-            }),
-        }
     }
 
     /// The conditions of each unknown at a time.
@@ -520,17 +504,6 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         };
         Ok(solve_owned(owned, self.solver.get(), &mut self.memory)?)
     }
-}
-
-/// Prescribes zero for unknowns.
-fn hold<const D: usize>(
-    conditions: &mut Constraints<D>,
-    unknowns: impl IntoIterator<Item = usize>,
-) -> Result<(), ConstraintsError> {
-    let components = conditions.space().components();
-    unknowns.into_iter().try_for_each(|unknown| {
-        conditions.fix_node(unknown / components, unknown % components, 0.0).map(|_| ())
-    })
 }
 
 instantiate!(time_loop: TimeLoop::<D>::of, TimeLoop::<D>::take);

@@ -9,7 +9,9 @@ use crate::field::Field;
 use crate::inverse::controls::{ControlError, ControlValues, Controls, Start};
 use crate::inverse::error::HistoryFailure;
 use crate::inverse::evolution::Evolution;
-use crate::inverse::sensitivities::{BEFORE, OF_BEFORE, Own, Wanted, add_sensitivities, rows};
+use crate::inverse::sensitivities::{
+    BEFORE, OF_BEFORE, Own, Wanted, add_sensitivities, names_of, names_of_unknowns, rows_of,
+};
 use crate::inverse::step_equations::Solution;
 use crate::inverse::tangent_state::{Linearised, halves};
 use crate::linear_algebra::vector::add_scaled;
@@ -32,8 +34,25 @@ pub struct SecondOrderState<'f, const D: usize> {
     pub along: ControlValues<'f, D>,
 }
 
+/// The states of several unknowns that a form of second sensitivities reads, a field for each unknown.
+#[derive(Clone, Copy, Debug)]
+pub struct SecondOrderStates<'f, const D: usize> {
+    /// The states u after the step.
+    pub u: &'f [Field<D>],
+    /// The adjoint states p.
+    pub p: &'f [Field<D>],
+    /// The changes of u along the direction.
+    pub du: &'f [Field<D>],
+    /// The changes of the states before the step.
+    pub dbefore: &'f [Field<D>],
+    /// The changes of p.
+    pub dp: &'f [Field<D>],
+    /// The direction: numbers and fields by the names of their controls.
+    pub along: ControlValues<'f, D>,
+}
+
 pub(super) type SecondSensitivitiesAt<'a, const D: usize> =
-    Box<dyn Fn(&ControlValues<D>, &SecondOrderState<D>) -> Result<Form<D>, ControlError> + 'a>;
+    Box<dyn Fn(&ControlValues<D>, &SecondOrderStates<D>) -> Result<Form<D>, ControlError> + 'a>;
 
 pub(super) const STATE: &str = "state";
 pub(super) const ADJOINT: &str = "adjoint";
@@ -53,63 +72,77 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         mut self,
         form: impl Fn(&ControlValues<D>, &SecondOrderState<D>) -> Result<F, ControlError> + 'a,
     ) -> Self {
+        self.second_sensitivities = Some(Box::new(move |at, all| {
+            let SecondOrderStates { u, p, du, dbefore, dp, along } = *all;
+            let [u, p, du, dbefore, dp] = [u, p, du, dbefore, dp].map(|fields| &fields[0]);
+            Ok(form(at, &SecondOrderState { u, p, du, dbefore, dp, along })?.into())
+        }));
+        self
+    }
+
+    /// [`Self::second_sensitivities`] of several unknowns: with test functions `by_state_u`, `by_before_u` and `by_adjoint_u` for the unknown
+    /// `u`, and so on.
+    pub fn coupled_second_sensitivities<F: Into<Form<D>>>(
+        mut self,
+        form: impl Fn(&ControlValues<D>, &SecondOrderStates<D>) -> Result<F, ControlError> + 'a,
+    ) -> Self {
         self.second_sensitivities = Some(Box::new(move |at, states| Ok(form(at, states)?.into())));
         self
     }
 }
 
 impl<const D: usize> LoadHistory<'_, D> {
-    /// The rows of the second sensitivities by state, state before and adjoint state; those by the controls are added to `action`.
+    /// The rows of the second sensitivities by states, states before and adjoint states; those by the controls are added to `action`.
     fn second_rows(
         &mut self,
         along: &Controls<D>,
         step: usize,
-        before: &Field<D>,
-        [u, p, du, dbefore, dp]: [&Field<D>; 5],
+        before: &[Field<D>],
+        [u, p, du, dbefore, dp]: [&[Field<D>]; 5],
         action: &mut [f64],
     ) -> Result<[Vec<f64>; 3], HistoryFailure> {
         let along = ControlValues::new(along, step, None);
-        let at = ControlValues::new(&self.controls, step, Some(std::slice::from_ref(before)));
-        let form =
+        let at = ControlValues::new(&self.controls, step, Some(before));
+        let second =
             self.second_sensitivities.as_ref().ok_or(HistoryFailure::Missing("second_sensitivities"))?;
-        let form = form(&at, &SecondOrderState { u, p, du, dbefore, dp, along })?;
-        let (constants, space) = (self.equations.constants()?, &self.spaces[0]);
-        let before = Wanted::when(self.remembers());
-        let own = [
-            Own { name: STATE, meaning: "the derivative by the state changes", wanted: Wanted::Yes, space },
-            Own { name: BEFORE, meaning: OF_BEFORE, wanted: before, space },
-            Own { name: ADJOINT, meaning: "the equations of the step change", wanted: Wanted::Yes, space },
-        ];
-        rows(&form, &own, step, &self.controls, &constants, &self.equations.assembler, action)
-    }
-
-    /// The values of the only unknown as a field.
-    fn only(&self, values: &[f64]) -> Result<Field<D>, HistoryFailure> {
-        Ok(Field::from_values(&self.spaces[0], values.to_vec())?)
+        let second = second(&at, &SecondOrderStates { u, p, du, dbefore, dp, along })?;
+        let names = names_of_unknowns(&self.form(&at)?);
+        let names = [STATE, BEFORE, ADJOINT].map(|quantity| names_of(quantity, &names));
+        let meanings = ["the derivative by the state changes", OF_BEFORE, "the equations of the step change"];
+        let wanted = [Wanted::Yes, Wanted::when(self.remembers()), Wanted::Yes];
+        let mut own = vec![];
+        for ((names, meaning), wanted) in names.iter().zip(meanings).zip(wanted) {
+            let unknowns = names.iter().zip(&self.spaces);
+            own.extend(unknowns.map(|(name, space)| Own { name, meaning, wanted, space }));
+        }
+        let constants = self.equations.constants()?;
+        let assembler = &self.equations.assembler;
+        let found = rows_of(&second, &own, step, &self.controls, &constants, assembler, action)?;
+        let mut found = found.chunks(self.spaces.len()).map(<[_]>::concat);
+        Ok(std::array::from_fn(|_| found.next().unwrap_or_default()))
     }
 
     /// x with R_u x = −load or R_uᵀ x = −load.
     fn linearised(
         &mut self,
         step: usize,
-        [before, u]: [&Field<D>; 2],
+        [before, u]: [&[Field<D>]; 2],
         load: &[f64],
         transpose: Transpose,
-    ) -> Result<Field<D>, HistoryFailure> {
-        let form =
-            self.form(&ControlValues::new(&self.controls, step, Some(std::slice::from_ref(before))))?;
-        let (constraints, at) = (self.conditions(step)?, std::slice::from_ref(u));
-        let found = self.equations.linearised(Solution::Step(step), &form, &constraints, at, load, transpose);
-        Ok(found?.swap_remove(0))
+    ) -> Result<Vec<Field<D>>, HistoryFailure> {
+        let form = self.form(&ControlValues::new(&self.controls, step, Some(before)))?;
+        let constraints = self.conditions(step)?;
+        self.equations.linearised(Solution::Step(step), &form, &constraints, u, load, transpose)
+    }
+
+    fn zero(&self) -> Vec<Field<D>> {
+        self.spaces.iter().map(Field::zero).collect()
     }
 }
 
 impl<const D: usize> Linearised<D> for LoadHistory<'_, D> {
     fn start_along(&mut self, along: &Controls<D>) -> Result<Vec<f64>, HistoryFailure> {
         let spaces = self.unknowns_on();
-        if spaces.len() > 1 {
-            return Err(HistoryFailure::SecondOrderOfSeveral { count: spaces.len() });
-        }
         Ok([&self.controls, along].map(|controls| controls.start_values(Start::Value, &spaces)).concat())
     }
 
@@ -121,13 +154,13 @@ impl<const D: usize> Linearised<D> for LoadHistory<'_, D> {
     ) -> Result<Vec<f64>, HistoryFailure> {
         let [before, change] = halves(before);
         let mut after = self.try_advance(step, before)?;
-        let zero = Field::zero(&self.spaces[0]);
-        let (before, dbefore) = (self.only(before)?, self.only(change)?);
-        let u = self.only(&after)?;
+        let (zero, before, dbefore) = (self.zero(), self.fields(before)?, self.fields(change)?);
+        let u = self.fields(&after)?;
         let mut unused = vec![0.0; self.control_count()];
-        let states = [&u, &zero, &zero, &dbefore, &zero];
+        let states = [&u[..], &zero, &zero, &dbefore, &zero];
         let [_, _, load] = self.second_rows(along, step, &before, states, &mut unused)?;
-        after.extend(self.linearised(step, [&before, &u], &load, Transpose::No)?.values());
+        let change = self.linearised(step, [&before, &u], &load, Transpose::No)?;
+        after.extend(change.iter().flat_map(Field::values));
         Ok(after)
     }
 
@@ -140,26 +173,27 @@ impl<const D: usize> Linearised<D> for LoadHistory<'_, D> {
         [gradient, action]: [&mut [f64]; 2],
     ) -> Result<Vec<f64>, HistoryFailure> {
         let ([before, dbefore], [u, du]) = (halves(before), halves(after));
-        let [before, dbefore, u, du] = [before, dbefore, u, du].map(|values| self.only(values));
+        let [before, dbefore, u, du] = [before, dbefore, u, du].map(|values| self.fields(values));
         let (before, dbefore, u, du) = (before?, dbefore?, u?, du?);
         let p = self.linearised(step, [&before, &u], slope, Transpose::Yes)?;
         let constants = self.equations.constants()?;
-        let at = ControlValues::new(&self.controls, step, Some(std::slice::from_ref(&before)));
+        let at = ControlValues::new(&self.controls, step, Some(&before));
         let rates = self.sensitivities.as_ref().ok_or(HistoryFailure::Missing("sensitivities"))?;
-        let rates = rates(&at, std::slice::from_ref(&u), std::slice::from_ref(&p))?;
-        let tests = [(BEFORE.to_owned(), &self.spaces[0])];
+        let rates = rates(&at, &u, &p)?;
+        let form = self.form(&at)?;
+        let tests = self.tests_before(&form);
         let (controls, assembler) = ((&self.controls, self.remembers()), &self.equations.assembler);
         let mut by_before =
             add_sensitivities(&rates, step, controls, (&tests, &constants), assembler, gradient)?;
-        let zero = Field::zero(&self.spaces[0]);
+        let zero = self.zero();
         let mut unused = vec![0.0; action.len()];
         // Without a change of p first, which is found from it.
-        let states = [&u, &p, &du, &dbefore, &zero];
+        let states = [&u[..], &p, &du, &dbefore, &zero];
         let [by_state, _, _] = self.second_rows(along, step, &before, states, &mut unused)?;
         let mut change = change.to_vec();
         add_scaled(&mut change, 1.0, &by_state);
         let dp = self.linearised(step, [&before, &u], &change, Transpose::Yes)?;
-        let states = [&u, &p, &du, &dbefore, &dp];
+        let states = [&u[..], &p, &du, &dbefore, &dp];
         let [_, change_before, _] = self.second_rows(along, step, &before, states, action)?;
         by_before.extend(change_before);
         Ok(by_before)

@@ -3,52 +3,52 @@
 //! M is part of the rows of the sweep. Backwards each step adds x p to the slope by it, with its adjoint state p, and the derivatives of
 //! the sum Q over all steps, M·Q = R(1; Q) − R(0; Q), are taken once, at the start.
 
-use super::MotionHistory;
+use super::{MotionHistory, coefficients};
 use crate::assemble::Parts;
 use crate::constraints::Constraints;
 use crate::contract::Form;
-use crate::field::Field;
+use crate::field::{Field, fields_on};
 use crate::inverse::error::HistoryFailure;
-use crate::inverse::step_equations::reads_no_history;
+use crate::inverse::step_equations::{reads_no_history, views};
 use crate::inverse::step_map::StepMap;
 use crate::time::mass::row_sums;
 use crate::time::{Mass, SolvedFor, StepFailure};
 
 impl StepMap {
     /// Adds the slope of M x·p by the masses to that by the row before.
-    pub(super) fn add_by_masses<const D: usize>(&self, [x, p]: [&Field<D>; 2], by_before: &mut [f64]) {
-        let by_masses = by_before[3 * self.states * self.unknowns..].iter_mut();
-        by_masses.zip(x.values()).zip(p.values()).for_each(|((sum, x), p)| *sum += x * p);
+    pub(super) fn add_by_masses<const D: usize>(&self, [x, p]: [&[Field<D>]; 2], by_before: &mut [f64]) {
+        let by_masses = by_before[3 * self.states * self.count()..].iter_mut();
+        let [x, p] = [x, p].map(coefficients);
+        by_masses.zip(x).zip(p).for_each(|((sum, x), p)| *sum += x * p);
     }
 }
 
 impl<const D: usize> MotionHistory<'_, D> {
     /// Whether rows have masses.
     pub(super) fn lumps(&self) -> bool {
-        let second_rates =
-            self.scheme.reads_second_rates() || self.scheme.solved_for() == SolvedFor::SecondRate;
+        let second_rates = self.reads_second_rates() || self.schemes[0].solved_for() == SolvedFor::SecondRate;
         self.mass == Mass::Lumped && second_rates
     }
 
     /// The masses at a start.
     pub(super) fn masses_at(&mut self, start: &[f64]) -> Result<Vec<f64>, HistoryFailure> {
         let interval = self.interval_at_start();
-        let step = interval.step_from(&self.space, start)?;
-        let form = self.form(&interval, &step)?;
+        let steps = interval.steps_from(&self.unknowns_on(), start)?;
+        let form = self.form(&interval, &steps)?;
         reads_no_history(&form)?;
-        let matrix = self.equations.tangent(&form, &[Field::zero(&self.space)])?;
+        let matrix = self.equations.tangent(&form, &self.zero())?;
         Ok(row_sums(&matrix)?)
     }
 
-    /// The second rate by the form's residual at zero.
+    /// The second rates by the form's residual at zero.
     pub(super) fn by_masses(
         &self,
         form: &Form<D>,
         masses: &[f64],
-        conditions: &Constraints<D>,
-    ) -> Result<Field<D>, HistoryFailure> {
-        let zero = Field::zero(&self.space);
-        let load = self.equations.assembler.residual_of(form, &[zero.view()], &[&self.space], Parts::ALL)?;
+        conditions: &[Constraints<D>],
+    ) -> Result<Vec<Field<D>>, HistoryFailure> {
+        let (zero, spaces) = (self.zero(), self.unknowns_on());
+        let load = self.equations.assembler.residual_of(form, &views(&zero), &spaces, Parts::ALL)?;
         self.divided(&load, masses, conditions)
     }
 
@@ -57,14 +57,18 @@ impl<const D: usize> MotionHistory<'_, D> {
         &self,
         load: &[f64],
         masses: &[f64],
-        conditions: &Constraints<D>,
-    ) -> Result<Field<D>, HistoryFailure> {
-        if !conditions.relations().is_empty() {
-            return Err(StepFailure::LumpedRelations.into());
-        }
+        conditions: &[Constraints<D>],
+    ) -> Result<Vec<Field<D>>, HistoryFailure> {
         let mut found: Vec<f64> = load.iter().zip(masses).map(|(load, mass)| -load / mass).collect();
-        conditions.prescribed().keys().for_each(|unknown| found[*unknown] = 0.0);
-        Ok(Field::from_values(&self.space, found)?)
+        let mut from = 0;
+        for conditions in conditions {
+            if !conditions.relations().is_empty() {
+                return Err(StepFailure::LumpedRelations.into());
+            }
+            conditions.prescribed().keys().for_each(|unknown| found[from + unknown] = 0.0);
+            from += conditions.space().unknowns();
+        }
+        Ok(fields_on(&self.unknowns_on(), &found)?)
     }
 
     /// Adds the derivatives of the masses at the start, whose slopes are in the slope by the first row.
@@ -75,19 +79,18 @@ impl<const D: usize> MotionHistory<'_, D> {
         gradient: &mut [f64],
     ) -> Result<(), HistoryFailure> {
         let interval = self.interval_at_start();
-        let step = interval.step_from(&self.space, start)?;
-        let by_masses = &slope[3 * interval.states * interval.unknowns..];
-        for (u, p) in self.masses_tested_with(by_masses)? {
-            self.add_derivatives((&interval, &step), [&u, &p], gradient, slope)?;
+        let steps = interval.steps_from(&self.unknowns_on(), start)?;
+        let by_masses = &slope[3 * interval.states * interval.count()..];
+        for [u, p] in self.masses_tested_with(by_masses)? {
+            self.add_derivatives((&interval, &steps), [&u, &p], gradient, slope)?;
         }
         Ok(())
     }
 
     /// The pairs u, p whose residuals R(u; p) add up to M·q: ones with q, zero with −q.
-    pub(super) fn masses_tested_with(&self, q: &[f64]) -> Result<[(Field<D>, Field<D>); 2], HistoryFailure> {
-        let q = Field::from_values(&self.space, q.to_vec())?;
-        let ones = Field::from_values(&self.space, vec![1.0; q.values().len()])?;
-        let (zero, less) = (Field::zero(&self.space), q.times(-1.0)?);
-        Ok([(ones, q), (zero, less)])
+    pub(super) fn masses_tested_with(&self, q: &[f64]) -> Result<[[Vec<Field<D>>; 2]; 2], HistoryFailure> {
+        let fields = |values: &[f64]| fields_on(&self.unknowns_on(), values);
+        let less: Vec<f64> = q.iter().map(|q| -q).collect();
+        Ok([[fields(&vec![1.0; q.len()])?, fields(q)?], [self.zero(), fields(&less)?]])
     }
 }

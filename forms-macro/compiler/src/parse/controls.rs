@@ -31,6 +31,10 @@ use syn::{
 const OPTIONS: &str = "write `#[controls(first, second)]` with members of the data, and after them, where they are wanted, \
      `criterion = energy`, `motion(value, rate, second_rate)`, `order = 2`";
 
+/// The shape of a mistake in the operators of time.
+const OPERATORS: &str = "`motion(..)` takes `value`, `rate` and `second_rate`, of several unknowns those of each: \
+     `motion(u(value, rate), p(value))`";
+
 /// Writes out the sensitivities of all functions with the attribute, and takes the attributes away. The result is the errors.
 pub fn expand(item: &mut ItemMod) -> TokenStream {
     let Some((_, items)) = &mut item.content else { return TokenStream::new() };
@@ -71,10 +75,42 @@ struct Choices {
     controls: Vec<Ident>,
     /// An energy that reads controls.
     criterion: Option<Ident>,
-    /// Operators of time that the form reads: `value`, `rate`, `second_rate`.
-    operators: Vec<Ident>,
+    /// Operators of time that the form reads.
+    operators: Vec<Operator>,
     /// Whether second derivatives are wanted, too.
     is_twice: bool,
+}
+
+/// An operator of time: `value`, `rate` or `second_rate`, and of several unknowns the one that it reads.
+struct Operator {
+    name: Ident,
+    unknown: Option<Ident>,
+}
+
+impl Operator {
+    /// The operators in `motion(value, rate)` or `motion(u(value, rate), p(value))`.
+    fn read(parts: Punctuated<Meta, Token![,]>) -> syn::Result<Vec<Self>> {
+        let mut operators = vec![];
+        for part in parts {
+            match &part {
+                Meta::List(list) => {
+                    let unknown = list.path.get_ident().ok_or_else(|| Error::new(list.span(), OPERATORS))?;
+                    let names = list.parse_args_with(Punctuated::<Ident, Token![,]>::parse_terminated)?;
+                    operators.extend(
+                        names.into_iter().map(|name| Operator { name, unknown: Some(unknown.clone()) }),
+                    );
+                }
+                Meta::Path(path) if path.get_ident().is_some() => operators
+                    .extend(path.get_ident().map(|name| Operator { name: name.clone(), unknown: None })),
+                _ => return Err(Error::new(part.span(), OPERATORS)),
+            }
+        }
+        match operators.iter().find(|one| !["value", "rate", "second_rate"].contains(&&*one.name.to_string()))
+        {
+            Some(other) => Err(Error::new(other.name.span(), OPERATORS)),
+            None => Ok(operators),
+        }
+    }
 }
 
 impl Choices {
@@ -87,16 +123,9 @@ impl Choices {
             match &part {
                 Meta::Path(path) => choices.controls.push(path.get_ident().ok_or_else(unknown)?.clone()),
                 Meta::List(list) if list.path.is_ident("motion") => {
-                    let names = list.parse_args_with(Punctuated::<Ident, Token![,]>::parse_terminated)?;
-                    for name in names {
-                        if !["value", "rate", "second_rate"].contains(&&*name.to_string()) {
-                            return Err(Error::new(
-                                name.span(),
-                                "`motion(..)` takes `value`, `rate` and `second_rate`",
-                            ));
-                        }
-                        choices.operators.push(name);
-                    }
+                    choices
+                        .operators
+                        .extend(Operator::read(list.parse_args_with(Punctuated::parse_terminated)?)?);
                 }
                 Meta::NameValue(pair) => match &pair.value {
                     Expr::Path(value) if pair.path.is_ident("criterion") => {
@@ -166,8 +195,15 @@ impl History {
                 "the form of a step reads the states before as `State`s: one for each unknown, in their order, or none",
             );
         }
-        if !choices.operators.is_empty() && unknowns.len() > 1 {
-            return error("motions have one unknown");
+        for operator in &choices.operators {
+            let known = |name: &Ident| unknowns.iter().any(|unknown| unknown.name == *name);
+            match &operator.unknown {
+                Some(name) if !known(name) => {
+                    return Err(Error::new(name.span(), "no unknown of the form has this name"));
+                }
+                None if unknowns.len() > 1 => return Err(Error::new(operator.name.span(), OPERATORS)),
+                _ => {}
+            }
         }
         if let (Some(name), false) = (&choices.criterion, choices.operators.is_empty()) {
             return Err(Error::new(name.span(), "the criterion of a motion depends on no control"));
@@ -225,16 +261,27 @@ impl History {
     /// The tests of the derivatives by the states before: the variable, the test function, its shape.
     fn tested_before(&self) -> Vec<(Ident, Ident, TokenStream)> {
         let before = self.before.iter().zip(&self.unknowns).map(|(before, unknown)| {
-            let test = match self.unknowns.len() {
-                1 => format_ident!("by_before"),
-                _ => format_ident!("by_before_{}", unknown.name),
-            };
-            (before.name.clone(), test, before.shape.clone())
+            (before.name.clone(), self.test_of("before", &unknown.name), before.shape.clone())
         });
-        let operators = self.choices.operators.iter().map(|name| {
-            (format_ident!("known_{name}"), format_ident!("by_{name}"), self.unknowns[0].shape.clone())
+        let operators = self.choices.operators.iter().filter_map(|Operator { name, unknown }| {
+            let named = |one: &&Argument| unknown.as_ref().is_none_or(|name| one.name == *name);
+            let Argument { name: unknown, shape } = self.unknowns.iter().find(named)?;
+            // What is known of a scalar next to a vector has this word in its name.
+            let known = match self.unknowns.len() > 1 && shape.to_string() == "Scalar" {
+                true => format_ident!("known_scalar_{name}"),
+                false => format_ident!("known_{name}"),
+            };
+            Some((known, self.test_of(&name.to_string(), unknown), shape.clone()))
         });
         operators.chain(before).collect()
+    }
+
+    /// The test function of the derivative by a quantity of an unknown.
+    fn test_of(&self, quantity: &str, unknown: &Ident) -> Ident {
+        match self.unknowns.len() {
+            1 => format_ident!("by_{quantity}"),
+            _ => format_ident!("by_{quantity}_{unknown}"),
+        }
     }
 
     /// The criterion at the states.
@@ -271,7 +318,6 @@ impl History {
 
     fn second_sensitivities(&self) -> TokenStream {
         let (visibility, name, work) = (&self.function.vis, self.named("second_sensitivities"), self.work());
-        let several = self.unknowns.len() > 1;
         let changed: Vec<Argument> = match self.choices.operators.is_empty() {
             true => self.unknowns.iter().chain(&self.before).cloned().collect(),
             false => {
@@ -295,21 +341,17 @@ impl History {
             arguments.push(quote! { #test: Test<#shape> });
             slopes.push(quote! { derivative(#of, #variable, #test) });
         };
-        let of = |kind: &str, name: &Ident| match several {
-            true => format_ident!("by_{kind}_{name}"),
-            false => format_ident!("by_{kind}"),
-        };
         let work_only = || quote! { work };
         if self.choices.operators.is_empty() {
             for Argument { name, shape } in &self.unknowns {
-                slope(work_only(), name, of("state", name), shape);
+                slope(work_only(), name, self.test_of("state", name), shape);
             }
         }
         for (variable, test, shape) in self.tested_before() {
             slope(work_only(), &variable, test, &shape);
         }
         for (adjoint, unknown) in adjoints.iter().zip(&self.unknowns) {
-            slope(work_only(), &adjoint.name, of("adjoint", &unknown.name), &adjoint.shape);
+            slope(work_only(), &adjoint.name, self.test_of("adjoint", &unknown.name), &adjoint.shape);
         }
         for Control { name, shape, .. } in &self.controls {
             slope(quote! { lagrangian }, name, Ident::new(&format!("by_{name}"), name.span()), shape);
@@ -318,7 +360,7 @@ impl History {
         let of_criterion = self.criterion().map(|energy| {
             let read = self.unknowns[..self.read_by_criterion].iter().map(|unknown| &unknown.name);
             let terms = read.map(|unknown| {
-                let test = of("state", unknown);
+                let test = self.test_of("state", unknown);
                 quote! { + derivative(#energy, #unknown, #test) }
             });
             quote! { #(#terms)* }
