@@ -58,6 +58,9 @@ pub enum PetscError {
         expected: usize,
         found: usize,
     },
+    /// A prefix that names of options cannot begin with.
+    #[error("\"{prefix}\" cannot begin the names of PETSc's options: it has letters, digits and `_` only")]
+    OptionsPrefix { prefix: String },
     /// More rows or entries than PETSc's indices can count.
     #[error("{count} {what} are more than PETSc's indices can count")]
     TooMany { what: &'static str, count: usize },

@@ -32,17 +32,19 @@ mod error;
 mod functional;
 mod matrix;
 mod meeting;
+mod method;
 mod mpi;
 mod node_rows;
 mod object;
 mod petsc;
 mod petsc_solver;
 mod rows;
+mod system;
 mod vector;
 mod world;
 
 pub use error::{DistributedError, PetscError};
 pub use functional::distributed_functional;
-pub use petsc_solver::{Method, PetscReport, PetscSolver, TOLERANCE, UnknownMethod};
-
+pub use method::{Method, TOLERANCE, UnknownMethod};
+pub use petsc_solver::{PetscReport, PetscSolver};
 pub use world::World;

@@ -2,13 +2,12 @@
 
 #![allow(unsafe_code)]
 
-use std::ptr::null_mut;
 use std::sync::Arc;
 
 use forms_fem::linear_algebra::{CsrMatrix, SparsityPattern};
 
 use crate::error::PetscError;
-use crate::node_rows::NodeRows;
+use crate::node_rows::{FieldRows, NodeRows};
 use crate::object::Owned;
 use crate::petsc::{self, FALSE, Index, Object, call};
 use crate::vector::DistributedVector;
@@ -60,7 +59,7 @@ impl<'w> DistributedMatrix<'w> {
             call!(MatSetPreallocationCOO(at, rows.len() as isize, rows_at, columns_at))?;
         }
         let made = DistributedMatrix { world, matrix, pattern, held, values: vec![] };
-        made.set_motions(nodes)?;
+        set_motions(world, made.handle(), nodes)?;
         Ok(made)
     }
 
@@ -82,27 +81,41 @@ impl<'w> DistributedMatrix<'w> {
         unsafe { call!(MatSetValuesCOO(self.handle(), self.values.as_ptr(), petsc::INSERT)) }
     }
 
-    /// Tells GAMG the rigid motions.
-    fn set_motions(&self, nodes: &NodeRows) -> Result<(), PetscError> {
-        if nodes.motions.is_empty() {
-            return Ok(());
-        }
-        let mut vectors = Vec::new();
-        for motion in &nodes.motions {
-            let mut vector = DistributedVector::new(self.world, nodes.rows.clone())?;
-            vector.set(motion)?;
-            vectors.push(vector);
-        }
-        let handles: Vec<Object> = vectors.iter().map(DistributedVector::handle).collect();
-        let mut space = null_mut();
-        // SAFETY: the vectors live until the end of this, and PETSc counts its own references to them and to the space.
-        unsafe {
-            let count = handles.len() as Index;
-            let comm = self.world.communicator();
-            call!(MatNullSpaceCreate(comm, FALSE, count, handles.as_ptr(), &mut space))?;
-            let set = call!(MatSetNearNullSpace(self.handle(), space));
-            call!(MatNullSpaceDestroy(&mut space))?;
-            set
-        }
+    /// Its transposed, as a matrix of its own.
+    pub fn transposed(&self, nodes: &NodeRows) -> Result<Owned<'w>, PetscError> {
+        // SAFETY: PETSc makes a matrix and writes its handle.
+        let matrix = Owned::made(self.world, petsc::MatDestroy, |made| unsafe {
+            call!(MatTranspose(self.handle(), petsc::INITIAL, made))
+        })?;
+        set_motions(self.world, matrix.handle(), nodes)?;
+        Ok(matrix)
     }
+}
+
+/// Tells GAMG the rigid motions of a matrix of one unknown.
+fn set_motions(world: &World, matrix: Object, nodes: &NodeRows) -> Result<(), PetscError> {
+    let [field] = &nodes.fields[..] else { return Ok(()) };
+    let Some(space) = motions_of(world, field)? else { return Ok(()) };
+    // SAFETY: both objects live, and PETSc counts its own reference to the space.
+    unsafe { call!(MatSetNearNullSpace(matrix, space.handle())) }
+}
+
+/// The rigid motions of an unknown as PETSc's near-null space, where it is a displacement.
+pub(crate) fn motions_of<'w>(world: &'w World, field: &FieldRows) -> Result<Option<Owned<'w>>, PetscError> {
+    if field.motions.is_empty() {
+        return Ok(None);
+    }
+    let mut vectors = Vec::new();
+    for motion in &field.motions {
+        let mut vector = DistributedVector::new(world, field.rows.clone())?;
+        vector.set(motion)?;
+        vectors.push(vector);
+    }
+    let handles: Vec<Object> = vectors.iter().map(DistributedVector::handle).collect();
+    let count = handles.len() as Index;
+    // SAFETY: the vectors live until the end of this, and PETSc counts its own references to them.
+    let space = Owned::made(world, petsc::MatNullSpaceDestroy, |space| unsafe {
+        call!(MatNullSpaceCreate(world.communicator(), FALSE, count, handles.as_ptr(), space))
+    })?;
+    Ok(Some(space))
 }

@@ -1,5 +1,7 @@
 //! The rows of PETSc's matrices: whole nodes, as block methods want them, of those that have free unknowns.
 
+use std::ops::Range;
+
 use forms_fem::linear_algebra::rigid_motions;
 use forms_fem::prelude::*;
 use forms_fem::solve::communicator::Fingerprint;
@@ -12,8 +14,9 @@ use crate::world::World;
 /// A motion whose part outside of the span of others is smaller than this, relative to its length, adds nothing to them.
 const DEPENDENT: f64 = 1e-8;
 
-/// The rows of the free unknowns of a space with constraints: a component that is not free at a node with free ones
-/// gets a row with 1 on the diagonal; nodes without free components have no rows.
+/// The rows of the free unknowns of spaces with constraints: a component that is not free at a node with free ones gets a row with 1 on
+/// the diagonal; nodes without free components have no rows. Each process has its part of the nodes of each unknown, one unknown after
+/// the other.
 #[derive(Clone, Debug)]
 pub(crate) struct NodeRows {
     pub rows: Rows,
@@ -21,47 +24,102 @@ pub(crate) struct NodeRows {
     pub places: Vec<Index>,
     /// Rows of components that are not free.
     pub held: Vec<Index>,
+    /// Of each unknown.
+    pub fields: Vec<FieldRows>,
+}
+
+/// The rows of one unknown.
+#[derive(Clone, Debug)]
+pub(crate) struct FieldRows {
+    /// Among the rows of the unknown.
+    pub rows: Rows,
+    /// The first of this process's ones among all rows.
+    pub start: usize,
     /// An orthonormal basis of the rigid motions of a displacement, zero in the held rows; empty for other fields.
     pub motions: Vec<Vec<f64>>,
 }
 
-impl NodeRows {
-    pub fn new<const D: usize>(world: &World, constraints: &Constraints<D>) -> Result<Self, PetscError> {
+/// The nodes of an unknown that have rows.
+struct FreeNodes<const D: usize> {
+    components: usize,
+    /// Whether its components are free, node by node.
+    is_free: Vec<bool>,
+    positions: Vec<[f64; D]>,
+}
+
+impl<const D: usize> FreeNodes<D> {
+    fn of(constraints: &Constraints<D>) -> Self {
         let space = constraints.space();
         let components = space.components();
-        let mut is_free = vec![false; space.unknowns()];
-        constraints.free().into_iter().for_each(|unknown| is_free[unknown] = true);
-        let (mut places, mut held, mut positions) = (Vec::new(), Vec::new(), Vec::new());
-        let mut row = 0;
-        for (free, position) in is_free.chunks_exact(components).zip(space.positions()) {
-            if !free.contains(&true) {
-                continue;
-            }
-            positions.push(*position);
-            for free in free {
-                if *free {
-                    places.push(row)
-                } else {
-                    held.push(row)
-                }
-                row += 1;
+        let mut all = vec![false; space.unknowns()];
+        constraints.free().into_iter().for_each(|unknown| all[unknown] = true);
+        let (mut is_free, mut positions) = (Vec::new(), Vec::new());
+        for (free, position) in all.chunks_exact(components).zip(space.positions()) {
+            if free.contains(&true) {
+                is_free.extend_from_slice(free);
+                positions.push(*position);
             }
         }
-        let motions = if components == D && D > 1 { rigid_motions(&positions) } else { vec![] };
-        Ok(NodeRows {
-            rows: Rows::of_nodes(world, positions.len(), components)?,
-            places,
-            motions: orthonormal(motions, &held),
-            held,
-        })
+        FreeNodes { components, is_free, positions }
+    }
+
+    /// The rows of a process's part of the nodes, among those of the unknown.
+    fn rows_of(&self, world: &World, rank: usize) -> Range<usize> {
+        let nodes = world.part_of(rank, self.positions.len());
+        nodes.start * self.components..nodes.end * self.components
+    }
+
+    /// The rows with the rigid motions of a displacement.
+    fn field_rows(&self, world: &World, start: usize) -> Result<FieldRows, PetscError> {
+        let held = self.is_free.iter().enumerate().filter(|(_, is_free)| !**is_free);
+        let held: Vec<usize> = held.map(|(row, _)| row).collect();
+        let is_displacement = self.components == D && D > 1;
+        let motions = if is_displacement { rigid_motions(&self.positions) } else { vec![] };
+        let rows = Rows::of_nodes(world, self.positions.len(), self.components)?;
+        Ok(FieldRows { rows, start, motions: orthonormal(motions, &held) })
+    }
+}
+
+impl NodeRows {
+    pub fn new<const D: usize>(world: &World, constraints: &[&Constraints<D>]) -> Result<Self, PetscError> {
+        let unknowns: Vec<FreeNodes<D>> = constraints.iter().map(|one| FreeNodes::of(one)).collect();
+        let mut rows_of_unknowns: Vec<Vec<Index>> = unknowns.iter().map(|_| vec![]).collect();
+        let count: usize = unknowns.iter().map(|one| one.is_free.len()).sum();
+        if Index::try_from(count).is_err() {
+            return Err(PetscError::TooMany { what: "rows", count });
+        }
+        let (mut next, mut own, mut fields) = (0, 0..0, vec![]);
+        for rank in 0..world.size() {
+            let start = next;
+            for (unknown, rows) in unknowns.iter().zip(&mut rows_of_unknowns) {
+                if rank == world.rank() {
+                    fields.push(unknown.field_rows(world, next)?);
+                }
+                let of_rank = unknown.rows_of(world, rank);
+                rows.extend((next..next + of_rank.len()).map(|row| row as Index));
+                next += of_rank.len();
+            }
+            if rank == world.rank() {
+                own = start..next;
+            }
+        }
+        let (mut places, mut held) = (Vec::new(), Vec::new());
+        for (unknown, rows) in unknowns.iter().zip(rows_of_unknowns) {
+            for (is_free, row) in unknown.is_free.iter().zip(rows) {
+                if *is_free { places.push(row) } else { held.push(row) }
+            }
+        }
+        let block = if let [only] = &unknowns[..] { only.components } else { 1 };
+        Ok(NodeRows { rows: Rows { count, block, own }, places, held, fields })
     }
 
     /// A number that tells rows of other nodes, places or constraints apart.
-    pub fn fingerprint(&self, positions: &[impl AsRef<[f64]>]) -> u64 {
+    pub fn fingerprint<const D: usize>(&self, constraints: &[&Constraints<D>]) -> u64 {
         let places = self.places.iter().chain(&self.held).map(|place| *place as u64);
         let sizes = [self.rows.count, self.rows.block, self.places.len()].map(|size| size as u64);
-        let positions = positions.iter().flat_map(|position| position.as_ref());
-        Fingerprint::default().numbers(sizes).numbers(places).reals(positions).finish()
+        let positions = constraints.iter().flat_map(|one| one.space().positions());
+        let coordinates = positions.flat_map(|position| position);
+        Fingerprint::default().numbers(sizes).numbers(places).reals(coordinates).finish()
     }
 
     /// A vector over the rows from one over the free unknowns.
@@ -80,11 +138,11 @@ impl NodeRows {
 }
 
 /// Gram and Schmidt's basis of some vectors that are zero in the held rows.
-fn orthonormal(vectors: Vec<Vec<f64>>, held: &[Index]) -> Vec<Vec<f64>> {
+fn orthonormal(vectors: Vec<Vec<f64>>, held: &[usize]) -> Vec<Vec<f64>> {
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut basis: Vec<Vec<f64>> = Vec::new();
     for mut vector in vectors {
-        held.iter().for_each(|row| vector[*row as usize] = 0.0);
+        held.iter().for_each(|row| vector[*row] = 0.0);
         let before = product(&vector, &vector).sqrt();
         // Once more, for what rounding left.
         for _ in 0..2 {

@@ -29,6 +29,14 @@ pub const FORWARD: c_int = 0;
 pub const EUCLIDEAN: c_int = 1;
 /// `PETSC_DEFAULT`.
 pub const DEFAULT: c_double = -2.0;
+/// `MAT_INITIAL_MATRIX`.
+pub const INITIAL: c_int = 0;
+/// `PC_COMPOSITE_SCHUR`.
+pub const SCHUR: c_int = 4;
+/// `PC_FIELDSPLIT_SCHUR_FACT_FULL`.
+pub const FULL: c_int = 3;
+/// `PC_FIELDSPLIT_SCHUR_PRE_SELFP`.
+pub const BY_DIAGONAL: c_int = 1;
 /// `KSP_NORM_UNPRECONDITIONED`.
 pub const UNPRECONDITIONED: c_int = 2;
 
@@ -98,6 +106,7 @@ unsafe extern "C" {
     pub fn MatSetNearNullSpace(matrix: Object, space: Object) -> Code;
     pub fn MatMult(matrix: Object, x: Object, product: Object) -> Code;
     pub fn MatMultTranspose(matrix: Object, x: Object, product: Object) -> Code;
+    pub fn MatTranspose(matrix: Object, reuse: c_int, transposed: *mut Object) -> Code;
     pub fn MatDestroy(matrix: *mut Object) -> Code;
     pub fn MatNullSpaceCreate(
         comm: Communicator,
@@ -111,6 +120,15 @@ unsafe extern "C" {
     pub fn KSPCreate(comm: Communicator, solver: *mut Object) -> Code;
     pub fn KSPSetType(solver: Object, name: *const c_char) -> Code;
     pub fn KSPGetPC(solver: Object, preconditioner: *mut Object) -> Code;
+    pub fn KSPSetOptionsPrefix(solver: Object, prefix: *const c_char) -> Code;
+    pub fn KSPSetFromOptions(solver: Object) -> Code;
+    pub fn KSPGetTolerances(
+        solver: Object,
+        relative: *mut c_double,
+        absolute: *mut c_double,
+        divergence: *mut c_double,
+        iterations: *mut Index,
+    ) -> Code;
     pub fn KSPSetNormType(solver: Object, kind: c_int) -> Code;
     pub fn KSPSetOperators(solver: Object, matrix: Object, preconditioner: Object) -> Code;
     pub fn KSPSetTolerances(
@@ -130,6 +148,28 @@ unsafe extern "C" {
     pub fn KSPDestroy(solver: *mut Object) -> Code;
     pub fn PCSetType(preconditioner: Object, name: *const c_char) -> Code;
     pub fn PCFactorSetMatSolverType(preconditioner: Object, name: *const c_char) -> Code;
+    pub fn PCFieldSplitSetIS(preconditioner: Object, name: *const c_char, rows: Object) -> Code;
+    pub fn PCFieldSplitSetType(preconditioner: Object, kind: c_int) -> Code;
+    pub fn PCFieldSplitSetSchurFactType(preconditioner: Object, kind: c_int) -> Code;
+    pub fn PCFieldSplitSetSchurPre(preconditioner: Object, kind: c_int, matrix: Object) -> Code;
+
+    pub fn ISCreateStride(
+        comm: Communicator,
+        count: Index,
+        first: Index,
+        step: Index,
+        rows: *mut Object,
+    ) -> Code;
+    pub fn ISSetBlockSize(rows: Object, size: Index) -> Code;
+    pub fn ISDestroy(rows: *mut Object) -> Code;
+    pub fn PetscObjectCompose(object: Object, name: *const c_char, other: Object) -> Code;
+    pub fn PetscOptionsHasName(
+        options: Object,
+        prefix: *const c_char,
+        name: *const c_char,
+        is_set: *mut c_int,
+    ) -> Code;
+    pub fn PetscOptionsSetValue(options: Object, name: *const c_char, value: *const c_char) -> Code;
 }
 
 /// The error of a call of `function`, if its code says that there was one.

@@ -2,8 +2,8 @@
 
 #![allow(unsafe_code)]
 
-use std::ffi::{CStr, c_int};
-use std::ptr::{null, null_mut};
+use std::ffi::{CStr, CString, c_int};
+use std::ptr::null;
 use std::time::Instant;
 
 use forms_fem::linear_algebra::{CsrMatrix, LinearAlgebraError, ResidualHistory, check_residual};
@@ -13,66 +13,12 @@ use forms_fem::solve::linear_system::HOLDS;
 use forms_fem::solve::{LinearSolution, SolverError, Transpose};
 
 use crate::error::PetscError;
-use crate::matrix::DistributedMatrix;
+use crate::method::Method;
 use crate::node_rows::NodeRows;
-use crate::object::Owned;
-use crate::petsc::{self, DEFAULT, EUCLIDEAN, Index, TRUE, UNPRECONDITIONED, call};
+use crate::petsc::{EUCLIDEAN, Index, call};
+use crate::system::System;
 use crate::vector::DistributedVector;
 use crate::world::World;
-
-/// The relative residual that conjugate gradients reach where nothing else is asked for.
-pub const TOLERANCE: f64 = 1e-10;
-
-/// Methods of solution.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Method {
-    /// LU by MUMPS, for any matrix.
-    Direct,
-    /// Conjugate gradients with smoothed aggregation (GAMG), with the rigid motions if the unknown is a displacement: for
-    /// symmetric positive definite matrices.
-    ConjugateGradients {
-        /// Relative residual ‖b − A x‖₂ / ‖b‖₂ to reach.
-        tolerance: f64,
-        /// Most iterations.
-        max_iterations: u16,
-    },
-}
-
-impl Method {
-    /// Conjugate gradients to a relative residual of [`TOLERANCE`], in at most 500 iterations.
-    pub fn conjugate_gradients() -> Self {
-        Method::ConjugateGradients { tolerance: TOLERANCE, max_iterations: 500 }
-    }
-
-    /// The method of a name: `direct` or `cg`.
-    ///
-    /// # Errors
-    /// [`UnknownMethod`].
-    pub fn named(name: &str) -> Result<Self, UnknownMethod> {
-        match name {
-            "direct" => Ok(Method::Direct),
-            "cg" => Ok(Method::conjugate_gradients()),
-            name => Err(UnknownMethod { name: name.to_owned() }),
-        }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Method::Direct => "MUMPS",
-            Method::ConjugateGradients { .. } => "CG with GAMG",
-        }
-    }
-}
-
-/// There is no method of this name.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "no method is called \"{name}\": there are \"direct\" (MUMPS) and \"cg\" (conjugate gradients with GAMG)"
-)]
-pub struct UnknownMethod {
-    /// The name that was asked for.
-    pub name: String,
-}
 
 /// Counts of a solver so far.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -100,6 +46,8 @@ pub struct PetscReport {
 pub struct PetscSolver<'w> {
     world: &'w World,
     method: Method,
+    /// Of the names of its options.
+    prefix: CString,
     /// Number of processes whose matrices add up to the one that is meant; 1 for whole matrices.
     processes: usize,
     nodes: NodeRows,
@@ -108,49 +56,6 @@ pub struct PetscSolver<'w> {
     residual: DistributedVector<'w>,
     system: Option<System<'w>>,
     report: PetscReport,
-}
-
-#[derive(Debug)]
-struct System<'w> {
-    matrix: DistributedMatrix<'w>,
-    solver: Owned<'w>,
-    /// This process's part, and the whole matrix's diagonal: by them each equation is judged.
-    local: CsrMatrix,
-    diagonal: Vec<f64>,
-}
-
-impl<'w> System<'w> {
-    fn new(
-        matrix: DistributedMatrix<'w>,
-        local: &CsrMatrix,
-        world: &'w World,
-        method: Method,
-    ) -> Result<Self, PetscError> {
-        // SAFETY: PETSc writes the handle.
-        let made = Owned::made(world, petsc::KSPDestroy, |solver| unsafe {
-            call!(KSPCreate(world.communicator(), solver))
-        })?;
-        let solver = made.handle();
-        let mut preconditioner = null_mut();
-        // SAFETY: PETSc writes the handle of the preconditioner, which is the solver's. Names end with zero.
-        unsafe {
-            call!(KSPGetPC(solver, &mut preconditioner))?;
-            match method {
-                Method::Direct => {
-                    call!(KSPSetType(solver, c"preonly".as_ptr()))?;
-                    call!(PCSetType(preconditioner, c"lu".as_ptr()))?;
-                    call!(PCFactorSetMatSolverType(preconditioner, c"mumps".as_ptr()))?;
-                }
-                Method::ConjugateGradients { .. } => {
-                    call!(KSPSetType(solver, c"cg".as_ptr()))?;
-                    call!(KSPSetNormType(solver, UNPRECONDITIONED))?;
-                    call!(KSPSetResidualHistory(solver, null_mut(), Index::from(u16::MAX), TRUE))?;
-                    call!(PCSetType(preconditioner, c"gamg".as_ptr()))?;
-                }
-            }
-        }
-        Ok(System { matrix, solver: made, local: local.clone(), diagonal: vec![] })
-    }
 }
 
 impl<'w> PetscSolver<'w> {
@@ -163,15 +68,42 @@ impl<'w> PetscSolver<'w> {
         constraints: &Constraints<D>,
         method: Method,
     ) -> Result<Self, PetscError> {
+        Self::coupled(world, &[constraints], method)
+    }
+
+    /// A solver for systems of several unknowns, each with its constraints, in the order in which a problem has them. Conjugate gradients
+    /// take the matrix of all of them for one of one unknown.
+    ///
+    /// # Errors
+    /// As [`PetscSolver::new`].
+    pub fn coupled<const D: usize>(
+        world: &'w World,
+        constraints: &[&Constraints<D>],
+        method: Method,
+    ) -> Result<Self, PetscError> {
         let nodes = world.agree(NodeRows::new(world, constraints))?;
-        let fingerprint = nodes.fingerprint(constraints.space().positions());
+        let fingerprint = nodes.fingerprint(constraints);
         world.check_same("unknowns for `PetscSolver`: other meshes, spaces or constraints", fingerprint)?;
         world.destroy_dropped()?;
         let vector = || DistributedVector::new(world, nodes.rows.clone());
         let vectors = || Ok((vector()?, vector()?, vector()?));
         let (b, x, residual) = world.agree_on_calls(vectors())?;
         let report = PetscReport { rows: nodes.rows.count, ..PetscReport::default() };
-        Ok(PetscSolver { world, method, processes: 1, b, x, residual, nodes, system: None, report })
+        let prefix = CString::default();
+        Ok(PetscSolver { world, method, prefix, processes: 1, b, x, residual, nodes, system: None, report })
+    }
+
+    /// A prefix of the names of its options, to tell the solvers of a program apart: with `contact_`, `PETSC_OPTIONS` has
+    /// `-contact_ksp_monitor` or `-contact_pc_type hypre`. Options come before the method; blocks of several unknowns are `fieldsplit_0_`
+    /// and so on.
+    ///
+    /// # Errors
+    /// [`PetscError::OptionsPrefix`] for a text that no option begins with.
+    pub fn with_options_prefix(mut self, prefix: &str) -> Result<Self, PetscError> {
+        let is_fit = prefix.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_');
+        let unfit = || PetscError::OptionsPrefix { prefix: prefix.to_owned() };
+        self.prefix = if is_fit { CString::new(prefix).map_err(|_| unfit())? } else { return Err(unfit()) };
+        Ok(self)
     }
 
     /// Counts so far.
@@ -203,7 +135,7 @@ impl<'w> PetscSolver<'w> {
 
     /// The error with PETSc's reason and the residuals.
     fn not_converged(&self, found: &Found) -> Result<SolverError, SolverError> {
-        let solver = self.system.as_ref().ok_or(SolverError::NoMatrix)?.solver.handle();
+        let solver = self.system.as_ref().ok_or(SolverError::NoMatrix)?.last_solver();
         let (mut text, mut values, mut count) = (null(), null(), 0);
         let mut history = ResidualHistory::default();
         // SAFETY: PETSc writes a string of its own, and lends the list of residuals with its length.
@@ -303,14 +235,10 @@ impl<'w> PetscSolver<'w> {
             Some(system) => system,
             None => {
                 self.report.patterns += 1;
-                let matrix = DistributedMatrix::new(self.world, &self.nodes, local)?;
-                System::new(matrix, local, self.world, self.method)?
+                System::new(self.world, &self.nodes, local, self.method, &self.prefix)?
             }
         };
-        system.matrix.assemble(local)?;
-        let matrix = system.matrix.handle();
-        // SAFETY: handles of the system, which keeps both.
-        unsafe { call!(KSPSetOperators(system.solver.handle(), matrix, matrix))? };
+        system.assemble(local)?;
         Ok(system)
     }
 
@@ -321,20 +249,22 @@ impl<'w> PetscSolver<'w> {
         transpose: Transpose,
     ) -> Result<Found, PetscError> {
         let mut found = Found::default();
-        let Some(system) = &self.system else { return Ok(found) };
+        let Some(system) = &mut self.system else { return Ok(found) };
         self.b.set(&self.nodes.spread(b))?;
-        let (solver, matrix) = (system.solver.handle(), system.matrix.handle());
+        let solver = system.solver_for(&self.nodes, transpose)?;
+        let matrix = system.matrix();
         let (b, x, rest) = (self.b.handle(), self.x.handle(), self.residual.handle());
         // SAFETY: handles that this owns, of one size; PETSc writes the numbers.
         unsafe {
-            if let Method::ConjugateGradients { tolerance, max_iterations } = self.method {
-                let (absolute, most) = (absolute.max(f64::MIN_POSITIVE), Index::from(max_iterations));
-                call!(KSPSetTolerances(solver, tolerance, absolute, DEFAULT, most))?;
+            if self.method != Method::Direct {
+                let (mut relative, mut before, mut divergence, mut most) = (0.0, 0.0, 0.0, 0);
+                call!(KSPGetTolerances(solver, &mut relative, &mut before, &mut divergence, &mut most))?;
+                let absolute = absolute.max(f64::MIN_POSITIVE);
+                call!(KSPSetTolerances(solver, relative, absolute, divergence, most))?;
             }
             if transpose == Transpose::Yes && self.method == Method::Direct {
                 call!(KSPSolveTranspose(solver, b, x))?;
             } else {
-                // Conjugate gradients take the matrix for its transpose.
                 call!(KSPSolve(solver, b, x))?;
             }
             call!(KSPGetConvergedReason(solver, &mut found.reason))?;

@@ -126,8 +126,12 @@ impl World {
 
     /// This process's part of `count` things in a row: parts differ by one at most.
     pub fn part(&self, count: usize) -> Range<usize> {
-        let (rank, size) = (self.rank(), self.size());
-        rank * count / size..(rank + 1) * count / size
+        self.part_of(self.rank(), count)
+    }
+
+    /// A process's part of `count` things in a row.
+    pub(crate) fn part_of(&self, rank: usize, count: usize) -> Range<usize> {
+        rank * count / self.size()..(rank + 1) * count / self.size()
     }
 
     /// The cells of a mesh that this process assembles: a piece of the curve along which the mesh's cells are walked and

@@ -8,6 +8,7 @@ use forms_contact::hollow_cylinder::{Settings, hollow_cylinder, solve};
 use forms_distributed::cases::ball_on_flat::ball_on_flat;
 use forms_distributed::cases::drawn_block::DrawnBlock;
 use forms_distributed::cases::hanging_block::HangingBlock;
+use forms_distributed::cases::mixed_block::MixedBlock;
 use forms_distributed::cases::poisson::Poisson;
 use forms_distributed::cases::report::read;
 use forms_fem::prelude::*;
@@ -91,6 +92,51 @@ fn a_ball_on_a_flat_is_the_same_by_a_direct_solver() {
 fn a_ball_on_a_flat_is_the_same_by_conjugate_gradients() {
     let expected = ball(&ball_on_flat(4, 1.0).unwrap());
     check(env!("CARGO_BIN_EXE_ball"), &["4", "1", "cg"], &expected);
+}
+
+/// The tangent with θ = −1 is unsymmetric.
+#[test]
+fn a_ball_on_a_flat_is_the_same_by_gmres() {
+    let expected = ball(&ball_on_flat(4, -1.0).unwrap());
+    check(env!("CARGO_BIN_EXE_ball"), &["4", "-1", "gmres"], &expected);
+}
+
+/// Adjoint states are solutions of transposed equations.
+#[test]
+fn the_adjoint_states_of_a_cylinder_are_the_same_by_gmres() {
+    let settings = Settings { radial: 4, threads: Threads::new(1), ..Settings::default() };
+    let serial = solve(&settings).unwrap();
+    let expected =
+        BTreeMap::from([("u", serial.u.values().to_vec()), ("adjoint", serial.p_discrete.values().to_vec())]);
+    check(env!("CARGO_BIN_EXE_cylinder"), &["4", "gmres"], &expected);
+}
+
+#[test]
+fn a_mixed_block_is_the_same_by_a_direct_solver_and_by_blocks() {
+    let block = MixedBlock::new(3).unwrap();
+    let solved = block.problem().solve().unwrap();
+    let [u, p] = &solved.fields;
+    let expected = BTreeMap::from([("u", u.values().to_vec()), ("p", p.values().to_vec())]);
+    check(env!("CARGO_BIN_EXE_mixed_block"), &["3", "direct"], &expected);
+    check(env!("CARGO_BIN_EXE_mixed_block"), &["3", "gmres"], &expected);
+}
+
+/// Options of the environment come before the method, by the solver's prefix.
+#[test]
+fn options_change_the_solver() {
+    let iterations = |options: &str| {
+        let mut program = mpirun(2, env!("CARGO_BIN_EXE_mixed_block"), &["2", "gmres"]);
+        let output = program.env("PETSC_OPTIONS", options).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{options}: {said}");
+        read(&String::from_utf8(output.stdout).unwrap())["iterations"][0]
+    };
+    let by_blocks = iterations("");
+    let by_jacobi = iterations("-block_fieldsplit_0_pc_type jacobi");
+    let of_another = iterations("-other_fieldsplit_0_pc_type jacobi");
+    println!("{by_blocks} iterations, {by_jacobi} with Jacobi's method for the displacements");
+    assert!(by_jacobi > by_blocks + 5.0 && of_another == by_blocks, "{by_blocks} {by_jacobi} {of_another}");
+    assert_eq!(iterations("-block_pc_type lu -block_pc_factor_mat_solver_type mumps"), 1.0);
 }
 
 /// Pairs of bodies that slide on each other: which facets are opposite, and with them the positions of the matrix, change from iterate

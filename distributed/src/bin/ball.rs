@@ -1,5 +1,5 @@
 //! A ball on a rigid flat in space on the processes that started this:
-//! `mpirun -n 4 ball [cells along an edge] [θ] [direct | cg]`. Tells u, J and the contact force.
+//! `mpirun -n 4 ball [cells along an edge] [θ] [direct | cg | gmres]`. Tells u, J and the contact force.
 
 use std::error::Error;
 use std::process::ExitCode;

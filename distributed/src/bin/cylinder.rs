@@ -1,5 +1,5 @@
-//! The paper's hollow cylinder on the processes that started this: `mpirun -n 4 cylinder [cells across the thickness] [split]`.
-//! With `split` facets are split where contact ends. MUMPS solves; tells u, the discrete adjoint state, J and the contact force.
+//! The paper's hollow cylinder on the processes that started this: `mpirun -n 4 cylinder [cells across the thickness] [split | gmres]`.
+//! With `split` facets are split where contact ends. MUMPS solves, or GMRES; tells u, the discrete adjoint state, J and the contact force.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -13,10 +13,13 @@ fn run(world: &World) -> Result<(), Box<dyn Error>> {
     let radial = std::env::args().nth(1).map_or(Ok(4), |number| number.parse())?;
     let settings = Settings { radial, threads: Threads::new(1), ..Settings::default() };
     let mut problem = hollow_cylinder(&settings)?;
-    if std::env::args().nth(2).as_deref() == Some("split") {
-        problem = problem.with_split_facets();
+    let mut method = Method::Direct;
+    match std::env::args().nth(2).as_deref() {
+        Some("split") => problem = problem.with_split_facets(),
+        Some("gmres") => method = Method::gmres(),
+        _ => {}
     }
-    let mut solver = PetscSolver::new(world, &problem.constraints, Method::Direct)?;
+    let mut solver = PetscSolver::new(world, &problem.constraints, method)?;
     let solved = problem.direct()?.on(world).solver(&mut solver).solve()?;
     let (u, law) = (solved.field(), &problem.law);
     let adjoint = problem.adjoint(u)?.on(world).solver(&mut solver).solve()?;

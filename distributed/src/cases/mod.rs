@@ -3,5 +3,6 @@
 pub mod ball_on_flat;
 pub mod drawn_block;
 pub mod hanging_block;
+pub mod mixed_block;
 pub mod poisson;
 pub mod report;
