@@ -38,6 +38,14 @@ pub mod heat {
     pub fn moving(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
         integral(Omega, conductivity * u * v)
     }
+    #[controls(conductivity, motion(w(value)))]
+    pub fn unnamed(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
+        integral(Omega, conductivity * dot(u, v) + p * q)
+    }
+    #[controls(conductivity, motion(value))]
+    pub fn shared(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
+        integral(Omega, conductivity * dot(u, v) + p * q)
+    }
     // Two unknowns, and one state before.
     #[controls(conductivity)]
     pub fn both(u: Unknown<Scalar>, p: Unknown<Scalar>, v: Test<Scalar>, q: Test<Scalar>, u0: State<Scalar>) -> Form {
