@@ -15,7 +15,8 @@ use forms_core::contract::Entity;
 
 use self::loads::{Systems, systems};
 use self::mass::MassByCells;
-use self::pieces::Pieces;
+pub(super) use self::pieces::Pieces;
+pub(super) use self::solve::cells_of_parts;
 use self::solve::{by_cells, by_factor, by_matrix};
 use super::groups::degrees::degree_on_all_cells;
 use super::{Assembler, AssemblyError};

@@ -225,7 +225,7 @@ fn a_factor_with_signs_multiplies_to_the_matrix_with_the_same_bits_on_all_thread
         }
         let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
         let one = bits(factor.values());
-        for threads in [2, 3, 8] {
+        for threads in [2, 3, 7, 16] {
             assert!(bits(self::factor(&matrix, &ordering, threads).values()) == one, "{size} {threads}");
         }
     }

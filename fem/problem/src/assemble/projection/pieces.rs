@@ -13,7 +13,7 @@ const PIECE: usize = 1 << 14;
 
 /// The cells of bodies, in pieces.
 #[derive(Debug)]
-pub(super) struct Pieces {
+pub(in crate::assemble) struct Pieces {
     pieces: Vec<Piece>,
     /// For each cell after the other, the numbers of its nodes within its piece.
     numbers: Vec<u32>,
@@ -52,7 +52,7 @@ pub(super) struct CellsOfPiece<'a> {
 
 impl Pieces {
     /// Those of a space on cells.
-    pub(super) fn new<const D: usize>(space: &Space<D>) -> Self {
+    pub(in crate::assemble) fn new<const D: usize>(space: &Space<D>) -> Self {
         let (mut pieces, mut numbers, mut nodes) = (vec![], vec![], vec![]);
         // Of each node, the last piece that has it, and its number there.
         let mut seen = vec![(u32::MAX, 0); space.node_count()];
@@ -89,6 +89,19 @@ impl Pieces {
         (0..self.count()).filter(|node| self.starts[*node] == self.starts[node + 1])
     }
 
+    /// The pieces of each thread: shares that differ by one piece at most.
+    fn parts(&self, threads: Threads) -> impl Iterator<Item = &[Piece]> {
+        let (count, parts) = (self.pieces.len(), threads.for_work(self.numbers.len()));
+        let parts = parts.min(count).max(1);
+        (0..parts).map(move |part| &self.pieces[part * count / parts..(part + 1) * count / parts])
+    }
+
+    /// Cells of each thread in a sum.
+    pub(super) fn cells_of_parts(&self, threads: Threads) -> Vec<f64> {
+        let cells = |pieces: &[Piece]| pieces.iter().map(|piece| piece.cells.len() as f64).sum();
+        self.parts(threads).map(cells).collect()
+    }
+
     /// Writes at each node the sum of what `work` adds for the cells of each piece to zeros, by their numbers within it. `room` is
     /// memory that is kept from one sum to the next.
     pub(super) fn sums(
@@ -99,9 +112,8 @@ impl Pieces {
         work: impl Fn(CellsOfPiece, &mut [f64]) + Send + Sync,
     ) {
         room.resize(self.nodes.len(), 0.0);
-        let at_once = self.pieces.len().div_ceil(threads.for_work(self.numbers.len())).max(1);
         let (mut parts, mut rest) = (vec![], &mut room[..]);
-        for pieces in self.pieces.chunks(at_once) {
+        for pieces in self.parts(threads) {
             let (own, later) = rest.split_at_mut(pieces.iter().map(|piece| piece.nodes.len()).sum());
             parts.push((pieces, own));
             rest = later;

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use super::loads::Systems;
 use super::mass::MassByCells;
+use super::pieces::Pieces;
 use crate::linear_algebra::{
     Analysis, CsrMatrix, Jacobi, KrylovError, KrylovOptions, LinearAlgebraError, LinearOperator, OnThreads,
     Ordering, SymmetricFactor, cg,
@@ -50,6 +51,23 @@ pub(super) fn by_factor(mass: &CsrMatrix, systems: Systems) -> Result<Vec<Vec<f6
     Ok(found)
 }
 
+/// Right-hand sides that are solved at once, as many as there are threads, and the threads that are left for each of them.
+fn at_once(systems: usize, threads: Threads) -> (usize, Threads) {
+    let at_once = threads.count().min(systems).max(1);
+    (at_once, Threads::new(threads.count() / at_once))
+}
+
+/// Cells that each thread treats in an iteration of all of some systems.
+pub(in crate::assemble) fn cells_of_parts(pieces: &Pieces, systems: usize, threads: usize) -> Vec<f64> {
+    let (at_once, own) = at_once(systems, Threads::new(threads));
+    let one = pieces.cells_of_parts(own);
+    let rounds = systems.div_ceil(at_once);
+    // In the last round some threads may have nothing to do.
+    let of_place =
+        |place: usize| (0..rounds).filter(|round| round * at_once + place < systems).count() as f64;
+    (0..at_once).flat_map(|place| one.iter().map(move |cells| cells * of_place(place))).collect()
+}
+
 /// Conjugate gradients from the starts.
 fn iterated<O: LinearOperator>(
     mass: impl Fn(Threads) -> O + Sync + Send,
@@ -57,9 +75,7 @@ fn iterated<O: LinearOperator>(
     systems: &Systems,
     threads: Threads,
 ) -> Result<Vec<Vec<f64>>, KrylovError> {
-    // As many right-hand sides at once as there are threads, and the threads that are left for each of them.
-    let at_once = threads.count().min(systems.len()).max(1);
-    let own = Threads::new(threads.count() / at_once);
+    let (at_once, own) = at_once(systems.len(), threads);
     let options = KrylovOptions {
         tolerance: TOLERANCE,
         max_iterations: ITERATIONS,
