@@ -214,7 +214,8 @@ struct Products {
 }
 
 impl Products {
-    /// Takes the products of columns that come in one or several blocks, of the given width in all. Their targets are in the scratch.
+    /// Takes the products of columns that come in one block or panel by panel, of the given width in all. Their targets are in the scratch.
+    /// The diagonal of a panel begins in the row with the number of its first column.
     fn subtract<'b, P: Pivots>(
         &self,
         blocks: impl Iterator<Item = &'b [f64]>,
@@ -225,8 +226,8 @@ impl Products {
         let Products { height: block_height, above, count, target_first } = *self;
         let Panel { targets, products, signs, signed } = scratch;
         if width.min(count) < WIDE || targets.len() * width * count < LARGE {
-            for block in blocks {
-                P::read_signs(block, block_height, signs);
+            for (number, block) in blocks.enumerate() {
+                P::read_signs(&block[number * PANEL..], block_height, signs);
                 let rows = Rows { block, height: block_height, first: above };
                 run(Subtract::<P> {
                     rows,
@@ -247,8 +248,8 @@ impl Products {
             products.resize(TILE * PANEL, 0.0);
             let products = &mut products[..tile * count];
             let mut accumulate = Accum::Replace;
-            for block in &blocks {
-                P::read_signs(block, block_height, signs);
+            for (number, block) in blocks.iter().enumerate() {
+                P::read_signs(&block[number * PANEL..], block_height, signs);
                 let block = MatRef::from_column_major_slice(block, block_height, block.len() / block_height);
                 let others = with_signs(block.subrows(above, count), signs, signed).transpose();
                 let sums = MatMut::from_column_major_slice_mut(products, tile, count);
