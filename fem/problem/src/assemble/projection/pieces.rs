@@ -111,16 +111,31 @@ impl Pieces {
         sums: &mut [f64],
         work: impl Fn(CellsOfPiece, &mut [f64]) + Send + Sync,
     ) {
-        room.resize(self.nodes.len(), 0.0);
+        self.sums_of_columns(threads, room, [sums].into_iter(), |_, sum| sum, work);
+    }
+
+    /// The same for several columns: `work` adds the numbers of all columns at a node one after the other. A sum at a node is finished by
+    /// `finish`.
+    pub(super) fn sums_of_columns<'s>(
+        &self,
+        threads: Threads,
+        room: &mut Vec<f64>,
+        columns: impl ExactSizeIterator<Item = &'s mut [f64]>,
+        finish: impl Fn(usize, f64) -> f64 + Send + Sync,
+        work: impl Fn(CellsOfPiece, &mut [f64]) + Send + Sync,
+    ) {
+        let count = columns.len();
+        room.resize(self.nodes.len() * count, 0.0);
         let (mut parts, mut rest) = (vec![], &mut room[..]);
         for pieces in self.parts(threads) {
-            let (own, later) = rest.split_at_mut(pieces.iter().map(|piece| piece.nodes.len()).sum());
+            let nodes: usize = pieces.iter().map(|piece| piece.nodes.len()).sum();
+            let (own, later) = rest.split_at_mut(nodes * count);
             parts.push((pieces, own));
             rest = later;
         }
         threads.run(parts, |(pieces, mut sums): (&[Piece], &mut [f64])| {
             for piece in pieces {
-                let (own, later) = std::mem::take(&mut sums).split_at_mut(piece.nodes.len());
+                let (own, later) = std::mem::take(&mut sums).split_at_mut(piece.nodes.len() * count);
                 own.fill(0.0);
                 let seen = CellsOfPiece {
                     block: piece.block,
@@ -132,11 +147,24 @@ impl Pieces {
                 sums = later;
             }
         });
-        let length = sums.len().div_ceil(threads.for_work(sums.len())).max(1);
-        threads.run(sums.chunks_mut(length).enumerate().collect(), |(part, sums): (usize, &mut [f64])| {
-            for (node, sum) in (part * length..).zip(sums) {
-                let places = &self.places[self.starts[node]..self.starts[node + 1]];
-                *sum = places.iter().fold(0.0, |sum, place| sum + room[*place]);
+        let length = self.count().div_ceil(threads.for_work(self.count())).max(1);
+        let mut shares: Vec<Vec<(usize, &mut [f64])>> = vec![];
+        for (column, sums) in columns.enumerate() {
+            for (part, sums) in sums.chunks_mut(length).enumerate() {
+                if part == shares.len() {
+                    shares.push(vec![]);
+                }
+                shares[part].push((column, sums));
+            }
+        }
+        let shares = shares.into_iter().enumerate().collect();
+        threads.run(shares, |(part, columns): (usize, Vec<(usize, &mut [f64])>)| {
+            for (column, sums) in columns {
+                for (node, sum) in (part * length..).zip(sums) {
+                    let places = &self.places[self.starts[node]..self.starts[node + 1]];
+                    let total = places.iter().fold(0.0, |sum, place| sum + room[*place * count + column]);
+                    *sum = finish(node, total);
+                }
             }
         });
     }
