@@ -12,6 +12,7 @@ use std::time::Instant;
 
 use forms_contact::Adjoint;
 use forms_contact::hollow_cylinder::{Settings, hollow_cylinder};
+use forms_fem::linear_algebra::SharedWork;
 use forms_fem::output::picture::{Curve, LinePlot, Picture, Scale};
 use forms_fem::output::{StandardOutput, program, tell, write_whole};
 use forms_fem::prelude::*;
@@ -118,6 +119,19 @@ fn one(radial: usize, out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     tell(format!("  direct problem in {:.1} s; {} factorisation(s)", direct.seconds, report.factorisations));
     let orderings: Vec<_> = report.orderings.iter().map(|candidate| candidate.name).collect();
     tell(format!("  {} entries in the factor; orderings: {}", report.factor_entries, orderings.join(", ")));
+    for (stage, work) in
+        [("factorisation", &report.factorisation_work), ("triangular solve", &report.solve_work)]
+    {
+        let Some(work) = work else { continue };
+        let bounds = SharedWork::THREADS
+            .map(|threads| format!("{:.1} on {threads}", work.speed_up(threads).unwrap_or(f64::NAN)));
+        tell(format!(
+            "  {stage}: {:.3e} operations, {:.3e} on the critical path; speed-up at most {} threads",
+            work.work,
+            work.critical_path,
+            bounds.join(", ")
+        ));
+    }
     let u = direct.field();
     let consistent = problem.solve_adjoint(Adjoint::Consistent, u, &mut solver)?.seconds;
     let discrete = problem.solve_adjoint(Adjoint::Discrete, u, &mut solver)?.seconds;

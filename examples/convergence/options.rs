@@ -36,7 +36,7 @@ pub struct Options {
     /// Also solves with contact facets split at the zeros of beta_h, and tells what that changes
     #[arg(long)]
     pub split: bool,
-    /// Threads for assembly; one per core where it is not given. Results do not depend on it
+    /// Threads; FORMS_THREADS where it is not given, or else as many as the process may use. Results do not depend on it
     #[arg(long, value_name = "N")]
     pub threads: Option<Threads>,
     /// Runs even if the estimated memory exceeds what is available

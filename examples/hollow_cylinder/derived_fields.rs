@@ -23,15 +23,12 @@ impl DerivedFields {
         let (problem, u) = (&solution.problem, &solution.u);
         let (assembler, data, mesh) = (&problem.assembler, &problem.law.data, problem.space.mesh());
         let (scalars, tensors) = (Space::scalar(mesh, 2)?, Space::tensor(mesh, 2)?);
-        Ok(DerivedFields {
-            stress: assembler.project(&forms::stress(data, u), &tensors)?,
-            von_mises: assembler.project(&forms::von_mises(data, u), &scalars)?,
-            gap: assembler.project(&forms::current_gap(data, u), &scalars)?,
-            contact_pressure: assembler.at_facet_nodes(
-                &forms::contact_pressure(data, u),
-                CONTACT,
-                &scalars,
-            )?,
-        })
+        let (stress, von_mises) = (forms::stress(data, u), forms::von_mises(data, u));
+        let gap = forms::current_gap(data, u);
+        let [stress, von_mises, gap] =
+            assembler.project_together([(&stress, &tensors), (&von_mises, &scalars), (&gap, &scalars)])?;
+        let pressure = forms::contact_pressure(data, u);
+        let contact_pressure = assembler.at_facet_nodes(&pressure, CONTACT, &scalars)?;
+        Ok(DerivedFields { stress, von_mises, gap, contact_pressure })
     }
 }

@@ -3,6 +3,7 @@
 use forms_contact_problem::hollow_cylinder::{
     self as cylinder, CylinderSolution, CylinderStep, Friction, Settings,
 };
+use forms_fem::linear_algebra::SharedWork;
 use forms_fem::norms::{Norms, norms};
 use forms_fem::prelude::*;
 use forms_fem::solve::SolverReport;
@@ -62,6 +63,8 @@ pub struct Measurements {
     /// γ₀ \[MPa\] below which the method need not be stable; 0 at θ = −1.
     pub required_gamma0: f64,
     pub solver: Solver,
+    /// Largest speed-ups by several threads, from counted work.
+    pub speed_ups: SpeedUps,
     pub seconds: Seconds,
     /// Peak resident memory in 10⁶ bytes; null if the system does not report it.
     pub peak_rss_mb: Option<f64>,
@@ -220,8 +223,36 @@ impl Measurements {
             points,
             required_gamma0: solution.required_gamma0,
             solver: Solver::of(&solution.solver),
+            speed_ups: SpeedUps::of(solution)?,
             seconds,
             peak_rss_mb: None,
+        })
+    }
+}
+
+/// The largest speed-ups by [`SharedWork::THREADS`] threads: counted work over the counted cost until the last thread has finished.
+#[derive(Clone, Debug, Serialize)]
+pub struct SpeedUps {
+    pub factorisation: Option<[f64; 5]>,
+    pub triangular_solve: Option<[f64; 5]>,
+    pub assembly: [f64; 5],
+    /// Norms, and derived fields at quadrature points.
+    pub evaluation: [f64; 5],
+    /// Projections of derived fields to a scalar space.
+    pub projection: [f64; 5],
+}
+
+impl SpeedUps {
+    fn of(solution: &CylinderSolution) -> Outcome<SpeedUps> {
+        let of = |work: &SharedWork| SharedWork::THREADS.map(|threads| work.speed_up(threads).unwrap_or(1.0));
+        let assembler = &solution.problem.assembler;
+        let scalars = Space::scalar(solution.problem.space.mesh(), 2)?;
+        Ok(SpeedUps {
+            factorisation: solution.solver.factorisation_work.as_ref().map(of),
+            triangular_solve: solution.solver.solve_work.as_ref().map(of),
+            assembly: of(&assembler.assembly_work()),
+            evaluation: of(&assembler.evaluation_work()),
+            projection: of(&assembler.projection_work(&scalars)),
         })
     }
 }

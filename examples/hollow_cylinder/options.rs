@@ -48,7 +48,7 @@ pub struct Options {
     /// is counted from the step before
     #[arg(long, num_args = 2, value_names = ["X", "Y"], value_parser = number)]
     push: Vec<f64>,
-    /// Threads for assembly; one per core where it is not given. Results do not depend on it
+    /// Threads; FORMS_THREADS where it is not given, or else as many as the process may use. Results do not depend on it
     #[arg(long, value_name = "N")]
     threads: Option<Threads>,
     /// Runs even if the estimated memory exceeds what is available

@@ -85,6 +85,19 @@ pub fn of(measured: &Measurements) -> String {
     table.seconds(".vtu file", seconds.vtu);
     table.seconds("pictures", seconds.pictures);
     table.seconds("total", seconds.total);
+    let speed_ups = &measured.speed_ups;
+    table.heading("Largest speed-up by 2, 4, 8, 16, 64 threads, from counted work");
+    for (name, found) in [
+        ("factorisation", speed_ups.factorisation),
+        ("triangular solve", speed_ups.triangular_solve),
+        ("assembly", Some(speed_ups.assembly)),
+        ("norms, derived fields at points", Some(speed_ups.evaluation)),
+        ("projections", Some(speed_ups.projection)),
+    ] {
+        let found = found.map(|found| found.map(|ratio| format!("{ratio:.1}")).join(", "));
+        table.row(name, found.as_deref().unwrap_or("not counted"));
+    }
+    table.heading("Memory");
     let memory = measured.peak_rss_mb.map_or("unknown".into(), |megabytes| format!("{megabytes:.0} MB"));
     table.row("peak memory", &memory);
     table.text.push('\n');

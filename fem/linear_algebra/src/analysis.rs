@@ -7,10 +7,12 @@ use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
 use super::block_graph::BlockGraph;
 use super::csr::CsrMatrix;
+use super::elimination::Elimination;
 use super::error::{LinearAlgebraError, check_size};
 use super::ordering::{Candidate, Chosen, Ordering, inverse};
 use super::pattern::SparsityPattern;
 use super::symbolic::{Fill, Runs};
+use super::task_graph::SharedWork;
 
 /// The lower triangle of the reordered matrix by columns, and where each of its values comes from.
 #[derive(Debug)]
@@ -37,6 +39,8 @@ pub struct Analysis {
     /// For LBLᵀ, from the first one on.
     lower: OnceLock<LowerTriangle>,
     pub(super) supernodes: SymbolicSupernodalCholesky<u32>,
+    /// The tasks of factorisations and solves, from the first one on.
+    elimination: OnceLock<Elimination>,
     fill: Fill,
     seconds: f64,
 }
@@ -109,6 +113,7 @@ impl Analysis {
             is_like_last,
             lower: OnceLock::new(),
             supernodes,
+            elimination: OnceLock::new(),
             fill,
             seconds: start.elapsed().as_secs_f64(),
         })
@@ -161,8 +166,27 @@ impl Analysis {
     }
 
     /// The part that solves with a factor need, in less memory: no further matrix can be factored on it.
-    pub(super) fn for_solves(self) -> Self {
-        Self { places: None, lower: OnceLock::new(), ..self }
+    pub(super) fn for_solves(mut self) -> Self {
+        let elimination = OnceLock::new();
+        if let Some(known) = self.elimination.take() {
+            let _ = elimination.set(known.for_solves());
+        }
+        Self { places: None, lower: OnceLock::new(), elimination, ..self }
+    }
+
+    /// The tasks of factorisations and solves.
+    pub(super) fn elimination(&self) -> &Elimination {
+        self.elimination.get_or_init(|| Elimination::new(&self.supernodes))
+    }
+
+    /// Counted work of a factorisation LLᵀ or LSLᵀ, in multiplications with what moves their results, and how far threads can share it.
+    pub fn factorisation_work(&self) -> SharedWork {
+        self.elimination().factorisation.shared_work()
+    }
+
+    /// Counted work of a solve with L and one right-hand side, in entries of L, and how far threads can share it.
+    pub fn solve_work(&self) -> SharedWork {
+        self.elimination().forward.shared_work()
     }
 
     /// The place of each unknown of a matrix to factor.

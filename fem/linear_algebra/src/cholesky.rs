@@ -4,6 +4,7 @@
 mod numeric;
 mod signed;
 mod solve;
+mod tree_solves;
 mod triangular;
 
 use std::sync::Arc;
@@ -33,6 +34,8 @@ pub struct SymmetricFactor {
     kind: Kind,
     smallest_pivot_ratio: f64,
     negative_eigenvalues: usize,
+    /// Those of the factorisation, which solves use too.
+    threads: Threads,
     seconds: f64,
 }
 
@@ -76,7 +79,7 @@ impl SymmetricFactor {
         Self::cholesky_on(Threads::ONE, analysis, matrix, storage)
     }
 
-    /// The factor LLᵀ on several threads, with the same bits for any number of them.
+    /// The factor LLᵀ on several threads, with the same bits for any number of them. Solves with it use these threads, too.
     ///
     /// # Errors
     /// As [`SymmetricFactor::cholesky`].
@@ -110,6 +113,7 @@ impl SymmetricFactor {
             kind: Kind::Positive,
             smallest_pivot_ratio: smallest.ratio,
             negative_eigenvalues: 0,
+            threads,
             seconds: start.elapsed().as_secs_f64(),
         })
     }
@@ -194,6 +198,7 @@ impl SymmetricFactor {
             kind: Kind::Pivoted(pivoting),
             smallest_pivot_ratio: smallest.ratio,
             negative_eigenvalues,
+            threads: Threads::ONE,
             seconds: start.elapsed().as_secs_f64(),
         })
     }

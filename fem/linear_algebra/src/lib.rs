@@ -28,6 +28,7 @@ pub mod csr;
 pub mod determinant;
 mod dissection;
 pub mod eigenpairs;
+mod elimination;
 #[doc(hidden)]
 pub mod equations;
 #[doc(hidden)]
@@ -52,6 +53,7 @@ pub mod singularity;
 pub mod spectrum;
 pub mod symbolic;
 pub mod symmetric_eigen;
+mod task_graph;
 pub mod threads;
 pub mod transpose;
 pub mod vector;
@@ -85,4 +87,5 @@ pub use rigid_motions::{free_motions, free_motions_of_body, rigid_motions};
 pub use spectrum::{Spectrum, spectrum};
 pub use symbolic::Fill;
 pub use symmetric_eigen::SymmetricEigen;
+pub use task_graph::SharedWork;
 pub use transpose::Transpose;

@@ -2,9 +2,10 @@
 //!
 //! Results do not depend on it, to the last bit: work is cut into pieces whose sums are formed in a fixed order.
 
+use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::str::FromStr;
-use std::sync::{Mutex, Once, PoisonError};
+use std::sync::{Mutex, Once, OnceLock, PoisonError};
 
 use rayon::prelude::*;
 
@@ -27,10 +28,28 @@ impl Threads {
         Threads(NonZeroUsize::new(count.min(Self::MOST)).unwrap_or(NonZeroUsize::MIN))
     }
 
-    /// One per core, or as many as the environment variable `RAYON_NUM_THREADS` says, [`Threads::MOST`] at most.
+    /// The environment variable with the number of threads of a program.
+    pub const VARIABLE: &'static str = "FORMS_THREADS";
+
+    /// The number in the environment variable `FORMS_THREADS`. Without it as many as the process may use: one for each core of its affinity, or less
+    /// where a container has a limit. [`Threads::MOST`] at most. A value that is no such number counts as one; [`Threads::from_environment`] says what
+    /// is wrong with it.
     pub fn all() -> Self {
         start_pool();
-        Threads::new(rayon::current_num_threads())
+        // Where a program has started a pool by itself, that may be smaller.
+        match from_environment() {
+            Ok(None) => Threads::new(rayon::current_num_threads()),
+            Ok(Some(asked)) => *asked,
+            Err(_) => Threads::ONE,
+        }
+    }
+
+    /// The number that the environment variable `FORMS_THREADS` has at the first call; none without it.
+    ///
+    /// # Errors
+    /// One line that names the variable: its value is no whole number from one to [`Threads::MOST`].
+    pub fn from_environment() -> Result<Option<Self>, String> {
+        from_environment().clone()
     }
 
     /// The number.
@@ -74,17 +93,40 @@ fn on_threads(count: usize, work: &(dyn Fn(usize) + Sync)) {
     (0..count).into_par_iter().with_max_len(1).for_each(work);
 }
 
-/// Starts the pool where the environment asks for more threads than [`Threads::MOST`]: rayon would ask the system for all of
-/// them, and panic where it gets none. All else that the environment says is left to rayon.
+/// Reads the environment variable once.
+fn from_environment() -> &'static Result<Option<Threads>, String> {
+    static FOUND: OnceLock<Result<Option<Threads>, String>> = OnceLock::new();
+    FOUND.get_or_init(|| read(std::env::var_os(Threads::VARIABLE)))
+}
+
+/// The number in the value of the environment variable.
+fn read(value: Option<OsString>) -> Result<Option<Threads>, String> {
+    let Some(value) = value else { return Ok(None) };
+    let text = value.to_string_lossy();
+    let named = |error| format!("{} is \"{text}\": {error}", Threads::VARIABLE);
+    text.trim().parse().map(Some).map_err(named)
+}
+
+/// Starts the pool with the number of threads that the environment asks for, [`Threads::MOST`] at most: of more the system might have
+/// none left. Without such a number rayon takes what the process may use.
 fn start_pool() {
     static STARTED: Once = Once::new();
     STARTED.call_once(|| {
-        // The second is an older name of the first.
-        let asked =
-            ["RAYON_NUM_THREADS", "RAYON_RS_NUM_CPUS"].into_iter().find_map(|name| std::env::var(name).ok());
-        if asked.and_then(|text| text.parse::<usize>().ok()).is_some_and(|count| count > Threads::MOST) {
+        // These are rayon's own; the second is an older name of the first.
+        let of_rayon = || {
+            let text = ["RAYON_NUM_THREADS", "RAYON_RS_NUM_CPUS"]
+                .into_iter()
+                .find_map(|name| std::env::var(name).ok());
+            text.and_then(|text| text.parse::<usize>().ok()).filter(|count| *count > Threads::MOST)
+        };
+        let asked = match from_environment() {
+            Ok(Some(asked)) => Some(asked.count()),
+            Ok(None) => of_rayon().map(|_| Threads::MOST),
+            Err(_) => Some(1),
+        };
+        if let Some(count) = asked {
             // A program that has started the pool by itself keeps its own.
-            let _ = rayon::ThreadPoolBuilder::new().num_threads(Threads::MOST).build_global();
+            let _ = rayon::ThreadPoolBuilder::new().num_threads(count).build_global();
         }
     });
 }
@@ -117,7 +159,19 @@ impl FromStr for Threads {
 
 #[cfg(test)]
 mod tests {
-    use super::Threads;
+    use super::{Threads, read};
+
+    #[test]
+    fn the_environment_says_a_number_or_what_is_wrong_with_it() {
+        assert_eq!(read(None), Ok(None));
+        assert_eq!(read(Some(" 3 ".into())), Ok(Some(Threads::new(3))));
+        let message = "FORMS_THREADS is \"many\": a whole number of threads is needed";
+        assert_eq!(read(Some("many".into())), Err(message.into()));
+        for text in ["", "0", "-2", "2.5", "1025"] {
+            let error = read(Some(text.into())).unwrap_err();
+            assert!(error.starts_with(&format!("FORMS_THREADS is \"{text}\": ")), "{error}");
+        }
+    }
 
     #[test]
     fn numbers_that_nobody_means_are_bounded() {

@@ -6,10 +6,10 @@
 
 mod dense;
 mod entries;
+mod panels;
 mod pivots;
-mod subtrees;
-mod updates;
-mod wide;
+mod rooms;
+mod tasks;
 
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -21,15 +21,13 @@ use faer::{Accum, MatMut, MatRef, Par};
 use self::dense::{Factor, Rows, Subtract, run};
 use self::pivots::Pivots;
 pub(super) use self::pivots::{Positive, Signed};
-use self::updates::Updates;
+use self::tasks::Source;
 use crate::analysis::Analysis;
 use crate::csr::CsrMatrix;
+use crate::elimination::{Elimination, PANEL};
 use crate::error::LinearAlgebraError;
 use crate::large_pages::PrefaultedArray;
-use crate::threads::Threads;
 
-/// Columns of a panel.
-const PANEL: usize = 64;
 /// Least number of multiplications for which a product of wide factors uses faer's kernels.
 const LARGE: usize = 1 << 17;
 /// Columns of the one, and rows of the other factor from which on they are wide.
@@ -47,7 +45,7 @@ pub(super) struct Numeric<'a, P> {
     places: &'a [u32],
     /// Whether the row of each unknown has the pattern of the row before it.
     is_like_last: &'a [bool],
-    updates: Updates,
+    elimination: &'a Elimination,
 }
 
 /// Memory for the work of a thread.
@@ -62,6 +60,11 @@ struct Scratch {
 }
 
 impl Scratch {
+    /// Forgets what was prefaulted: work goes on at another place.
+    fn begin(&mut self, place: usize) {
+        self.handed_over = place;
+    }
+
     /// Prefaults the memory of the next values from the given place on, as far as the given number is needed at once.
     fn prefault(&mut self, place: usize, needed: usize, next: &mut [f64]) {
         if place + needed > self.handed_over {
@@ -91,7 +94,8 @@ impl<'a, P: Pivots> Numeric<'a, P> {
     ) -> Result<Self, LinearAlgebraError> {
         let (places, symbolic) = (analysis.places(matrix)?, &analysis.supernodes);
         let (order, is_like_last) = (&analysis.order[..], &analysis.is_like_last[..]);
-        Ok(Self { pivots, symbolic, matrix, order, places, is_like_last, updates: Updates::new(symbolic) })
+        let elimination = analysis.elimination();
+        Ok(Self { pivots, symbolic, matrix, order, places, is_like_last, elimination })
     }
 
     fn columns(&self, supernode: usize) -> Range<usize> {
@@ -105,40 +109,50 @@ impl<'a, P: Pivots> Numeric<'a, P> {
         starts[supernodes.start] as usize..starts[supernodes.end] as usize
     }
 
-    /// Factors a supernode into its block. All that it depends on has been factored into `known`, whose first number has the given
-    /// place among all values.
-    fn supernode(
-        &self,
-        supernode: usize,
-        threads: Threads,
-        (start, known): (usize, &[f64]),
-        block: &mut [f64],
-        scratch: &mut Scratch,
-    ) -> Result<(), usize> {
+    /// Notes the row of a supernode for each row of the matrix that it has.
+    fn place_rows(&self, supernode: usize, scratch: &mut Scratch) {
         let columns = self.columns(supernode);
-        let rows = self.symbolic.supernode(supernode).pattern();
-        let height = columns.len() + rows.len();
         scratch.places.resize(self.symbolic.nrows(), 0);
         for (place, row) in (0..).zip(columns.clone()) {
             scratch.places[row] = place;
         }
-        for (place, row) in (columns.len() as u32..).zip(rows) {
+        for (place, row) in (columns.len() as u32..).zip(self.symbolic.supernode(supernode).pattern()) {
             scratch.places[*row as usize] = place;
         }
-        let places = &scratch.places[..];
-        let panels = (columns.clone().step_by(PANEL)).zip(block.chunks_mut(PANEL * height));
-        let gather = |(first, panel): (usize, &mut [f64]), own: &mut Panel| {
-            self.gather(supernode, first, (start, known), (panel, height), places, own);
-        };
+    }
+
+    /// Factors a supernode into its block. All that it depends on has been factored.
+    fn supernode(
+        &self,
+        supernode: usize,
+        source: Source<'_, '_>,
+        block: &mut [f64],
+        scratch: &mut Scratch,
+    ) -> Result<(), usize> {
+        let columns = self.columns(supernode);
+        let height = block.len() / columns.len();
+        self.place_rows(supernode, scratch);
+        let Scratch { places, own, .. } = scratch;
+        for (first, panel) in columns.clone().step_by(PANEL).zip(block.chunks_mut(PANEL * height)) {
+            self.gather(supernode, first, source, (panel, height), places, own);
+        }
         if columns.len() <= PANEL {
-            panels.for_each(|panel| gather(panel, &mut scratch.own));
             let (pivots, place) = (self.pivots, columns.start);
             let factor = Factor { pivots, place, columns: block, height, first: 0, end: height };
             return run(factor).map_err(|column| columns.start + column);
         }
-        wide::share(threads, panels.collect(), &mut scratch.own, gather);
-        wide::factor(threads, (self.pivots, columns.start), block, height)
-            .map_err(|column| columns.start + column)
+        for first in (0..columns.len()).step_by(PANEL) {
+            let (known, rest) = block.split_at_mut(first * height);
+            let length = rest.len().min(PANEL * height);
+            let panel = &mut rest[..length];
+            for (earlier, known) in known.chunks(PANEL * height).enumerate() {
+                panels::take::<P>((known, earlier * PANEL), (panel, height), first, own);
+            }
+            let place = columns.start + first;
+            panels::factor((self.pivots, place), (panel, height), first, own)
+                .map_err(|column| place + column)?;
+        }
+        Ok(())
     }
 
     /// Columns of a supernode from one on, with what all earlier supernodes take from them.
@@ -146,7 +160,7 @@ impl<'a, P: Pivots> Numeric<'a, P> {
         &self,
         supernode: usize,
         first: usize,
-        (start, known): (usize, &[f64]),
+        source: Source<'_, '_>,
         (panel, height): (&mut [f64], usize),
         places: &[u32],
         scratch: &mut Panel,
@@ -156,7 +170,7 @@ impl<'a, P: Pivots> Numeric<'a, P> {
         self.copy_entries(columns.clone(), panel, places);
         let target_first = places[first] as usize;
         let is_whole = columns == self.columns(supernode);
-        for update in self.updates.of(supernode) {
+        for update in self.elimination.updates.of(supernode) {
             let earlier = update.supernode as usize;
             let width = self.columns(earlier).len();
             let mut rows = &self.symbolic.supernode(earlier).pattern()[update.first as usize..];
@@ -173,13 +187,47 @@ impl<'a, P: Pivots> Numeric<'a, P> {
             }
             scratch.targets.clear();
             scratch.targets.extend(rows.iter().map(|row| places[*row as usize]));
-            let targets = &scratch.targets[..];
-            let values = self.values(earlier..earlier + 1);
-            let block = &known[values.start - start..values.end - start];
-            let block_height = block.len() / width;
-            P::read_signs(block, block_height, &mut scratch.signs);
-            let signs = &scratch.signs[..];
-            if width.min(count) < WIDE || rows.len() * width * count < LARGE {
+            let place = self.values(earlier..earlier + 1);
+            if earlier >= source.first {
+                let block = &source.own[place.start - source.start..place.end - source.start];
+                let products = Products { height: block.len() / width, above, count, target_first };
+                products.subtract::<P>(std::iter::once(block), width, (panel, height), scratch);
+            } else {
+                let room = &source.rooms[self.elimination.unit_of[earlier] as usize];
+                let products = Products { height: place.len() / width, above, count, target_first };
+                products.subtract::<P>(room.blocks(place), width, (panel, height), scratch);
+            }
+        }
+    }
+}
+
+/// Rows of an earlier supernode whose products with some of them are taken from a panel.
+struct Products {
+    /// Of the earlier supernode's columns.
+    height: usize,
+    /// The first of the rows.
+    above: usize,
+    /// Number of them that are columns of the panel.
+    count: usize,
+    /// Of the first of the panel's columns, in its rows.
+    target_first: usize,
+}
+
+impl Products {
+    /// Takes the products of columns that come in one block or panel by panel, of the given width in all. Their targets are in the scratch.
+    /// The diagonal of a panel begins in the row with the number of its first column.
+    fn subtract<'b, P: Pivots>(
+        &self,
+        blocks: impl Iterator<Item = &'b [f64]>,
+        width: usize,
+        (panel, height): (&mut [f64], usize),
+        scratch: &mut Panel,
+    ) {
+        let Products { height: block_height, above, count, target_first } = *self;
+        let Panel { targets, products, signs, signed } = scratch;
+        if width.min(count) < WIDE || targets.len() * width * count < LARGE {
+            for (number, block) in blocks.enumerate() {
+                P::read_signs(&block[number * PANEL..], block_height, signs);
                 let rows = Rows { block, height: block_height, first: above };
                 run(Subtract::<P> {
                     rows,
@@ -191,25 +239,29 @@ impl<'a, P: Pivots> Numeric<'a, P> {
                     target_height: height,
                     target_first,
                 });
-                continue;
             }
-            let block = MatRef::from_column_major_slice(block, block_height, width);
-            let others = block.subrows(above, count);
-            let others = with_signs(others, signs, &mut scratch.signed).transpose();
-            let mut done = 0;
-            while done < targets.len() {
-                let tile = TILE.min(targets.len() - done);
-                scratch.products.resize(TILE * PANEL, 0.0);
-                let products = &mut scratch.products[..tile * count];
-                let all = MatMut::from_column_major_slice_mut(products, tile, count);
-                matmul(all, Accum::Replace, block.subrows(above + done, tile), others, 1.0, Par::Seq);
-                for (k, products) in products.chunks_exact(tile).enumerate() {
-                    let column = &mut panel[(targets[k] as usize - target_first) * height..][..height];
-                    let skipped = k.saturating_sub(done).min(tile);
-                    subtract(column, &targets[done + skipped..done + tile], &products[skipped..]);
-                }
-                done += tile;
+            return;
+        }
+        let (mut done, blocks) = (0, blocks.collect::<Vec<_>>());
+        while done < targets.len() {
+            let tile = TILE.min(targets.len() - done);
+            products.resize(TILE * PANEL, 0.0);
+            let products = &mut products[..tile * count];
+            let mut accumulate = Accum::Replace;
+            for (number, block) in blocks.iter().enumerate() {
+                P::read_signs(&block[number * PANEL..], block_height, signs);
+                let block = MatRef::from_column_major_slice(block, block_height, block.len() / block_height);
+                let others = with_signs(block.subrows(above, count), signs, signed).transpose();
+                let sums = MatMut::from_column_major_slice_mut(products, tile, count);
+                matmul(sums, accumulate, block.subrows(above + done, tile), others, 1.0, Par::Seq);
+                accumulate = Accum::Add;
             }
+            for (k, products) in products.chunks_exact(tile).enumerate() {
+                let column = &mut panel[(targets[k] as usize - target_first) * height..][..height];
+                let skipped = k.saturating_sub(done).min(tile);
+                subtract(column, &targets[done + skipped..done + tile], &products[skipped..]);
+            }
+            done += tile;
         }
     }
 }

@@ -93,6 +93,7 @@ impl SymmetricFactor {
             negative_eigenvalues: negative.len(),
             kind: Kind::Signed { negative, replaced },
             smallest_pivot_ratio: smallest,
+            threads,
             seconds: start.elapsed().as_secs_f64(),
         })
     }

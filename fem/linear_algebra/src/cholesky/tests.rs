@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use super::*;
-use crate::Ordering;
 use crate::vector::norm;
+use crate::{Ordering, SharedWork};
 
 /// The block matrix (five-point Laplacian on an m × m grid) ⊗ B, and one of its closed-form solutions:
 /// B w at the nodes times the eigenvector sin(kπx) sin(lπy), whose eigenvalue is known.
@@ -264,10 +264,60 @@ fn a_factor_has_the_same_bits_on_any_number_of_threads() {
             factor.into_storage().into_iter().map(f64::to_bits).collect::<Vec<_>>()
         };
         let one = bits(1);
-        for threads in [2, 3, 8] {
+        for threads in [2, 3, 7, 16] {
             assert!(bits(threads) == one, "{} unknowns, {threads} threads", matrix.rows());
         }
     }
+}
+
+#[test]
+fn many_units_are_factored_and_solved_with_the_same_bits_on_any_number_of_threads() {
+    let (m, block) = (160, [[3.0, 1.0], [1.0, 2.0]]);
+    let matrix = grid(m, block, 0.0);
+    let (wanted, _) = mode(m, 3, 2, [0.7, -0.4]);
+    let load = matrix.multiply(&wanted).unwrap();
+    let analysis = Arc::new(Analysis::new(matrix.pattern(), &Ordering::NestedDissection).unwrap());
+    let units = &analysis.elimination().units;
+    assert!(units.len() > 30, "{} units", units.len());
+    assert!(units.iter().any(|unit| unit.panels > 1), "wide supernodes are cut into panels");
+    let found = |threads| {
+        let factor = SymmetricFactor::cholesky_on(Threads::new(threads), &analysis, &matrix, vec![]).unwrap();
+        let mut x = load.clone();
+        factor.solve_in_place(&mut x).unwrap();
+        assert!(error(&x, &wanted) < 1e-11, "{threads} threads: {}", error(&x, &wanted));
+        let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+        (bits(&factor.values), bits(&x))
+    };
+    let one = found(1);
+    for threads in [2, 3, 7, 16] {
+        assert!(found(threads) == one, "{threads} threads");
+    }
+    let (factorisation, solve) = (analysis.factorisation_work(), analysis.solve_work());
+    for counted in [&factorisation, &solve] {
+        let speed_ups = SharedWork::THREADS.map(|threads| counted.speed_up(threads).unwrap());
+        assert!(speed_ups[0] > 1.9 && speed_ups[3] > 5.0, "{speed_ups:?}");
+        assert!(speed_ups.iter().all(|found| *found <= 1.000_001 * counted.work / counted.critical_path));
+    }
+    let entries = analysis.factor_entries() as f64;
+    assert!(solve.work > 0.5 * entries && solve.work < 2.0 * entries, "{} of {entries}", solve.work);
+    assert!(factorisation.work > 0.8 * analysis.multiplications());
+}
+
+#[test]
+fn a_dense_matrix_is_shared_by_panels() {
+    let size = 800;
+    let entry = |i: usize, j: usize| if i == j { 900.0 } else { ((i * j) as f64).cos() };
+    let triplets: Vec<_> =
+        (0..size * size).map(|k| (k / size, k % size, entry(k / size, k % size))).collect();
+    let matrix = CsrMatrix::from_triplets(size, size, &triplets).unwrap();
+    let analysis = Arc::new(Analysis::new(matrix.pattern(), &Ordering::MinimumDegree).unwrap());
+    assert!(analysis.factorisation_work().speed_up(4).unwrap() > 1.8);
+    let values = |threads| {
+        SymmetricFactor::cholesky_on(Threads::new(threads), &analysis, &matrix, vec![])
+            .unwrap()
+            .into_storage()
+    };
+    assert!(values(1) == values(7));
 }
 
 #[test]
@@ -280,7 +330,7 @@ fn the_first_pivot_that_is_not_positive_is_named_on_any_number_of_threads() {
     for (matrix, unknown) in [(bad, 93), (worse, 31), (wide, 267)] {
         let order = (0..matrix.rows() as u32).collect();
         let analysis = Arc::new(Analysis::new(matrix.pattern(), &Ordering::Given(order)).unwrap());
-        for threads in [1, 2, 3, 8] {
+        for threads in [1, 2, 3, 7, 16] {
             let threads = Threads::new(threads);
             let error = SymmetricFactor::cholesky_on(threads, &analysis, &matrix, vec![]).unwrap_err();
             assert_eq!(error, LinearAlgebraError::NotPositiveDefinite { unknown });

@@ -1,10 +1,11 @@
-//! Solves with the triangles of an LLᵀ factor for one right-hand side, supernode by supernode.
+//! Solves with the triangles of an LLᵀ factor for one right-hand side, supernode by supernode of a unit.
 //!
 //! faer's solves are made for many right-hand sides: each product with a supernode's block is a call of its general kernels, which
 //! takes longer than the product where supernodes are small.
 
 use super::SymmetricFactor;
 use crate::ahead::ask_for;
+use crate::elimination::Unit;
 
 /// Columns that are taken at once, so that what is below them is read and written once.
 const AT_ONCE: usize = 4;
@@ -98,18 +99,24 @@ impl SymmetricFactor {
         Supernode { block, first, width, rows: symbolic.supernode(number).pattern() }
     }
 
-    /// Replaces x, in elimination order, by L⁻¹ x.
-    pub(crate) fn solve_with_lower(&self, x: &mut [f64]) {
-        let mut below = vec![];
-        let count = self.analysis.supernodes.n_supernodes();
-        for number in 0..count {
+    /// Solves with L in the supernodes of a unit, whose unknowns are given with the place of the first one. What they take from later ones is
+    /// added to `outside`, by rows of the matrix.
+    pub(super) fn forward(
+        &self,
+        unit: &Unit,
+        (start, x): (usize, &mut [f64]),
+        outside: &mut [f64],
+        below: &mut Vec<f64>,
+    ) {
+        let end = start + x.len();
+        for number in unit.supernodes.clone() {
             let node = self.supernode(number);
-            let own = &mut x[node.first..node.first + node.width];
+            let own = &mut x[node.first - start..][..node.width];
             // As away from the loads, where these are on a boundary.
             if own.iter().all(|value| *value == 0.0) {
                 continue;
             }
-            if number + 1 < count {
+            if number + 1 < unit.supernodes.end {
                 let next = self.supernode(number + 1).block;
                 ask_for(&next[..next.len().min(AHEAD)]);
             }
@@ -117,24 +124,35 @@ impl SymmetricFactor {
             below.resize(node.rows.len(), 0.0);
             let mut from = 0;
             while from + AT_ONCE <= node.width {
-                node.forward::<AT_ONCE>(from, own, &mut below);
+                node.forward::<AT_ONCE>(from, own, below);
                 from += AT_ONCE;
             }
-            (from..node.width).for_each(|from| node.forward::<1>(from, own, &mut below));
-            for (row, change) in node.rows.iter().zip(&below) {
-                x[*row as usize] += change;
+            (from..node.width).for_each(|from| node.forward::<1>(from, own, below));
+            let inside = node.rows.partition_point(|row| (*row as usize) < end);
+            for (row, change) in node.rows[..inside].iter().zip(&below[..]) {
+                x[*row as usize - start] += change;
+            }
+            for (row, change) in node.rows[inside..].iter().zip(&below[inside..]) {
+                outside[*row as usize] += change;
             }
         }
     }
 
-    /// Replaces y, in elimination order, by L⁻ᵀ y.
-    pub(crate) fn solve_with_upper(&self, y: &mut [f64]) {
-        self.substitute_back(0..self.analysis.supernodes.n_supernodes() as u32, y);
+    /// Solves with Lᵀ in some supernodes, ascending, with all above them in the elimination tree.
+    pub(crate) fn substitute_back(&self, supernodes: impl DoubleEndedIterator<Item = u32>, y: &mut [f64]) {
+        self.backward(supernodes, (0, y), &[], &mut vec![]);
     }
 
-    /// The same in some supernodes, ascending, with all above them in the elimination tree.
-    pub(crate) fn substitute_back(&self, supernodes: impl DoubleEndedIterator<Item = u32>, y: &mut [f64]) {
-        let mut below = vec![];
+    /// Solves with Lᵀ in some supernodes, ascending, whose unknowns are given with the place of the first one. The values of later ones are
+    /// `outside`, by rows of the matrix.
+    pub(super) fn backward(
+        &self,
+        supernodes: impl DoubleEndedIterator<Item = u32>,
+        (start, y): (usize, &mut [f64]),
+        outside: &[f64],
+        below: &mut Vec<f64>,
+    ) {
+        let end = start + y.len();
         let mut supernodes = supernodes.rev().peekable();
         while let Some(number) = supernodes.next() {
             let node = self.supernode(number as usize);
@@ -142,13 +160,15 @@ impl SymmetricFactor {
                 let next = self.supernode(*next as usize).block;
                 ask_for(&next[next.len().saturating_sub(AHEAD)..]);
             }
+            let (inside, beyond) = node.rows.split_at(node.rows.partition_point(|row| (*row as usize) < end));
             below.clear();
-            below.extend(node.rows.iter().map(|row| y[*row as usize]));
-            let own = &mut y[node.first..node.first + node.width];
+            below.extend(inside.iter().map(|row| y[*row as usize - start]));
+            below.extend(beyond.iter().map(|row| outside[*row as usize]));
+            let own = &mut y[node.first - start..][..node.width];
             let fours = node.width / AT_ONCE * AT_ONCE;
-            (fours..node.width).rev().for_each(|from| node.backward::<1>(from, own, &below));
+            (fours..node.width).rev().for_each(|from| node.backward::<1>(from, own, below));
             (0..fours).step_by(AT_ONCE).rev().for_each(|from| {
-                node.backward::<AT_ONCE>(from, own, &below);
+                node.backward::<AT_ONCE>(from, own, below);
             });
         }
     }

@@ -147,6 +147,7 @@ impl<'a, const D: usize> Binding<'a, D> {
             return Err(AssemblyError::Count { form: name, what: "unknowns", expected, found });
         }
         notices::check_instructions(name, InstructionSet::best())?;
+        Threads::from_environment().map_err(|what| AssemblyError::Environment { form: name, what })?;
         notices::tell(name, inputs);
         let mut binding = Binding::empty(name, fields, &inputs.regions, mesh);
         let mut values = Vec::with_capacity(fields.len());

@@ -83,6 +83,14 @@ pub enum AssemblyError {
         /// The sets of instructions of the build.
         compiled: String,
     },
+    /// An environment variable of the library has a value that cannot be read.
+    #[error("form `{form}`: {what}")]
+    Environment {
+        /// The form that was about to be assembled.
+        form: &'static str,
+        /// The variable, and what is wrong with its value.
+        what: String,
+    },
     /// The layout of an element kernel does not fit the form or its cells.
     #[error("form `{form}`, element kernel: {what}")]
     Layout {

@@ -218,17 +218,28 @@ pub(super) fn chunks_of<R: Default + Send, const D: usize>(
         }
         Ok(results)
     };
-    let parts = threads.count().min(chunks);
-    if parts <= 1 {
-        return of_part(0..chunks, buffers);
+    let mut parts = parts_of(chunks, threads.count());
+    if parts.len() <= 1 {
+        return of_part(parts.pop().unwrap_or_default(), buffers);
     }
-    let parts = (0..parts).map(|part| part * chunks / parts..(part + 1) * chunks / parts).collect();
     let done = threads.run(parts, |chunks| of_part(chunks, &mut BatchBuffers::default()));
     let mut results = Vec::with_capacity(chunks);
     for part in done {
         results.extend(part?);
     }
     Ok(results)
+}
+
+/// Runs of chunks for at most the given number of threads.
+fn parts_of(chunks: usize, threads: usize) -> Vec<Range<usize>> {
+    let parts = threads.min(chunks);
+    (0..parts).map(|part| part * chunks / parts..(part + 1) * chunks / parts).collect()
+}
+
+/// Entities of each thread in a walk over the quadrature points of the given number.
+pub(super) fn entities_of_parts(entities: usize, threads: usize) -> Vec<f64> {
+    let parts = parts_of(entities.div_ceil(CHUNK), threads).into_iter();
+    parts.map(|chunks| (entities.min(chunks.end * CHUNK) - chunks.start * CHUNK) as f64).collect()
 }
 
 /// Takes a chunk's result so far, and the value, weight and position of a quadrature point.

@@ -42,6 +42,7 @@ pub(crate) mod projection;
 mod residual;
 mod scatter;
 mod segment_tangent;
+mod shared_work;
 mod tangent;
 
 use std::borrow::Cow;

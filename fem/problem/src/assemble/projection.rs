@@ -5,6 +5,7 @@ mod mass;
 mod pieces;
 mod solve;
 mod start;
+mod together;
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -15,7 +16,8 @@ use forms_core::contract::Entity;
 
 use self::loads::{Systems, systems};
 use self::mass::MassByCells;
-use self::pieces::Pieces;
+pub(super) use self::pieces::Pieces;
+pub(super) use self::solve::cells_of_parts;
 use self::solve::{by_cells, by_factor, by_matrix};
 use super::groups::degrees::degree_on_all_cells;
 use super::{Assembler, AssemblyError};
@@ -54,20 +56,60 @@ impl<const D: usize> Assembler<D> {
     where
         Dim: Dimension<D>,
     {
-        let name = expression.name();
-        let components: usize = expression.shape().iter().product();
-        if components != space.components() {
-            let (expected, found) = (components, space.components());
-            return Err(AssemblyError::Components { form: name, field: "the space", expected, found });
+        self.project_together([(expression, space)]).map(|[found]| found)
+    }
+
+    /// The L² projections of derived fields, each to its space. Spaces with the same nodes share one mass matrix, and all components of
+    /// their fields are found in one iteration.
+    ///
+    /// # Errors
+    /// As [`Assembler::project`].
+    pub fn project_together<const N: usize>(
+        &self,
+        fields: [(&Expression<D>, &Arc<Space<D>>); N],
+    ) -> Result<[Field<D>; N], AssemblyError>
+    where
+        Dim: Dimension<D>,
+    {
+        fields.iter().try_for_each(|(expression, space)| check_field(expression, space))?;
+        let mut found: Vec<Vec<f64>> = vec![vec![]; N];
+        let mut is_left = vec![true; N];
+        for first in 0..N {
+            let space = fields[first].1;
+            let group: Vec<usize> =
+                (first..N).filter(|k| is_left[*k] && has_nodes_of(fields[*k].1, space)).collect();
+            if group.is_empty() {
+                continue;
+            }
+            let (mut systems, pieces) = (vec![], Pieces::new(space));
+            for k in &group {
+                is_left[*k] = false;
+                systems.extend(self.systems_of(fields[*k], &pieces)?);
+            }
+            let mut components = self.solutions(fields[first].0.name(), space, &pieces, systems)?.into_iter();
+            for k in group {
+                let own = components.by_ref().take(fields[k].1.components());
+                found[k] = interleaved(space.node_count(), own.collect());
+            }
         }
+        let mut found = found.into_iter();
+        Ok(fields.map(|(_, space)| Field::of_known(space, found.next().unwrap_or_default())))
+    }
+
+    /// The systems for a derived field's components.
+    #[inline(never)]
+    fn systems_of(
+        &self,
+        (expression, space): (&Expression<D>, &Arc<Space<D>>),
+        pieces: &Pieces,
+    ) -> Result<Systems, AssemblyError> {
+        let name = expression.name();
         let degree = self.degree_of_mass(space);
         let found =
             self.found_at_quadrature_points(expression, Entity::Cells, crate::mesh::EVERYWHERE, degree)?;
         let degree = self.history_degree(expression)?.unwrap_or(degree);
-        self.project_values(
-            &ValuesAtPoints { name, degree, values: &found.values, weights: &found.weights },
-            space,
-        )
+        let known = ValuesAtPoints { name, degree, values: &found.values, weights: &found.weights };
+        self.systems(&known, space, pieces)
     }
 
     /// The degree of the rule that is exact for a space's mass matrix on all cells.
@@ -87,56 +129,76 @@ impl<const D: usize> Assembler<D> {
     where
         Dim: Dimension<D>,
     {
-        if let Some(region) = space.facet_region() {
-            let (place, region) = ("all cells".to_owned(), region.to_owned());
-            return Err(AssemblyError::OffItsFacets { form: known.name, field: "the space", place, region });
-        }
-        if !space.is_on_all_cells() {
-            let (elements, scope) = (space.elements().clone(), space.scope().clone());
-            return Err(AssemblyError::NoValuesOn { form: known.name, elements, scope });
-        }
-        let (systems, joined) = match self.project_by_cells(known, space)? {
+        check_space(known.name, space)?;
+        let pieces = Pieces::new(space);
+        let systems = self.systems(known, space, &pieces)?;
+        let found = self.solutions(known.name, space, &pieces, systems)?;
+        Ok(Field::of_known(space, interleaved(space.node_count(), found)))
+    }
+
+    fn systems(
+        &self,
+        known: &ValuesAtPoints,
+        space: &Space<D>,
+        pieces: &Pieces,
+    ) -> Result<Systems, AssemblyError> {
+        let form = known.name;
+        systems(known, &self.quadrature, space, pieces, self.threads)
+            .map_err(|source| AssemblyError::Quadrature { form, source })
+    }
+
+    /// The solutions of systems with a space's scalar mass matrix.
+    fn solutions(
+        &self,
+        form: &'static str,
+        space: &Arc<Space<D>>,
+        pieces: &Pieces,
+        systems: Systems,
+    ) -> Result<Vec<Vec<f64>>, AssemblyError>
+    where
+        Dim: Dimension<D>,
+    {
+        let (systems, joined) = match self.solve_by_cells(form, space, pieces, systems)? {
             ControlFlow::Break(found) => return Ok(found),
             ControlFlow::Continue(left) => left,
         };
         let mass = crate::norms::mass_matrix(&self.on_all_cells(), space, self.degree_of_mass(space))?;
-        self.project_with_mass(known.name, space, (mass, systems), joined)
+        self.solve_with_mass(form, space, (mass, systems), joined)
     }
 
-    /// The projection without a matrix, or the systems and relations for which one is needed.
+    /// The solutions without a matrix, or the systems and relations for which one is needed.
     #[inline(never)]
-    fn project_by_cells(
+    fn solve_by_cells(
         &self,
-        known: &ValuesAtPoints,
+        form: &'static str,
         space: &Arc<Space<D>>,
-    ) -> Result<ControlFlow<Field<D>, (Systems, Option<Constraints<D>>)>, AssemblyError> {
-        let form = known.name;
+        pieces: &Pieces,
+        mut systems: Systems,
+    ) -> Result<ControlFlow<Vec<Vec<f64>>, (Systems, Option<Constraints<D>>)>, AssemblyError> {
         // Where nodes hang, the nearest of the continuous fields is asked for.
         let joined = Constraints::joining(space)
             .map_err(|source| AssemblyError::Hanging { form, source: Box::new(source) })?;
-        let pieces = Pieces::new(space);
-        let quadrature = |source| AssemblyError::Quadrature { form, source };
-        let systems = systems(known, &self.quadrature, space, &pieces, self.threads).map_err(quadrature)?;
         if joined.is_none() {
             let degree = self.degree_of_mass(space);
-            let mass = MassByCells::new(space, &pieces, degree, self.instructions).map_err(quadrature)?;
+            let mass = MassByCells::new(space, pieces, degree, self.instructions)
+                .map_err(|source| AssemblyError::Quadrature { form, source })?;
             // Cells that are all but flat: the matrix says what is wrong, or its factor solves the systems.
-            if let Ok(found) = by_cells(&mass, &systems, self.threads) {
-                return Ok(ControlFlow::Break(of_components(space, found)));
+            if let Ok(found) = by_cells(&mass, &mut systems, self.threads) {
+                return Ok(ControlFlow::Break(found));
             }
         }
         Ok(ControlFlow::Continue((systems, joined)))
     }
 
-    /// The projection with the space's scalar mass matrix, on the free nodes of joined ones.
+    /// The solutions with the space's scalar mass matrix, on the free nodes of joined ones.
     #[inline(never)]
-    fn project_with_mass(
+    fn solve_with_mass(
         &self,
         form: &'static str,
         space: &Arc<Space<D>>,
         (mut mass, mut systems): (CsrMatrix, Systems),
         joined: Option<Constraints<D>>,
-    ) -> Result<Field<D>, AssemblyError> {
+    ) -> Result<Vec<Vec<f64>>, AssemblyError> {
         let linear_algebra = |source: LinearAlgebraError| AssemblyError::LinearAlgebra { form, source };
         // Cells that carry rigid surfaces have no quantities: the projection is zero there.
         let carriers = self.mesh.body_cells().end..self.mesh.cell_count();
@@ -146,7 +208,7 @@ impl<const D: usize> Assembler<D> {
             mass = mass.plus(&entries).map_err(linear_algebra)?;
         }
         let Some(joined) = joined else {
-            return Ok(of_components(space, by_factor(&mass, systems).map_err(linear_algebra)?));
+            return by_factor(&mass, systems).map_err(linear_algebra);
         };
         let elimination = Elimination::new(space.node_count(), &BTreeMap::new())
             .and_then(|all| all.with_relations(of_nodes(&joined, space.components())));
@@ -158,11 +220,11 @@ impl<const D: usize> Assembler<D> {
         }
         let found = by_matrix(&mass, systems, self.threads).map_err(linear_algebra)?;
         let extended = found.into_iter().map(|values| elimination.extend_by_zero(&values));
-        Ok(of_components(space, extended.collect::<Result<_, _>>().map_err(linear_algebra)?))
+        extended.collect::<Result<_, _>>().map_err(linear_algebra)
     }
 }
 
-instantiate!(assemble_projection: Assembler::<D>::project_by_cells, Assembler::<D>::project_with_mass);
+instantiate!(assemble_projection: Assembler::<D>::systems_of, Assembler::<D>::solve_by_cells, Assembler::<D>::solve_with_mass);
 
 /// The relations of a space's first component between nodes, which are those of all components.
 fn of_nodes<const D: usize>(joined: &Constraints<D>, components: usize) -> BTreeMap<usize, Relation> {
@@ -175,14 +237,47 @@ fn of_nodes<const D: usize>(joined: &Constraints<D>, components: usize) -> BTree
     relations.map(of_nodes).collect()
 }
 
-/// The field with these values at the nodes, component by component.
-fn of_components<const D: usize>(space: &Arc<Space<D>>, found: Vec<Vec<f64>>) -> Field<D> {
+/// Refuses a space that a derived field does not fit.
+#[inline(never)]
+fn check_field<const D: usize>(expression: &Expression<D>, space: &Space<D>) -> Result<(), AssemblyError> {
+    let form = expression.name();
+    let expected: usize = expression.shape().iter().product();
+    let found = space.components();
+    if found != expected {
+        return Err(AssemblyError::Components { form, field: "the space", expected, found });
+    }
+    check_space(form, space)
+}
+
+/// Refuses a space that has no values in some cells.
+fn check_space<const D: usize>(form: &'static str, space: &Space<D>) -> Result<(), AssemblyError> {
+    if let Some(region) = space.facet_region() {
+        let (place, region) = ("all cells".to_owned(), region.to_owned());
+        return Err(AssemblyError::OffItsFacets { form, field: "the space", place, region });
+    }
+    if !space.is_on_all_cells() {
+        let (elements, scope) = (space.elements().clone(), space.scope().clone());
+        return Err(AssemblyError::NoValuesOn { form, elements, scope });
+    }
+    Ok(())
+}
+
+/// Whether two spaces have the same nodes, so that they have one scalar mass matrix.
+fn has_nodes_of<const D: usize>(space: &Space<D>, other: &Space<D>) -> bool {
+    space.mesh().is_same(other.mesh())
+        && space.degree == other.degree
+        && space.elements() == other.elements()
+        && space.scope() == other.scope()
+}
+
+/// The coefficients with these values at the nodes, component by component.
+fn interleaved(nodes: usize, found: Vec<Vec<f64>>) -> Vec<f64> {
     let components = found.len();
-    let mut coefficients = vec![0.0; space.unknowns()];
+    let mut coefficients = vec![0.0; nodes * components];
     for (component, values) in found.into_iter().enumerate() {
         for (node, value) in values.into_iter().enumerate() {
             coefficients[node * components + component] = value;
         }
     }
-    Field::of_known(space, coefficients)
+    coefficients
 }

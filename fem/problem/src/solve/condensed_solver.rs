@@ -139,6 +139,8 @@ impl CondensedSolver {
             solve_seconds: own.solve_seconds + other.solve_seconds,
             largest_residual: own.largest_residual.max(other.largest_residual),
             factor_entries: own.factor_entries.max(other.factor_entries),
+            factorisation_work: own.factorisation_work.clone().or_else(|| other.factorisation_work.clone()),
+            solve_work: own.solve_work.clone().or_else(|| other.solve_work.clone()),
             orderings: if own.orderings.is_empty() { &other.orderings } else { &own.orderings }.clone(),
             condition: other.condition,
             negative_eigenvalues: other.negative_eigenvalues,
@@ -257,6 +259,8 @@ impl CondensedSolver {
         self.report.factorisations += 1;
         self.report.signed_factorisations += usize::from(factor.is_signed());
         self.report.factor_entries = analysis.factor_entries();
+        self.report.factorisation_work = Some(analysis.factorisation_work());
+        self.report.solve_work = Some(analysis.solve_work());
         self.report.condensed_unknowns = Some(count);
         drop(analysis);
         self.condensation = Some(Arc::new(Condensation::new(factor.for_solves(), count)));

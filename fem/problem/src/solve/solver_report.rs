@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::linear_algebra::{Candidate, Counts};
+use crate::linear_algebra::{Candidate, Counts, SharedWork};
 
 /// The way in which a system was solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,6 +61,10 @@ pub struct SolverReport {
     pub largest_residual: f64,
     /// Numbers stored in the factor.
     pub factor_entries: usize,
+    /// Counted work of the last Cholesky factorisation, and how far threads can share it.
+    pub factorisation_work: Option<SharedWork>,
+    /// Counted work of a solve with its triangle, and how far threads can share it.
+    pub solve_work: Option<SharedWork>,
     /// The orderings that the last analysis compared, the one that was taken first.
     pub orderings: Vec<Candidate>,
     /// Condition number in the 1-norm, where it was asked for ([`super::TangentSolver::estimate_condition`]).

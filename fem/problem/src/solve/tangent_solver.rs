@@ -308,6 +308,8 @@ fn analyse(
     report.analyses += 1;
     report.analysis_seconds += analysis.seconds();
     report.factor_entries = analysis.factor_entries();
+    report.factorisation_work = Some(analysis.factorisation_work());
+    report.solve_work = Some(analysis.solve_work());
     report.orderings = analysis.candidates().to_vec();
     Ok((Arc::new(analysis), completed))
 }

@@ -6,8 +6,8 @@ use std::marker::PhantomData;
 
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 
-use super::PANEL;
 use super::pivots::Pivots;
+use crate::elimination::PANEL;
 
 /// Columns of a tile.
 const COLUMNS: usize = 4;

@@ -1,5 +1,7 @@
 //! Factors with signs: products, inertia, bits, and solutions compared with those by LU.
 
+use faer::linalg::solvers::Solve;
+
 use super::*;
 use crate::spectrum::irregular_from;
 use crate::{LuFactor, Ordering, Transpose};
@@ -60,6 +62,38 @@ impl Saddle {
         let matrix = CsrMatrix::from_triplets(self.size, self.size, &self.triplets).unwrap();
         matrix.with_whole_diagonal().unwrap()
     }
+}
+
+/// Random saddle points of bodies that meet in an interface: dense blocks of each body and of the interface, with multipliers of one body
+/// each, and the number of multipliers. Every third unknown is a multiplier, so that wide supernodes have both signs everywhere.
+fn meeting_bodies(bodies: &[usize], interface: usize, seed: u64) -> (CsrMatrix, usize) {
+    let sizes: Vec<usize> = bodies.iter().copied().chain([interface]).collect();
+    let body_of: Vec<usize> = (0..).zip(&sizes).flat_map(|(body, size)| vec![body; *size]).collect();
+    let size = body_of.len();
+    let is_multiplier = |unknown: usize| unknown % 3 == 2;
+    let mut numbers = irregular_from(seed, size * size);
+    let (mut triplets, mut diagonal) = (vec![], vec![1.0; size]);
+    for row in 0..size {
+        for column in 0..row {
+            let meet = body_of[row] == body_of[column] || body_of[row] == bodies.len();
+            let value = numbers.next().unwrap();
+            let multipliers = usize::from(is_multiplier(row)) + usize::from(is_multiplier(column));
+            // Multipliers are of one body, and not coupled with each other.
+            if !meet || multipliers == 2 || multipliers == 1 && body_of[row] != body_of[column] {
+                continue;
+            }
+            triplets.extend([(row, column, value), (column, row, value)]);
+            if multipliers == 0 {
+                for unknown in [row, column] {
+                    diagonal[unknown] += value.abs();
+                }
+            }
+        }
+    }
+    let of_bodies = (0..size).map(|k| (k, k, if is_multiplier(k) { 0.0 } else { diagonal[k] }));
+    triplets.extend(of_bodies);
+    let matrix = CsrMatrix::from_triplets(size, size, &triplets).unwrap().with_whole_diagonal().unwrap();
+    (matrix, (0..size).filter(|unknown| is_multiplier(*unknown)).count())
 }
 
 fn shuffled(size: usize, seed: u64) -> Ordering {
@@ -180,6 +214,51 @@ fn random_quasi_definite_matrices_have_the_inertia_of_their_diagonals() {
     }
 }
 
+/// Below other supernodes there are some of several panels, which are units of their own.
+#[test]
+fn random_saddle_points_with_wide_supernodes_agree_with_dense_lu_on_any_number_of_threads() {
+    for (seed, bodies, interface) in
+        [(1, &[260, 70][..], 90), (2, &[200, 210], 150), (3, &[130, 65, 300], 70), (4, &[190], 200)]
+    {
+        let (matrix, negative) = meeting_bodies(bodies, interface, seed);
+        let size = matrix.rows();
+        let b: Vec<f64> = irregular(size).collect();
+        let dense = faer::Mat::from_fn(size, size, |i, j| matrix.get(i, j)).partial_piv_lu();
+        let mut expected = faer::Mat::from_fn(size, 1, |i, _| b[i]);
+        dense.solve_in_place(&mut expected);
+        let natural = Ordering::Given((0..size as u32).collect());
+        for ordering in
+            [natural.clone(), Ordering::MinimumDegree, Ordering::NestedDissection, shuffled(size, seed)]
+        {
+            let found = |threads| {
+                let factor = factor(&matrix, &ordering, threads);
+                assert_eq!(factor.negative_eigenvalues(), negative, "{seed}, {ordering:?}");
+                let units = &factor.analysis().elimination().units;
+                let is_wide = units.iter().any(|unit| unit.panels > 1 && unit.parent.is_some());
+                assert!(is_wide || ordering != natural, "{seed}: a wide unit below others");
+                let relative = |x: &[f64]| {
+                    let difference: Vec<f64> =
+                        x.iter().enumerate().map(|(i, x)| x - expected[(i, 0)]).collect();
+                    norm(&difference) / norm(x)
+                };
+                let mut x = b.clone();
+                factor.solve_in_place(&mut x).unwrap();
+                // Of pivots that vanish, substitutes of 1e-8 enlarged by what follows from them.
+                let limit = if factor.replaced_pivots() == 0 { 1e-10 } else { 1e-5 };
+                assert!(relative(&x) < limit, "{seed}, {ordering:?}: {:e}", relative(&x));
+                let refined = factor.solve_refined(&matrix, &b, 20).unwrap().solution;
+                assert!(relative(&refined) < 1e-12, "{seed}, {ordering:?}: {:e}", relative(&refined));
+                let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+                (bits(factor.values()), bits(&x))
+            };
+            let one = found(1);
+            for threads in [2, 3, 7, 16] {
+                assert!(found(threads) == one, "{seed}, {threads} threads");
+            }
+        }
+    }
+}
+
 /// L S Lᵀ is the matrix, through all widths of supernodes and tiles.
 #[test]
 fn a_factor_with_signs_multiplies_to_the_matrix_with_the_same_bits_on_all_threads() {
@@ -203,6 +282,7 @@ fn a_factor_with_signs_multiplies_to_the_matrix_with_the_same_bits_on_all_thread
         (quasi_definite(700, 6), Ordering::NestedDissection),
         (Saddle::springs(32, 1.0).incompressible(32).matrix(), Ordering::NestedDissection),
         (Saddle::springs(20, 1.0).incompressible(20).matrix(), shuffled(800 + 81, 9)),
+        (meeting_bodies(&[130, 65, 300], 70, 3).0, Ordering::Given((0..565).collect())),
     ];
     for (matrix, ordering) in cases {
         let factor = factor(&matrix, &ordering, 1);
@@ -225,7 +305,7 @@ fn a_factor_with_signs_multiplies_to_the_matrix_with_the_same_bits_on_all_thread
         }
         let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
         let one = bits(factor.values());
-        for threads in [2, 3, 8] {
+        for threads in [2, 3, 7, 16] {
             assert!(bits(self::factor(&matrix, &ordering, threads).values()) == one, "{size} {threads}");
         }
     }

@@ -13,7 +13,7 @@ const PIECE: usize = 1 << 14;
 
 /// The cells of bodies, in pieces.
 #[derive(Debug)]
-pub(super) struct Pieces {
+pub(in crate::assemble) struct Pieces {
     pieces: Vec<Piece>,
     /// For each cell after the other, the numbers of its nodes within its piece.
     numbers: Vec<u32>,
@@ -52,7 +52,7 @@ pub(super) struct CellsOfPiece<'a> {
 
 impl Pieces {
     /// Those of a space on cells.
-    pub(super) fn new<const D: usize>(space: &Space<D>) -> Self {
+    pub(in crate::assemble) fn new<const D: usize>(space: &Space<D>) -> Self {
         let (mut pieces, mut numbers, mut nodes) = (vec![], vec![], vec![]);
         // Of each node, the last piece that has it, and its number there.
         let mut seen = vec![(u32::MAX, 0); space.node_count()];
@@ -89,6 +89,19 @@ impl Pieces {
         (0..self.count()).filter(|node| self.starts[*node] == self.starts[node + 1])
     }
 
+    /// The pieces of each thread: shares that differ by one piece at most.
+    fn parts(&self, threads: Threads) -> impl Iterator<Item = &[Piece]> {
+        let (count, parts) = (self.pieces.len(), threads.for_work(self.numbers.len()));
+        let parts = parts.min(count).max(1);
+        (0..parts).map(move |part| &self.pieces[part * count / parts..(part + 1) * count / parts])
+    }
+
+    /// Cells of each thread in a sum.
+    pub(super) fn cells_of_parts(&self, threads: Threads) -> Vec<f64> {
+        let cells = |pieces: &[Piece]| pieces.iter().map(|piece| piece.cells.len() as f64).sum();
+        self.parts(threads).map(cells).collect()
+    }
+
     /// Writes at each node the sum of what `work` adds for the cells of each piece to zeros, by their numbers within it. `room` is
     /// memory that is kept from one sum to the next.
     pub(super) fn sums(
@@ -98,17 +111,31 @@ impl Pieces {
         sums: &mut [f64],
         work: impl Fn(CellsOfPiece, &mut [f64]) + Send + Sync,
     ) {
-        room.resize(self.nodes.len(), 0.0);
-        let at_once = self.pieces.len().div_ceil(threads.for_work(self.numbers.len())).max(1);
+        self.sums_of_columns(threads, room, [sums].into_iter(), |_, sum| sum, work);
+    }
+
+    /// The same for several columns: `work` adds the numbers of all columns at a node one after the other. A sum at a node is finished by
+    /// `finish`.
+    pub(super) fn sums_of_columns<'s>(
+        &self,
+        threads: Threads,
+        room: &mut Vec<f64>,
+        columns: impl ExactSizeIterator<Item = &'s mut [f64]>,
+        finish: impl Fn(usize, f64) -> f64 + Send + Sync,
+        work: impl Fn(CellsOfPiece, &mut [f64]) + Send + Sync,
+    ) {
+        let count = columns.len();
+        room.resize(self.nodes.len() * count, 0.0);
         let (mut parts, mut rest) = (vec![], &mut room[..]);
-        for pieces in self.pieces.chunks(at_once) {
-            let (own, later) = rest.split_at_mut(pieces.iter().map(|piece| piece.nodes.len()).sum());
+        for pieces in self.parts(threads) {
+            let nodes: usize = pieces.iter().map(|piece| piece.nodes.len()).sum();
+            let (own, later) = rest.split_at_mut(nodes * count);
             parts.push((pieces, own));
             rest = later;
         }
         threads.run(parts, |(pieces, mut sums): (&[Piece], &mut [f64])| {
             for piece in pieces {
-                let (own, later) = std::mem::take(&mut sums).split_at_mut(piece.nodes.len());
+                let (own, later) = std::mem::take(&mut sums).split_at_mut(piece.nodes.len() * count);
                 own.fill(0.0);
                 let seen = CellsOfPiece {
                     block: piece.block,
@@ -120,11 +147,24 @@ impl Pieces {
                 sums = later;
             }
         });
-        let length = sums.len().div_ceil(threads.for_work(sums.len())).max(1);
-        threads.run(sums.chunks_mut(length).enumerate().collect(), |(part, sums): (usize, &mut [f64])| {
-            for (node, sum) in (part * length..).zip(sums) {
-                let places = &self.places[self.starts[node]..self.starts[node + 1]];
-                *sum = places.iter().fold(0.0, |sum, place| sum + room[*place]);
+        let length = self.count().div_ceil(threads.for_work(self.count())).max(1);
+        let mut shares: Vec<Vec<(usize, &mut [f64])>> = vec![];
+        for (column, sums) in columns.enumerate() {
+            for (part, sums) in sums.chunks_mut(length).enumerate() {
+                if part == shares.len() {
+                    shares.push(vec![]);
+                }
+                shares[part].push((column, sums));
+            }
+        }
+        let shares = shares.into_iter().enumerate().collect();
+        threads.run(shares, |(part, columns): (usize, Vec<(usize, &mut [f64])>)| {
+            for (column, sums) in columns {
+                for (node, sum) in (part * length..).zip(sums) {
+                    let places = &self.places[self.starts[node]..self.starts[node + 1]];
+                    let total = places.iter().fold(0.0, |sum, place| sum + room[*place * count + column]);
+                    *sum = finish(node, total);
+                }
             }
         });
     }

@@ -25,14 +25,7 @@ fn factors<const D: usize>(
     tables: &Tables<D>,
 ) -> Result<Option<Vec<f64>>, LinearAlgebraError> {
     let (nodes, points) = (tables.nodes, rule.len());
-    let places = (0..nodes).flat_map(|i| (0..nodes).map(move |j| (i, j)));
-    let entries = places.zip(reference_mass(rule, tables)).map(|((i, j), entry)| (i, j, entry));
-    let mass = CsrMatrix::from_triplets(nodes, nodes, &entries.collect::<Vec<_>>())?;
-    let analysis = Arc::new(Analysis::new(mass.pattern(), &Ordering::default())?);
-    let factor = SymmetricFactor::cholesky(&analysis, &mass, Vec::new())?;
-    if factor.smallest_pivot_ratio() < INDEPENDENT {
-        return Ok(None);
-    }
+    let Some(factor) = factor(nodes, &reference_mass(rule, tables))? else { return Ok(None) };
     let mut found = vec![0.0; nodes * points];
     for q in 0..points {
         let basis = &tables.value[q * nodes..(q + 1) * nodes];
@@ -43,6 +36,29 @@ fn factors<const D: usize>(
         }
     }
     Ok(Some(found))
+}
+
+/// E M⁻¹ E of a cell's matrix M with the diagonal E, row by row. None where the rule of the matrix has too few points.
+pub(super) fn scaled_inverse(nodes: usize, mass: &[f64]) -> Option<Vec<f64>> {
+    let factor = factor(nodes, mass).ok().flatten()?;
+    let mut found = Vec::with_capacity(nodes * nodes);
+    for j in 0..nodes {
+        let mut column = vec![0.0; nodes];
+        column[j] = mass[j * nodes + j];
+        factor.solve_in_place(&mut column).ok()?;
+        found.extend(column.iter().enumerate().map(|(i, value)| mass[i * nodes + i] * value));
+    }
+    Some(found)
+}
+
+/// The factor of a cell's matrix; none where the rule of the matrix has too few points.
+fn factor(nodes: usize, mass: &[f64]) -> Result<Option<SymmetricFactor>, LinearAlgebraError> {
+    let places = (0..nodes).flat_map(|i| (0..nodes).map(move |j| (i, j)));
+    let entries = places.zip(mass).map(|((i, j), entry)| (i, j, *entry));
+    let mass = CsrMatrix::from_triplets(nodes, nodes, &entries.collect::<Vec<_>>())?;
+    let analysis = Arc::new(Analysis::new(mass.pattern(), &Ordering::default())?);
+    let factor = SymmetricFactor::cholesky(&analysis, &mass, Vec::new())?;
+    Ok((factor.smallest_pivot_ratio() >= INDEPENDENT).then_some(factor))
 }
 
 /// The mass matrix of the reference cell by a rule, row by row.

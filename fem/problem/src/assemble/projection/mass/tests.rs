@@ -90,3 +90,34 @@ fn pieces_and_threads_change_no_bit() -> Outcome {
     }
     Ok(())
 }
+
+#[test]
+fn the_inverse_by_cells_is_near() -> Outcome {
+    // The largest eigenvalue of its product with the matrix, by the power method; the smallest is one.
+    for (shape, degree, largest) in [
+        (CellShape::Quadrilateral, 1, 1.79),
+        (CellShape::Quadrilateral, 2, 1.51),
+        (CellShape::Triangle, 1, 1.57),
+        (CellShape::Triangle, 2, 1.81),
+    ] {
+        let mesh = rectangle([0.0; 2], [2.0, 1.0], [16, 12], shape, 1)?;
+        let space = Space::scalar(&mesh, degree)?;
+        let pieces = Pieces::new(&space);
+        let mass = MassByCells::new(&space, &pieces, 2 * degree, InstructionSet::best())?;
+        let nodes = space.node_count();
+        let mut x = vec![(0..nodes).map(|node| (node as f64 * 0.7).sin()).collect::<Vec<f64>>()];
+        let (mut image, mut back, mut room) = (x.clone(), x.clone(), vec![]);
+        let mut quotient = 0.0;
+        for _ in 0..60 {
+            mass.products(Threads::ONE, &x, &mut room, &mut image);
+            mass.precondition(Threads::ONE, &image, &mut room, &mut back);
+            let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+            quotient = product(&back[0], &image[0]) / product(&x[0], &image[0]);
+            assert!((1.0 - 1e-12..=largest).contains(&quotient), "{shape:?}, degree {degree}: {quotient}");
+            let size = product(&back[0], &back[0]).sqrt();
+            x[0].iter_mut().zip(&back[0]).for_each(|(x, back)| *x = back / size);
+        }
+        assert!(quotient > 0.9 * largest, "{shape:?}, degree {degree}: {quotient}");
+    }
+    Ok(())
+}

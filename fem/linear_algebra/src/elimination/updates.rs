@@ -3,23 +3,24 @@
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
 /// Rows of an earlier supernode that are columns of a later one.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Update {
-    pub(super) supernode: u32,
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Update {
+    pub(crate) supernode: u32,
     /// The first of them among the rows below the earlier one's triangle.
-    pub(super) first: u32,
-    pub(super) count: u32,
+    pub(crate) first: u32,
+    pub(crate) count: u32,
 }
 
 /// For each supernode those before it that have rows in it, ascending.
-pub(super) struct Updates {
+#[derive(Debug)]
+pub(crate) struct Updates {
     /// With two numbers more than there are supernodes.
     ends: Vec<u32>,
     all: Vec<Update>,
 }
 
 impl Updates {
-    pub(super) fn new(symbolic: &SymbolicSupernodalCholesky<u32>) -> Self {
+    pub(crate) fn new(symbolic: &SymbolicSupernodalCholesky<u32>) -> Self {
         let count = symbolic.n_supernodes();
         let ends_of_columns = symbolic.supernode_end();
         let mut holders = vec![0_u32; symbolic.nrows()];
@@ -57,7 +58,12 @@ impl Updates {
         Updates { ends, all }
     }
 
-    pub(super) fn of(&self, supernode: usize) -> &[Update] {
+    /// Of no supernodes.
+    pub(crate) fn none() -> Self {
+        Updates { ends: vec![], all: vec![] }
+    }
+
+    pub(crate) fn of(&self, supernode: usize) -> &[Update] {
         &self.all[self.ends[supernode] as usize..self.ends[supernode + 1] as usize]
     }
 }
