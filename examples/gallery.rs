@@ -43,7 +43,7 @@ macro_rules! tutorial {
     };
 }
 
-const MAKERS: [Maker; 39] = [
+const MAKERS: [Maker; 40] = [
     tutorial!("01_poisson", "01"),
     tutorial!("02_elasticity", "02"),
     tutorial!("03_neo_hookean", "03"),
@@ -248,6 +248,10 @@ const MAKERS: [Maker; 39] = [
     Maker {
         arguments: &["--bin", "shape_optimisation", "--", "cantilever", "--anew"],
         pictures: &[("out/shape_optimisation/cantilever.png", "cantilever.png")],
+    },
+    Maker {
+        arguments: &["--bin", "level_set_bridge", "--", "--anew"],
+        pictures: &[("out/level_set_bridge/level_set_bridge.png", "level_set_bridge.png")],
     },
     // The bars of docs/speed.md, from its measurements in docs/*.csv.
     Maker {

@@ -2,6 +2,7 @@
 
 mod block;
 mod conditioning;
+mod cylinder;
 mod derivatives;
 mod half_plane;
 mod signorini;

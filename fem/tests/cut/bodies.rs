@@ -233,4 +233,12 @@ fn bands_keep_active_cells_and_ghost_facets() {
     let again = Cut::within(&island, &bar.band(0.05)).unwrap();
     assert_eq!(again.cut_cells(), bar.cut_cells());
     assert_eq!(again.parts().len(), 1);
+    // A part that comes off within a band stays until the next one: the band's ghost penalty holds it.
+    let shifted = |by: f64| level(&mesh, move |x| (x[0] + 0.44).min((x[0] - 0.1).hypot(x[1]) - 0.29) - by);
+    let (apart, joined) = (shifted(0.0), shifted(0.15));
+    assert_eq!(Cut::by(&apart).unwrap().without_islands(&["left"]).unwrap().1.len(), 1);
+    let within = Cut::within(&apart, &Cut::by(&joined).unwrap().band(0.2)).unwrap();
+    assert_eq!(within.parts().len(), 2);
+    let (kept, islands) = within.without_islands(&["left"]).unwrap();
+    assert!(islands.is_empty() && kept.cut_cells() == within.cut_cells());
 }

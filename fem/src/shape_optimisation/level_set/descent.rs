@@ -14,6 +14,9 @@ use crate::shape_optimisation::descent::MOST_TRIALS;
 use crate::shape_optimisation::direction::{Constrained, Direction, check_length, longest};
 use crate::shape_optimisation::{Derivatives, Failure, ShapeOptimisationError, Step, StopReason, Values};
 
+/// The least promised decrease of a step, relative to the augmented Lagrangian.
+const LEAST_DECREASE: f64 = 1e-12;
+
 /// Callback at the start and after each step; an error ends the run.
 pub type LevelSetListener<'a, S, const D: usize> =
     dyn FnMut(&LevelSetReport<S, D>) -> Result<(), Failure> + 'a;
@@ -209,6 +212,10 @@ where
         let before = direction.lagrangian(shape.values.criterion, shape.values.constraint);
         let mut why = "steps have become too short".to_owned();
         for trials in 1..=MOST_TRIALS {
+            // A decrease below rounding is none: steps would become shorter for ever in front of a jump of J.
+            if -direction.slope(factor) <= LEAST_DECREASE * before.abs() {
+                break;
+            }
             let movement = direction.movement(factor);
             match self.attempt(shape, &movement) {
                 Ok((phi, values)) => {

@@ -68,6 +68,7 @@ pub struct FieldMap<'a> {
     window: Option<[[f64; 2]; 2]>,
     largest: [f64; 2],
     mesh_lines: bool,
+    outline: bool,
     undeformed: Option<String>,
     lines: Vec<(Vec<[f64; 2]>, String, Stroke)>,
     arrows: Option<(&'a Field<2>, String, String)>,
@@ -104,6 +105,7 @@ impl<'a> FieldMap<'a> {
             window: None,
             largest: [300.0, 300.0],
             mesh_lines: true,
+            outline: true,
             undeformed: None,
             lines: Vec::new(),
             arrows: None,
@@ -173,6 +175,12 @@ impl<'a> FieldMap<'a> {
     /// The picture without edges of cells.
     pub fn without_mesh_lines(mut self) -> Self {
         self.mesh_lines = false;
+        self
+    }
+
+    /// The picture without edges of cells and without the body's outline: for pieces of a cut body, whose facets are all outer ones.
+    pub fn without_lines(mut self) -> Self {
+        (self.mesh_lines, self.outline) = (false, false);
         self
     }
 
@@ -366,7 +374,9 @@ impl Picture for FieldMap<'_> {
         if self.mesh_lines {
             draw_mesh_lines(&mut drawing, &body, place, clip);
         }
-        draw_polylines(&mut drawing, &outline, place, Stroke::solid(Colour::BLACK, 0.7), clip);
+        if self.outline {
+            draw_polylines(&mut drawing, &outline, place, Stroke::solid(Colour::BLACK, 0.7), clip);
+        }
         if let Some(before) = before {
             draw_polylines(&mut drawing, &before, place, undeformed_stroke(), clip);
         }

@@ -1,0 +1,79 @@
+//! The paper's hollow cylinder, cut from a square of triangles: the inner circle is held by Nitsche's method and the outer one touches, both
+//! inside cells. The criterion, the contact force and the contact length come to those of fitted meshes.
+
+use forms_contact::laws::cut_nitsche;
+use forms_fem::prelude::*;
+
+use crate::{cut, order};
+
+const YOUNG: f64 = 100.0;
+const POISSON: f64 = 0.3;
+/// R_i and R_e \[cm\].
+const RADII: [f64; 2] = [20.0, 30.0];
+
+/// J, contact force and contact length on a square of n × n pairs of triangles.
+fn solve(cells: usize, degree: usize, theta: f64) -> [f64; 3] {
+    // No node is on a circle, and the centre of the body is not a node.
+    let corner = [-31.013, -31.027];
+    let mut mesh =
+        rectangle(corner, [62.0 + corner[0], 62.0 + corner[1]], [cells; 2], CellShape::Triangle, 1).unwrap();
+    let middle = 0.5 * (RADII[0] + RADII[1]);
+    mesh.name_cells("inner", |x| x[0].hypot(x[1]) < middle).unwrap();
+    mesh.name_cells("lower", |x| x[0].hypot(x[1]) > middle && x[1] < 0.0).unwrap();
+    let body = cut(&mesh, |x| {
+        let radius = x[0].hypot(x[1]);
+        (RADII[0] - radius).max(radius - RADII[1])
+    });
+    let space = Space::vector(&mesh, degree).unwrap();
+    let mut held = Constraints::new(&space);
+    body.cut().unwrap().hold_outside(&mut held).unwrap();
+    let (lambda, mu) =
+        (YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)), YOUNG / (2.0 * (1.0 + POISSON)));
+    let data = cut_nitsche::data()
+        .lambda(lambda)
+        .mu(mu)
+        .gamma0(10.0 * (degree * degree) as f64 * (2.0 * mu + lambda))
+        .obstacle_normal([0.0, -1.0])
+        .gap(|x: &[f64; 2]| x[1] + RADII[1])
+        .theta(theta)
+        .prescribed([0.0, -1.0])
+        .criterion_force([0.0, -1.0]);
+    let regions = cut_nitsche::regions().gamma_c("lower").gamma_d("inner").gamma_n("boundary");
+    let law = cut_nitsche::Model { data, regions };
+    let form = law.direct() + law.dirichlet();
+    let u = Problem::new(&form, &space).assembler(&body).constrained(&held).solve().unwrap().into_field();
+    let of = |functional: &Functional<2>| body.functional(functional).unwrap();
+    // With many points, as the integrand jumps.
+    let fine = body.clone().with_quadrature(Quadrature::Degree(20));
+    let length = fine.functional(&law.contact_length(&u)).unwrap();
+    [of(&law.criterion(&u)), of(&law.contact_force(&u)), length]
+}
+
+/// J of adaptive meshes, the contact force of the main job on 32 × 512 biquadratic cells, the contact length on 128 × 2048.
+const FITTED: [f64; 3] = [1494.2486, 133.721, 12.302];
+
+#[test]
+fn cylinder_comes_to_that_of_fitted_meshes() {
+    let meshes: &[usize] = match std::env::var_os("FORMS_SWEEPS") {
+        Some(_) => &[31, 62, 124, 248],
+        None => &[31, 62, 124],
+    };
+    for theta in [-1.0, 0.0, 1.0] {
+        let found: Vec<[f64; 3]> = meshes.iter().map(|cells| solve(*cells, 1, theta)).collect();
+        for (cells, values) in meshes.iter().zip(&found) {
+            let off = [0, 1, 2].map(|k| values[k] / FITTED[k] - 1.0);
+            println!("θ = {theta} {cells} × {cells}: {values:?}, off by {off:?}");
+        }
+        for k in [0, 1] {
+            let errors: Vec<f64> = found.iter().map(|values| (values[k] - FITTED[k]).abs()).collect();
+            let order = order(&errors);
+            println!("θ = {theta}: order {order:.2} of {}", ["J", "the contact force"][k]);
+            assert!((order - 2.0).abs() < 0.35, "θ = {theta}: order {order} of {errors:?}");
+        }
+        let lengths: Vec<f64> = found.iter().map(|values| (values[2] - FITTED[2]).abs()).collect();
+        assert!(lengths.windows(2).all(|pair| pair[1] < pair[0]), "{lengths:?}");
+        // Less than a cell at each end.
+        let cell = 62.0 / meshes[meshes.len() - 1] as f64;
+        assert!(lengths[lengths.len() - 1] < 2.0 * cell, "{lengths:?}");
+    }
+}
