@@ -8,20 +8,26 @@
 pub mod balance;
 pub mod body;
 pub mod case;
+pub mod filled;
 pub mod formulation;
 pub mod gradient;
+pub mod membrane;
 pub mod options;
 pub mod outcome;
 pub mod plots;
 pub mod problem;
 pub mod problems;
 pub mod rows;
+pub mod rubber;
 pub mod run;
 pub mod solution;
 pub mod table;
 
 pub use case::{Case, Contact, Sides};
+pub use filled::{Filled, Step};
 pub use formulation::Formulation;
+pub use membrane::{Membrane, volume};
 pub use outcome::{Outcome, Pressures, Refusal};
-pub use problem::{Problem, Quantity};
+pub use problem::{Posed, Problem, Quantity};
+pub use rubber::{Pressed, Rubber};
 pub use run::program;

@@ -1,13 +1,16 @@
 //! A row of the results: one formulation on one problem and mesh.
 
+use std::time::Instant;
+
 use forms_fem::output::Failure;
 use serde::Serialize;
 
 use crate::balance::balance;
 use crate::case::Case;
-use crate::gradient::Gradient;
-use crate::outcome::{Outcome, Refusal};
-use crate::problem::{Problem, Quantity};
+use crate::formulation::Formulation;
+use crate::gradient::{Gradient, gradient};
+use crate::outcome::{Outcome, Pressures, Refusal, not_defined};
+use crate::problem::{Posed, Problem, Quantity};
 
 /// The outcome of one run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -22,7 +25,7 @@ pub enum Answer {
 }
 
 /// Numbers of a solution.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Measured {
     /// ‖p − p_known‖/‖p_known‖ in L² of the own surface, where the pressure is known.
     pub pressure_error: Option<f64>,
@@ -79,59 +82,118 @@ impl Row {
     }
 }
 
-/// A solution with its gradient, or the reason why there is none.
-pub type WithGradient = (Outcome, Result<Gradient, Refusal>);
+impl<P: Problem> Posed for P {
+    fn name(&self) -> String {
+        Problem::name(self)
+    }
 
-/// The answer to a formulation's outcome, and to the outcomes of further cases.
-///
-/// # Errors
-/// Data that do not fit.
-pub fn answer(
+    fn statement(&self) -> &'static str {
+        Problem::statement(self)
+    }
+
+    fn answer(
+        &self,
+        formulation: &dyn Formulation,
+        level: usize,
+        degree: usize,
+    ) -> Result<(usize, Answer), Failure> {
+        let (case, further) = (self.case(level, degree)?, self.further_cases(level, degree)?);
+        let start = Instant::now();
+        let outcome = solve_all(formulation, &case, &further);
+        let seconds = start.elapsed().as_secs_f64();
+        let answer = match outcome {
+            Ok(found) => {
+                let gradient = match level {
+                    0 => gradient(formulation, &case, &found[0]),
+                    _ => Err(not_defined("first mesh")),
+                };
+                Answer::Solved(measured(self, &case, &found, gradient, seconds)?)
+            }
+            Err(why) => Answer::of(why),
+        };
+        Ok((case.space.unknowns(), answer))
+    }
+}
+
+/// The solutions of a case and of the further ones, with all Newton steps at the first.
+fn solve_all(
+    formulation: &dyn Formulation,
+    case: &Case,
+    further: &[Case],
+) -> Result<Vec<Outcome>, Refusal> {
+    let all = std::iter::once(case).chain(further).map(|case| formulation.solve(case));
+    let mut found = all.collect::<Result<Vec<Outcome>, _>>()?;
+    found[0].newton = found.iter().flat_map(|one| &one.newton).copied().collect();
+    Ok(found)
+}
+
+fn measured(
     problem: &dyn Problem,
     case: &Case,
-    (outcome, others): (Result<WithGradient, Refusal>, &[Outcome]),
+    found: &[Outcome],
+    gradient: Result<Gradient, Refusal>,
     seconds: f64,
-) -> Result<Answer, Failure> {
-    let (found, gradient) = match outcome {
-        Ok(found) => found,
-        Err(Refusal::NotDefined(why)) => return Ok(Answer::NotDefined(why)),
-        Err(Refusal::Failed(why)) => return Ok(Answer::Failed(why)),
-    };
-    let pressures = &found.pressures;
-    let force = pressures.force();
-    let exact = |x: [f64; 2]| problem.exact_pressure(x, force);
-    let is_known = pressures.positions.iter().all(|x| exact(*x).is_some());
-    let known = |x: [f64; 2]| exact(x).unwrap_or_default();
-    let pressure_error = is_known.then(|| {
-        let square = pressures.integral(|x, p| (p - known(x)).powi(2));
-        (square / pressures.integral(|x, _| known(x).powi(2))).sqrt()
-    });
-    let mut along: Vec<[f64; 2]> =
-        pressures.positions.iter().zip(&pressures.values).map(|(x, p)| [problem.along(*x), *p]).collect();
-    let mut known_along: Vec<[f64; 2]> = match is_known {
-        true => pressures.positions.iter().map(|x| [problem.along(*x), known(*x)]).collect(),
-        false => vec![],
-    };
-    for list in [&mut along, &mut known_along] {
-        list.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    }
-    let sums = balance(case, &found.forces);
-    let mut quantities = problem.quantities(case, &found)?;
-    let all: Vec<Outcome> = std::iter::once(found.clone()).chain(others.iter().cloned()).collect();
-    quantities.extend(problem.quantities_of_all(&all)?);
-    Ok(Answer::Solved(Measured {
-        pressure_error,
-        newton: found.newton.iter().sum(),
-        worst_newton: found.newton.iter().copied().max().unwrap_or(0),
-        outer: found.outer,
+) -> Result<Measured, Failure> {
+    let first = &found[0];
+    let force = first.pressures.force();
+    let sums = balance(case, &first.forces);
+    let mut quantities = problem.quantities(case, first)?;
+    quantities.extend(problem.quantities_of_all(found)?);
+    let measured = Measured {
         seconds,
         force_balance: sums.map(|sums| sums.force),
         moment_balance: sums.map(|sums| sums.moment),
         no_gradient: gradient.as_ref().err().map(|why| why.to_string()),
         gradient: gradient.ok(),
-        penetration: case.penetration(&found.u)? / case.approach,
+        penetration: case.penetration(&first.u)? / case.approach,
         quantities,
-        pressures: along,
-        known: known_along,
-    }))
+        ..Measured::of(first)
+    };
+    Ok(measured.compared(&first.pressures, |x| problem.along(x), |x| problem.exact_pressure(x, force)))
+}
+
+impl Answer {
+    /// The answer of a formulation without a solution.
+    pub fn of(why: Refusal) -> Answer {
+        match why {
+            Refusal::NotDefined(why) => Answer::NotDefined(why),
+            Refusal::Failed(why) => Answer::Failed(why),
+        }
+    }
+}
+
+impl Measured {
+    /// The steps of a solution, with nothing else.
+    pub fn of(found: &Outcome) -> Measured {
+        Measured {
+            newton: found.newton.iter().sum(),
+            worst_newton: found.newton.iter().copied().max().unwrap_or(0),
+            outer: found.outer,
+            ..Measured::default()
+        }
+    }
+
+    /// With the pressures along the contact, compared with the known ones, where they are known at all points.
+    pub fn compared(
+        mut self,
+        pressures: &Pressures,
+        along: impl Fn([f64; 2]) -> f64,
+        exact: impl Fn([f64; 2]) -> Option<f64>,
+    ) -> Measured {
+        let is_known = pressures.positions.iter().all(|x| exact(*x).is_some());
+        let known = |x: [f64; 2]| exact(x).unwrap_or_default();
+        self.pressure_error = is_known.then(|| {
+            let square = pressures.integral(|x, p| (p - known(x)).powi(2));
+            (square / pressures.integral(|x, _| known(x).powi(2))).sqrt()
+        });
+        let points = pressures.positions.iter().zip(&pressures.values);
+        self.pressures = points.map(|(x, p)| [along(*x), *p]).collect();
+        if is_known {
+            self.known = pressures.positions.iter().map(|x| [along(*x), known(*x)]).collect();
+        }
+        for list in [&mut self.pressures, &mut self.known] {
+            list.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        }
+        self
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::problem::Problem;
+use crate::problem::Posed;
 use crate::rows::{Answer, Measured, Row};
 
 /// Characters of a reason in a cell.
@@ -67,7 +67,7 @@ impl std::fmt::Display for Short {
 }
 
 /// The table of a problem, with its statement and the known numbers.
-pub fn markdown(problem: &dyn Problem, rows: &[Row]) -> String {
+pub fn markdown(problem: &dyn Posed, rows: &[Row]) -> String {
     let mut text = format!("## {}\n\n{}.\n", problem.name(), problem.statement());
     let known = rows.iter().find_map(Row::measured).map_or(&[][..], |measured| &measured.quantities[..]);
     let names: Vec<String> = known
