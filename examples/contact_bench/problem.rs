@@ -3,9 +3,7 @@
 use forms_fem::output::Failure;
 
 use crate::case::Case;
-use crate::formulation::Formulation;
 use crate::outcome::Outcome;
-use crate::rows::Answer;
 
 /// A measured number, with the one that is known.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -16,26 +14,6 @@ pub struct Quantity {
     pub value: f64,
     /// The known one.
     pub exact: Option<f64>,
-}
-
-/// A problem of any kind, as a table shows it.
-pub trait Posed: Sync {
-    /// Its name on the command line.
-    fn name(&self) -> String;
-
-    /// One line on it, with the source of the known answer.
-    fn statement(&self) -> &'static str;
-
-    /// The answer of a formulation on the mesh of a level, from 0, with a degree, and the number of unknowns of the displacement.
-    ///
-    /// # Errors
-    /// A mesh or conditions that cannot be made.
-    fn answer(
-        &self,
-        formulation: &dyn Formulation,
-        level: usize,
-        degree: usize,
-    ) -> Result<(usize, Answer), Failure>;
 }
 
 /// A problem of contact on surfaces.

@@ -7,9 +7,9 @@ use forms_program::command_line::program_with_options;
 
 use crate::formulation::Formulation;
 use crate::options::{Options, chosen};
-use crate::problem::Posed;
+use crate::posed::Posed;
 use crate::rows::{Answer, Row};
-use crate::{plots, problems, table};
+use crate::{others, plots, problems, table};
 
 /// The program: these formulations on the problems that the command line names.
 pub fn program(formulations: &[&dyn Formulation]) -> ExitCode {
@@ -37,9 +37,12 @@ fn run(
         return Err(Failure::from("there is a mesh at least, and degrees are 1 to 4".to_owned()));
     }
     std::fs::create_dir_all(&options.out)?;
+    let others = options.others.as_deref().map(others::read).transpose()?.unwrap_or_default();
     let (mut rows, mut markdown) = (vec![], String::new());
     for problem in problems.into_iter().map(|place| all[place].as_ref()) {
-        let rows_of = rows_of(problem, &formulations, options)?;
+        let mut rows_of = rows_of(problem, &formulations, options)?;
+        let of_others: Vec<Row> = others.iter().filter_map(|other| other.row(&rows_of)).collect();
+        rows_of.extend(of_others);
         let text = table::markdown(problem, &rows_of);
         text.lines().for_each(|line| out.line(line));
         markdown += &text;

@@ -17,7 +17,7 @@ COUNTS = [
     ("#[inline(never)]", r"#\[inline\(never\)\]", False, 276),
     ("instantiate! blocks", r"^\s*instantiate!\(", False, 96),
 ]
-LINES = [("lines of Rust without tests", False, 161_500), ("lines of Rust", True, 227_500)]
+LINES = [("lines of Rust without tests", False, 162_000), ("lines of Rust", True, 227_800)]
 
 
 def sources():

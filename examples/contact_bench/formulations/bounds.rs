@@ -38,7 +38,8 @@ impl Formulation for NodalBounds {
             return Err(not_defined("the obstacle's normal is no axis"));
         };
         let key = |x: &[f64; 2]| x.map(f64::to_bits);
-        let gaps: HashMap<[u64; 2], f64> = places.iter().map(key).zip(gaps.values.iter().map(|g| g[0])).collect();
+        let gaps: HashMap<[u64; 2], f64> =
+            places.iter().map(key).zip(gaps.values.iter().map(|g| g[0])).collect();
         let value = |x: &[f64; 2]| normal[component] * gaps.get(&key(x)).copied().unwrap_or(f64::NAN);
         let mut bounds = Bounds::new(&case.space);
         match normal[component] > 0.0 {

@@ -86,7 +86,9 @@ impl Formulation for Exponential {
 
     fn press(&self, ring: &Rubber) -> Result<Pressed, Refusal> {
         let length = self.part * ring.end as f64;
-        let data = |way: f64| rubber::data_from(ring.data(way)).closed_pressure(ring.pressure).closure_length(length);
+        let data = |way: f64| {
+            rubber::data_from(ring.data(way)).closed_pressure(ring.pressure).closure_length(length)
+        };
         ring.follow(|way| rubber::on_flat(&data(way), &ring.omega(), &ring.surface()))
     }
 }

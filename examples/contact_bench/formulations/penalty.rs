@@ -50,7 +50,8 @@ mod rubber {
         factor: Param,
     }
     pub fn on_flat(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
-        body(u, p, v, q) + integral(Surface, factor * stiffness() * neg_part(distance(u)) * dot(v, obstacle_normal))
+        body(u, p, v, q)
+            + integral(Surface, factor * stiffness() * neg_part(distance(u)) * dot(v, obstacle_normal))
     }
 }
 

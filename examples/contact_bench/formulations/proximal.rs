@@ -26,7 +26,8 @@ mod law {
         before: State<Scalar>,
     ) -> Form {
         let pressed = (before - psi) / alpha * dot(v, obstacle_normal);
-        balance(u, v) + integral(Surface, weight() * (pressed + (obstacle_distance(u) - slack(psi, before)) * w))
+        balance(u, v)
+            + integral(Surface, weight() * (pressed + (obstacle_distance(u) - slack(psi, before)) * w))
     }
     pub fn between(
         u: Unknown<Vector>,
@@ -36,7 +37,8 @@ mod law {
         before: State<Scalar>,
     ) -> Form {
         let pressed = this(before - psi) / alpha * dot(toward, jump(v));
-        balance(u, v) + integral(Touch, own_weight() * (pressed + (distance(u) - this(slack(psi, before))) * this(w)))
+        balance(u, v)
+            + integral(Touch, own_weight() * (pressed + (distance(u) - this(slack(psi, before))) * this(w)))
     }
 }
 
@@ -111,7 +113,7 @@ impl ProximalGalerkin {
 
 impl Formulation for ProximalGalerkin {
     fn name(&self) -> String {
-        let of_latent = if self.latent == Latent::Cells { ", ψ in cells" } else { "" };
+        let of_latent = if self.latent == Latent::Cells { " (ψ in cells)" } else { "" };
         let of_steps = match (self.inner, self.first == 10.0) {
             (Inner::Whole, true) => String::new(),
             (Inner::Whole, false) => format!(", α p = {}", self.first),

@@ -7,10 +7,10 @@ use forms_fem::prelude::*;
 
 #[forms(dimension = 2)]
 mod law {
+    use forms_contact::laws::third_medium::third_medium::stored;
     pub use forms_contact::laws::third_medium::third_medium::{
         Data, GammaN, Medium, Omega, force_adjoint, force_along, force_by_mu, volume, volume_ratio,
     };
-    use forms_contact::laws::third_medium::third_medium::stored;
     /// du/dμ, which is zero where u is prescribed.
     pub fn slope(u: State<Vector>, d: Unknown<Vector>, v: Test<Vector>) -> Form {
         let balance = derivative(stored(u), u, v);
@@ -34,7 +34,8 @@ pub fn all() -> Vec<ThirdMedium> {
 
 impl Formulation for ThirdMedium {
     fn name(&self) -> String {
-        let of = if self.softness == 5e-6 { String::new() } else { format!(", softness {:e}", self.softness) };
+        let of =
+            if self.softness == 5e-6 { String::new() } else { format!(", softness {:e}", self.softness) };
         format!("third medium{of}")
     }
 
@@ -68,7 +69,8 @@ impl Formulation for ThirdMedium {
             };
             let q = linear(&law::force_adjoint(&data, &omega, &gap, &u), 1.0)?;
             let d = linear(&law::slope(&data, &omega, &gap, &u), 0.0)?;
-            let ratios = assembler.at_quadrature_points(&law::volume_ratio(&data, &u), Entity::Cells, "all", 5)?;
+            let ratios =
+                assembler.at_quadrature_points(&law::volume_ratio(&data, &u), Entity::Cells, "all", 5)?;
             steps.push(Step {
                 newton,
                 force: assembler.functional(&law::force_along(&data, &omega, &gap, &u, &lift))?,

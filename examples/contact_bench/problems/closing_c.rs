@@ -9,7 +9,8 @@ use crate::filled::{Filled, Step};
 use crate::formulation::Formulation;
 use crate::gradient::Gradient;
 use crate::outcome::Refusal;
-use crate::problem::{Posed, Quantity};
+use crate::posed::Posed;
+use crate::problem::Quantity;
 use crate::rows::{Answer, Measured};
 
 const MU: f64 = 5.0 / 14.0;

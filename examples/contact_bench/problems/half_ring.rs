@@ -9,7 +9,8 @@ use forms_fem::prelude::*;
 
 use crate::formulation::Formulation;
 use crate::outcome::Refusal;
-use crate::problem::{Posed, Quantity};
+use crate::posed::Posed;
+use crate::problem::Quantity;
 use crate::rows::{Answer, Measured};
 use crate::rubber::{self, Pressed, Rubber};
 
@@ -44,12 +45,8 @@ impl HalfRing {
             [radius * angle.cos(), radius * angle.sin()]
         })?;
         let (displacements, pressures) = match (self, degree) {
-            (HalfRing::Quadrilaterals, 1) => {
-                (Elements::Lagrange(1), (Elements::Lagrange(0), Scope::Cell))
-            }
-            (HalfRing::Quadrilaterals, _) => {
-                (Elements::Lagrange(2), (Elements::LinearInSpace, Scope::Cell))
-            }
+            (HalfRing::Quadrilaterals, 1) => (Elements::Lagrange(1), (Elements::Lagrange(0), Scope::Cell)),
+            (HalfRing::Quadrilaterals, _) => (Elements::Lagrange(2), (Elements::LinearInSpace, Scope::Cell)),
             (HalfRing::Triangles, 1) => (Elements::Mini(1), (Elements::Lagrange(1), Scope::Nodes)),
             (HalfRing::Triangles, _) => (Elements::Lagrange(2), (Elements::Lagrange(1), Scope::Nodes)),
         };

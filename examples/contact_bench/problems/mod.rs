@@ -14,7 +14,7 @@ mod squares;
 mod two_balls;
 mod wavy;
 
-use crate::problem::Posed;
+use crate::posed::Posed;
 
 /// All problems.
 pub fn all() -> Vec<Box<dyn Posed>> {

@@ -10,7 +10,8 @@ use forms_fem::prelude::*;
 use crate::formulation::Formulation;
 use crate::membrane::{Membrane, volume};
 use crate::outcome::Outcome;
-use crate::problem::{Posed, Quantity};
+use crate::posed::Posed;
+use crate::problem::Quantity;
 use crate::rows::{Answer, Measured};
 
 /// The contact radius, and the slope A of u = A ln r outside of it.
