@@ -85,6 +85,11 @@ pub mod body {
         obstacle_gap - dot(w, obstacle_normal)
     }
 
+    /// n_y where the surface is, for any displacement.
+    pub fn normal_at(w: Vector) -> Vector {
+        obstacle_normal + 0 * w
+    }
+
     /// σ_n on the boundary that faces the obstacle.
     pub fn obstacle_stress(w: Vector) -> Scalar {
         dot(stress(w) * n, obstacle_normal)

@@ -1,7 +1,10 @@
 //! A formulation of contact, which knows no problem.
 
 use crate::case::Case;
-use crate::outcome::{Outcome, Refusal};
+use crate::filled::{Filled, Step};
+use crate::membrane::Membrane;
+use crate::outcome::{Outcome, Refusal, not_defined};
+use crate::rubber::{Pressed, Rubber};
 
 /// A formulation of contact.
 pub trait Formulation: Sync {
@@ -13,4 +16,28 @@ pub trait Formulation: Sync {
     /// # Errors
     /// [`Refusal`], which is a result, too.
     fn solve(&self, case: &Case) -> Result<Outcome, Refusal>;
+
+    /// The solution of a membrane over an obstacle, which is contact in the volume.
+    ///
+    /// # Errors
+    /// As [`Formulation::solve`].
+    fn cover(&self, _membrane: &Membrane) -> Result<Outcome, Refusal> {
+        Err(not_defined("not written for contact in the volume"))
+    }
+
+    /// The path of bodies whose gap has a mesh.
+    ///
+    /// # Errors
+    /// As [`Formulation::solve`].
+    fn close(&self, _filled: &Filled) -> Result<Vec<Step>, Refusal> {
+        Err(not_defined("it has no use for a mesh of the gap"))
+    }
+
+    /// The path of a nearly incompressible body on a flat.
+    ///
+    /// # Errors
+    /// As [`Formulation::solve`].
+    fn press(&self, _rubber: &Rubber) -> Result<Pressed, Refusal> {
+        Err(not_defined("not written for a body with a field of mean stress"))
+    }
 }

@@ -24,6 +24,9 @@ pub struct Options {
     /// The directory of the Markdown table, JSON and plots.
     #[arg(long, default_value = "out/contact_bench")]
     pub out: PathBuf,
+    /// Rows of other programs, as `bench/peers/contact/run.py` writes them.
+    #[arg(long)]
+    pub others: Option<PathBuf>,
     /// Prints the names of problems and formulations, and ends.
     #[arg(long)]
     pub list: bool,

@@ -15,12 +15,14 @@ const SIZE: [f64; 2] = [560.0, 480.0];
 
 /// A formulation's name in a legend.
 fn short(name: &str) -> String {
-    let mut short = name.replace("nitsche θ", "N θ");
+    let mut short = name.replace("nitsche", "Nitsche");
     for (long, abbreviation) in [
         ("points of whole facets", "whole facets"),
         ("augmented Lagrangian", "augm. Lagrangian"),
         ("proximal Galerkin", "proximal"),
-        ("mean gaps, N θ = 0", "mean gaps"),
+        ("mean gaps, Nitsche θ = 0", "mean gaps"),
+        (", one step each", ", 1 each"),
+        ("dual multipliers (bounds at nodes)", "dual multipliers"),
         ("log barrier, ĝ/d", "barrier ĝ/d"),
     ] {
         short = short.replace(long, abbreviation);

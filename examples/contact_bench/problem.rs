@@ -16,7 +16,7 @@ pub struct Quantity {
     pub exact: Option<f64>,
 }
 
-/// A problem.
+/// A problem of contact on surfaces.
 pub trait Problem: Sync {
     /// Its name on the command line.
     fn name(&self) -> String;

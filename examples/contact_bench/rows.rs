@@ -1,13 +1,10 @@
 //! A row of the results: one formulation on one problem and mesh.
 
-use forms_fem::output::Failure;
 use serde::Serialize;
 
-use crate::balance::balance;
-use crate::case::Case;
 use crate::gradient::Gradient;
-use crate::outcome::{Outcome, Refusal};
-use crate::problem::{Problem, Quantity};
+use crate::outcome::{Outcome, Pressures, Refusal};
+use crate::problem::Quantity;
 
 /// The outcome of one run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -22,7 +19,7 @@ pub enum Answer {
 }
 
 /// Numbers of a solution.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Measured {
     /// ‖p − p_known‖/‖p_known‖ in L² of the own surface, where the pressure is known.
     pub pressure_error: Option<f64>,
@@ -79,59 +76,48 @@ impl Row {
     }
 }
 
-/// A solution with its gradient, or the reason why there is none.
-pub type WithGradient = (Outcome, Result<Gradient, Refusal>);
-
-/// The answer to a formulation's outcome, and to the outcomes of further cases.
-///
-/// # Errors
-/// Data that do not fit.
-pub fn answer(
-    problem: &dyn Problem,
-    case: &Case,
-    (outcome, others): (Result<WithGradient, Refusal>, &[Outcome]),
-    seconds: f64,
-) -> Result<Answer, Failure> {
-    let (found, gradient) = match outcome {
-        Ok(found) => found,
-        Err(Refusal::NotDefined(why)) => return Ok(Answer::NotDefined(why)),
-        Err(Refusal::Failed(why)) => return Ok(Answer::Failed(why)),
-    };
-    let pressures = &found.pressures;
-    let force = pressures.force();
-    let exact = |x: [f64; 2]| problem.exact_pressure(x, force);
-    let is_known = pressures.positions.iter().all(|x| exact(*x).is_some());
-    let known = |x: [f64; 2]| exact(x).unwrap_or_default();
-    let pressure_error = is_known.then(|| {
-        let square = pressures.integral(|x, p| (p - known(x)).powi(2));
-        (square / pressures.integral(|x, _| known(x).powi(2))).sqrt()
-    });
-    let mut along: Vec<[f64; 2]> =
-        pressures.positions.iter().zip(&pressures.values).map(|(x, p)| [problem.along(*x), *p]).collect();
-    let mut known_along: Vec<[f64; 2]> = match is_known {
-        true => pressures.positions.iter().map(|x| [problem.along(*x), known(*x)]).collect(),
-        false => vec![],
-    };
-    for list in [&mut along, &mut known_along] {
-        list.sort_by(|a, b| a[0].total_cmp(&b[0]));
+impl Answer {
+    /// The answer of a formulation without a solution.
+    pub fn of(why: Refusal) -> Answer {
+        match why {
+            Refusal::NotDefined(why) => Answer::NotDefined(why),
+            Refusal::Failed(why) => Answer::Failed(why),
+        }
     }
-    let sums = balance(case, &found.forces);
-    let mut quantities = problem.quantities(case, &found)?;
-    let all: Vec<Outcome> = std::iter::once(found.clone()).chain(others.iter().cloned()).collect();
-    quantities.extend(problem.quantities_of_all(&all)?);
-    Ok(Answer::Solved(Measured {
-        pressure_error,
-        newton: found.newton.iter().sum(),
-        worst_newton: found.newton.iter().copied().max().unwrap_or(0),
-        outer: found.outer,
-        seconds,
-        force_balance: sums.map(|sums| sums.force),
-        moment_balance: sums.map(|sums| sums.moment),
-        no_gradient: gradient.as_ref().err().map(|why| why.to_string()),
-        gradient: gradient.ok(),
-        penetration: case.penetration(&found.u)? / case.approach,
-        quantities,
-        pressures: along,
-        known: known_along,
-    }))
+}
+
+impl Measured {
+    /// The steps of a solution only.
+    pub fn of(found: &Outcome) -> Measured {
+        Measured {
+            newton: found.newton.iter().sum(),
+            worst_newton: found.newton.iter().copied().max().unwrap_or(0),
+            outer: found.outer,
+            ..Measured::default()
+        }
+    }
+
+    /// With the pressures along the contact, compared with the known ones, where they are known at all points.
+    pub fn compared(
+        mut self,
+        pressures: &Pressures,
+        along: impl Fn([f64; 2]) -> f64,
+        exact: impl Fn([f64; 2]) -> Option<f64>,
+    ) -> Measured {
+        let is_known = pressures.positions.iter().all(|x| exact(*x).is_some());
+        let known = |x: [f64; 2]| exact(x).unwrap_or_default();
+        self.pressure_error = is_known.then(|| {
+            let square = pressures.integral(|x, p| (p - known(x)).powi(2));
+            (square / pressures.integral(|x, _| known(x).powi(2))).sqrt()
+        });
+        let points = pressures.positions.iter().zip(&pressures.values);
+        self.pressures = points.map(|(x, p)| [along(*x), *p]).collect();
+        if is_known {
+            self.known = pressures.positions.iter().map(|x| [along(*x), known(*x)]).collect();
+        }
+        for list in [&mut self.pressures, &mut self.known] {
+            list.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        }
+        self
+    }
 }

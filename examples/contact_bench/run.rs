@@ -1,19 +1,15 @@
 //! Each formulation on each problem.
 
 use std::process::ExitCode;
-use std::time::Instant;
 
 use forms_fem::output::{Failure, StandardOutput};
 use forms_program::command_line::program_with_options;
 
-use crate::case::Case;
 use crate::formulation::Formulation;
-use crate::gradient::gradient;
 use crate::options::{Options, chosen};
-use crate::outcome::{Outcome, Refusal, not_defined};
-use crate::problem::Problem;
-use crate::rows::{Answer, Row, answer};
-use crate::{plots, problems, table};
+use crate::posed::Posed;
+use crate::rows::{Answer, Row};
+use crate::{others, plots, problems, table};
 
 /// The program: these formulations on the problems that the command line names.
 pub fn program(formulations: &[&dyn Formulation]) -> ExitCode {
@@ -41,9 +37,12 @@ fn run(
         return Err(Failure::from("there is a mesh at least, and degrees are 1 to 4".to_owned()));
     }
     std::fs::create_dir_all(&options.out)?;
+    let others = options.others.as_deref().map(others::read).transpose()?.unwrap_or_default();
     let (mut rows, mut markdown) = (vec![], String::new());
     for problem in problems.into_iter().map(|place| all[place].as_ref()) {
-        let rows_of = rows_of(problem, &formulations, options)?;
+        let mut rows_of = rows_of(problem, &formulations, options)?;
+        let of_others: Vec<Row> = others.iter().filter_map(|other| other.row(&rows_of)).collect();
+        rows_of.extend(of_others);
         let text = table::markdown(problem, &rows_of);
         text.lines().for_each(|line| out.line(line));
         markdown += &text;
@@ -58,35 +57,16 @@ fn run(
 }
 
 fn rows_of(
-    problem: &dyn Problem,
+    problem: &dyn Posed,
     formulations: &[&dyn Formulation],
     options: &Options,
 ) -> Result<Vec<Row>, Failure> {
     let mut rows = vec![];
     for &degree in &options.degrees {
-        let cases_of = |level: usize| -> Result<(Case, Vec<Case>), Failure> {
-            Ok((problem.case(level, degree)?, problem.further_cases(level, degree)?))
-        };
-        let cases = (0..options.levels).map(cases_of).collect::<Result<Vec<(Case, Vec<Case>)>, _>>()?;
         for formulation in formulations {
-            for (level, (case, further)) in cases.iter().enumerate() {
-                let start = Instant::now();
-                let outcome = solve_all(*formulation, case, further);
-                let seconds = start.elapsed().as_secs_f64();
-                let (outcome, others) = match outcome {
-                    Ok((found, others)) => (Ok(found), others),
-                    Err(why) => (Err(why), vec![]),
-                };
-                let outcome = outcome.map(|found| {
-                    let gradient = match level {
-                        0 => gradient(*formulation, case, &found),
-                        _ => Err(not_defined("first mesh")),
-                    };
-                    (found, gradient)
-                });
-                let answer = answer(problem, case, (outcome, &others), seconds)?;
+            for level in 0..options.levels {
+                let (unknowns, answer) = problem.answer(*formulation, level, degree)?;
                 let is_defined = !matches!(answer, Answer::NotDefined(_));
-                let unknowns = case.space.unknowns();
                 let (problem, formulation) = (problem.name(), formulation.name());
                 rows.push(Row { problem, formulation, degree, level, unknowns, answer });
                 if !is_defined {
@@ -96,16 +76,4 @@ fn rows_of(
         }
     }
     Ok(rows)
-}
-
-/// The solutions of a case and of the further ones, with all Newton steps at the first.
-fn solve_all(
-    formulation: &dyn Formulation,
-    case: &Case,
-    further: &[Case],
-) -> Result<(Outcome, Vec<Outcome>), Refusal> {
-    let mut found = formulation.solve(case)?;
-    let others = further.iter().map(|case| formulation.solve(case)).collect::<Result<Vec<Outcome>, _>>()?;
-    found.newton.extend(others.iter().flat_map(|other| &other.newton));
-    Ok((found, others))
 }

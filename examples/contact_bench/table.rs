@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::problem::Problem;
+use crate::posed::Posed;
 use crate::rows::{Answer, Measured, Row};
 
 /// Characters of a reason in a cell.
@@ -10,6 +10,7 @@ const REASON: usize = 160;
 
 /// The reason for a cell without an error: the pressure has no closed form.
 const NOT_KNOWN: &str = "no closed form";
+const NOT_MEASURED: &str = "not measured";
 
 /// A number, or why there is none.
 fn number(value: Option<f64>, why: &str) -> String {
@@ -40,13 +41,13 @@ fn cells(measured: &Measured, order: &str) -> String {
         measured.quantities.iter().map(|quantity| format!("{:.6}", Short(quantity.value))).collect();
     format!(
         "{} | {order} | {}, {} | {outer} | {:.2} | {} | {} | {} | {} | {}",
-        number(measured.pressure_error, NOT_KNOWN),
+        number(measured.pressure_error, if measured.pressures.is_empty() { NOT_MEASURED } else { NOT_KNOWN }),
         measured.newton,
         measured.worst_newton,
         measured.seconds,
         number(measured.force_balance, "one body"),
         number(measured.moment_balance, "one body"),
-        format_args!("{:.1e}", measured.penetration),
+        number(Some(measured.penetration).filter(|depth| !depth.is_nan()), NOT_MEASURED),
         number(measured.gradient.map(|gradient| gradient.error()), &no_gradient),
         quantities.join("; "),
     )
@@ -57,6 +58,9 @@ struct Short(f64);
 
 impl std::fmt::Display for Short {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.0.is_nan() {
+            return f.write_str("–");
+        }
         let digits = f.precision().unwrap_or(4) as i32;
         let exponent = if self.0 == 0.0 { 0 } else { self.0.abs().log10().floor() as i32 };
         match exponent {
@@ -67,7 +71,7 @@ impl std::fmt::Display for Short {
 }
 
 /// The table of a problem, with its statement and the known numbers.
-pub fn markdown(problem: &dyn Problem, rows: &[Row]) -> String {
+pub fn markdown(problem: &dyn Posed, rows: &[Row]) -> String {
     let mut text = format!("## {}\n\n{}.\n", problem.name(), problem.statement());
     let known = rows.iter().find_map(Row::measured).map_or(&[][..], |measured| &measured.quantities[..]);
     let names: Vec<String> = known

@@ -1,6 +1,6 @@
 //! The augmented Lagrangian with semismooth Newton steps: a multiplier on the own surface, of the displacement's degree.
 
-use contact_bench::{Case, Contact, Formulation, Outcome, Refusal, Sides};
+use contact_bench::{Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides};
 use forms_fem::prelude::*;
 
 #[forms(dimension = 2)]
@@ -20,6 +20,39 @@ mod law {
         let update = pos_part(this(l) - gamma * distance(u));
         let terms = this(l) * dot(toward, jump(v)) - (this(l) - update) / gamma * this(q);
         balance(u, v) + integral(Touch, own_weight() * terms)
+    }
+}
+
+#[forms(dimension = 2)]
+mod volume {
+    pub use contact_bench::volume::Omega;
+    use contact_bench::volume::{balance, height};
+    #[includes(contact_bench::volume::Data)]
+    pub struct Data {}
+    pub fn above(u: Unknown<Scalar>, l: Unknown<Scalar>, v: Test<Scalar>, q: Test<Scalar>) -> Form {
+        let gamma = 10 / (h * h);
+        let update = pos_part(l - gamma * height(u));
+        balance(u, v) - integral(Omega, l * v + (l - update) / gamma * q)
+    }
+}
+
+#[forms(dimension = 2)]
+mod rubber {
+    pub use contact_bench::rubber::{Omega, Surface};
+    use contact_bench::rubber::{body, distance, stiffness};
+    #[includes(contact_bench::rubber::Data)]
+    pub struct Data {}
+    pub fn on_flat(
+        u: Unknown<Vector>,
+        p: Unknown<Scalar>,
+        l: Unknown<Scalar>,
+        v: Test<Vector>,
+        q: Test<Scalar>,
+        m: Test<Scalar>,
+    ) -> Form {
+        let gamma = 10 * stiffness();
+        let update = pos_part(l - gamma * distance(u));
+        body(u, p, v, q) + integral(Surface, l * dot(v, obstacle_normal) - (l - update) / gamma * m)
     }
 }
 
@@ -45,5 +78,19 @@ impl Formulation for AugmentedLagrangian {
         let solved = case.mixed_problem(&form, &scalars).start([&u, &guess]).solve()?;
         let pressures = case.known_pressures(&solved.fields[1])?;
         Ok(Outcome::of(case, &solved, pressures)?.of_form(form))
+    }
+
+    fn cover(&self, membrane: &Membrane) -> Result<Outcome, Refusal> {
+        let data = volume::data_from(membrane.data.clone());
+        let form = volume::above(&data, &membrane.omega());
+        let solved = membrane.mixed_problem(&form, &membrane.space).solve()?;
+        Ok(membrane.outcome(&solved, membrane.known_pressures(&solved.fields[1])?))
+    }
+
+    fn press(&self, ring: &Rubber) -> Result<Pressed, Refusal> {
+        let ([u, p], scalars) = (&ring.spaces, ring.scalars()?);
+        let data = |way: f64| rubber::data_from(ring.data(way));
+        let form = |way: f64| rubber::on_flat(&data(way), &ring.omega(), &ring.surface());
+        ring.follow_all([u, p, &scalars], form, |_| Ok(None))
     }
 }

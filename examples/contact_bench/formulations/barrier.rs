@@ -1,6 +1,6 @@
 //! A log barrier on the gap, −(g − ĝ)² ln(g/ĝ): ĝ from the size of the change of the gap down by tenths.
 
-use contact_bench::{Case, Contact, Formulation, Outcome, Refusal, Sides};
+use contact_bench::{Case, Contact, Formulation, Membrane, Outcome, Refusal, Sides};
 use forms_contact::laws::barrier_obstacle::stiffness;
 use forms_fem::prelude::*;
 
@@ -28,6 +28,24 @@ mod law {
     }
     pub fn gaps(u: Unknown<Vector>) -> Functional {
         integral(Touch, distance(u) + clearance)
+    }
+}
+
+#[forms(dimension = 2)]
+mod volume {
+    pub use contact_bench::volume::Omega;
+    use contact_bench::volume::height;
+    use forms_contact::operators::barrier::barrier_pressure;
+    #[includes(contact_bench::volume::Data, forms_contact::operators::barrier::Data)]
+    pub struct Data {}
+    pub fn force(u: Scalar) -> Scalar {
+        barrier_pressure(height(u))
+    }
+    pub fn above(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        -integral(Omega, force(u) * v)
+    }
+    pub fn heights(u: Unknown<Scalar>) -> Functional {
+        integral(Omega, height(u))
     }
 }
 
@@ -75,6 +93,24 @@ impl Formulation for Barrier {
             found = Some(
                 Outcome::of(case, &solved, case.pressures(&pressure)?)?.of_form(&case.balance() + &form),
             );
+            u = solved.into_field();
+        }
+        found.map(|found| found.after(newton)).ok_or_else(|| Refusal::Failed("no step".to_owned()))
+    }
+
+    fn cover(&self, membrane: &Membrane) -> Result<Outcome, Refusal> {
+        let (mut u, mut newton, mut found) = (membrane.above.clone(), vec![], None);
+        for tenths in 0..=self.tenths {
+            let reach = membrane.approach * 0.1_f64.powi(tenths);
+            let stiffness = stiffness(membrane.pressure, reach);
+            let data = volume::data_from(membrane.data.clone()).barrier_stiffness(stiffness);
+            let data = data.activation_gap(reach);
+            let problem = membrane.problem(&volume::above(&data, &membrane.omega()));
+            let heights = volume::heights(&data, &membrane.omega());
+            let solved = problem.start(&u).keep_positive(&heights).solve()?;
+            newton.push(solved.iterations());
+            let pressures = membrane.pressures(&volume::force(&data, solved.field()))?;
+            found = Some(membrane.outcome(&solved, pressures));
             u = solved.into_field();
         }
         found.map(|found| found.after(newton)).ok_or_else(|| Refusal::Failed("no step".to_owned()))

@@ -1,6 +1,6 @@
 //! A pressure that falls exponentially with the gap: p₀ exp(−g/c).
 
-use contact_bench::{Case, Contact, Formulation, Outcome, Refusal, Sides};
+use contact_bench::{Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides};
 use forms_fem::prelude::*;
 
 #[forms(dimension = 2)]
@@ -21,6 +21,33 @@ mod law {
     }
     pub fn between(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         integral(Touch, own_weight() * pair_pressure(u) * dot(toward, jump(v)))
+    }
+}
+
+#[forms(dimension = 2)]
+mod volume {
+    pub use contact_bench::volume::Omega;
+    use contact_bench::volume::height;
+    use forms_contact::operators::exponential_closure::exponential_pressure;
+    #[includes(contact_bench::volume::Data, forms_contact::operators::exponential_closure::Data)]
+    pub struct Data {}
+    pub fn force(u: Scalar) -> Scalar {
+        exponential_pressure(height(u))
+    }
+    pub fn above(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, -force(u) * v)
+    }
+}
+
+#[forms(dimension = 2)]
+mod rubber {
+    pub use contact_bench::rubber::{Omega, Surface};
+    use contact_bench::rubber::{body, distance};
+    use forms_contact::operators::exponential_closure::exponential_pressure;
+    #[includes(contact_bench::rubber::Data, forms_contact::operators::exponential_closure::Data)]
+    pub struct Data {}
+    pub fn on_flat(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
+        body(u, p, v, q) + integral(Surface, exponential_pressure(distance(u)) * dot(v, obstacle_normal))
     }
 }
 
@@ -49,5 +76,19 @@ impl Formulation for Exponential {
                 case.newton(&law::between(&data, &case.touch(Sides::Own)), |u| law::pair_pressure(&data, u))
             }
         }
+    }
+
+    fn cover(&self, membrane: &Membrane) -> Result<Outcome, Refusal> {
+        let data = volume::data_from(membrane.data.clone()).closed_pressure(membrane.pressure);
+        let data = data.closure_length(self.part * membrane.approach);
+        membrane.newton(&volume::above(&data, &membrane.omega()), |u| volume::force(&data, u))
+    }
+
+    fn press(&self, ring: &Rubber) -> Result<Pressed, Refusal> {
+        let length = self.part * ring.end as f64;
+        let data = |way: f64| {
+            rubber::data_from(ring.data(way)).closed_pressure(ring.pressure).closure_length(length)
+        };
+        ring.follow(|way| rubber::on_flat(&data(way), &ring.omega(), &ring.surface()))
     }
 }

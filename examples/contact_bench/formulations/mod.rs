@@ -2,6 +2,7 @@
 
 mod augmented_lagrangian;
 mod barrier;
+mod bounds;
 mod exponential;
 mod mean_nitsche;
 mod mortar;
@@ -22,6 +23,7 @@ pub fn all() -> Vec<Box<dyn Formulation>> {
     add(&mut all, uzawa::all());
     add(&mut all, mean_nitsche::all());
     add(&mut all, mortar::all());
+    add(&mut all, bounds::all());
     add(&mut all, proximal::all());
     add(&mut all, barrier::all());
     add(&mut all, exponential::all());

@@ -1,7 +1,7 @@
 //! Nitsche's method: θ = −1, 0, 1, over one surface, over both, and at points of whole facets.
 
 use contact_bench::outcome::not_defined;
-use contact_bench::{Case, Contact, Formulation, Outcome, Refusal, Sides};
+use contact_bench::{Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides};
 use forms_fem::prelude::*;
 
 #[forms(dimension = 2)]
@@ -31,6 +31,46 @@ mod law {
     pub fn between(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         let consistent = theta / (13 * own_stiffness()) * (own_stress(u) + pair_pressure(u)) * own_stress(v);
         integral(Touch, share * own_weight() * (pair_pressure(u) * dot(toward, jump(v)) - consistent))
+    }
+}
+
+#[forms(dimension = 2)]
+mod volume {
+    pub use contact_bench::volume::Omega;
+    use contact_bench::volume::height;
+    #[includes(contact_bench::volume::Data)]
+    pub struct Data {
+        theta: Param,
+    }
+    fn gamma() -> Scalar {
+        200 / (h * h)
+    }
+    fn laplacian(u: Scalar) -> Scalar {
+        div(grad(u))
+    }
+    pub fn force(u: Scalar) -> Scalar {
+        neg_part(laplacian(u) + gamma() * height(u))
+    }
+    pub fn above(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, -force(u) * v - theta / gamma() * (laplacian(u) + force(u)) * laplacian(v))
+    }
+}
+
+#[forms(dimension = 2)]
+mod rubber {
+    pub use contact_bench::rubber::{Omega, Surface};
+    use contact_bench::rubber::{body, distance, nominal_stress, stiffness};
+    #[includes(contact_bench::rubber::Data)]
+    pub struct Data {
+        theta: Param,
+    }
+    pub fn on_flat(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
+        let gamma = 7 * stiffness();
+        let stress = nominal_stress(u, p);
+        let pressure = neg_part(stress + gamma * distance(u));
+        let change = derivative(stress, u, v) + derivative(stress, p, q);
+        let consistent = theta / gamma * (stress + pressure) * change;
+        body(u, p, v, q) + integral(Surface, pressure * dot(v, obstacle_normal) - consistent)
     }
 }
 
@@ -70,5 +110,21 @@ impl Formulation for Nitsche {
                 case.newton(&law::between(&data, &case.touch(self.sides)), |u| law::pair_pressure(&data, u))
             }
         }
+    }
+
+    fn cover(&self, membrane: &Membrane) -> Result<Outcome, Refusal> {
+        if self.sides != Sides::Own {
+            return Err(not_defined("an obstacle has no unknowns"));
+        }
+        let data = volume::data_from(membrane.data.clone()).theta(self.theta);
+        membrane.newton(&volume::above(&data, &membrane.omega()), |u| volume::force(&data, u))
+    }
+
+    fn press(&self, ring: &Rubber) -> Result<Pressed, Refusal> {
+        if self.sides != Sides::Own {
+            return Err(not_defined("a flat has no surface of its own"));
+        }
+        let data = |way: f64| rubber::data_from(ring.data(way)).theta(self.theta);
+        ring.follow(|way| rubber::on_flat(&data(way), &ring.omega(), &ring.surface()))
     }
 }

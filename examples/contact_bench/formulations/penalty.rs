@@ -1,6 +1,6 @@
 //! The penalty method: springs of 10, 100 and 10⁴ E/h.
 
-use contact_bench::{Case, Contact, Formulation, Outcome, Refusal, Sides};
+use contact_bench::{Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides};
 use forms_fem::prelude::*;
 
 #[forms(dimension = 2)]
@@ -22,6 +22,36 @@ mod law {
     }
     pub fn between(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         integral(Touch, own_weight() * pair_pressure(u) * dot(toward, jump(v)))
+    }
+}
+
+#[forms(dimension = 2)]
+mod volume {
+    pub use contact_bench::volume::Omega;
+    use contact_bench::volume::height;
+    #[includes(contact_bench::volume::Data)]
+    pub struct Data {
+        factor: Param,
+    }
+    pub fn force(u: Scalar) -> Scalar {
+        factor / (h * h) * neg_part(height(u))
+    }
+    pub fn above(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, -force(u) * v)
+    }
+}
+
+#[forms(dimension = 2)]
+mod rubber {
+    pub use contact_bench::rubber::{Omega, Surface};
+    use contact_bench::rubber::{body, distance, stiffness};
+    #[includes(contact_bench::rubber::Data)]
+    pub struct Data {
+        factor: Param,
+    }
+    pub fn on_flat(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
+        body(u, p, v, q)
+            + integral(Surface, factor * stiffness() * neg_part(distance(u)) * dot(v, obstacle_normal))
     }
 }
 
@@ -48,5 +78,15 @@ impl Formulation for Penalty {
                 case.newton(&law::between(&data, &case.touch(Sides::Own)), |u| law::pair_pressure(&data, u))
             }
         }
+    }
+
+    fn cover(&self, membrane: &Membrane) -> Result<Outcome, Refusal> {
+        let data = volume::data_from(membrane.data.clone()).factor(self.factor);
+        membrane.newton(&volume::above(&data, &membrane.omega()), |u| volume::force(&data, u))
+    }
+
+    fn press(&self, ring: &Rubber) -> Result<Pressed, Refusal> {
+        let data = |way: f64| rubber::data_from(ring.data(way)).factor(self.factor);
+        ring.follow(|way| rubber::on_flat(&data(way), &ring.omega(), &ring.surface()))
     }
 }

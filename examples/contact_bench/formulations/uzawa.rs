@@ -1,7 +1,7 @@
 //! Uzawa's iteration: penalty with a multiplier at points of the own surface, updated outside of Newton's method.
 
 use contact_bench::outcome::Refusal::Failed;
-use contact_bench::{Case, Contact, Formulation, Outcome, Refusal, Sides};
+use contact_bench::{Case, Contact, Formulation, Membrane, Outcome, Refusal, Sides};
 use forms_fem::prelude::*;
 
 #[forms(dimension = 2)]
@@ -26,6 +26,22 @@ mod law {
     }
 }
 
+#[forms(dimension = 2)]
+mod volume {
+    pub use contact_bench::volume::Omega;
+    use contact_bench::volume::height;
+    #[includes(contact_bench::volume::Data)]
+    pub struct Data {
+        multiplier: History<Scalar>,
+    }
+    pub fn force(u: Scalar) -> Scalar {
+        pos_part(multiplier - 100 / (h * h) * height(u))
+    }
+    pub fn above(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        -integral(Omega, force(u) * v)
+    }
+}
+
 /// The change of the multiplier, relative to the largest pressure, at which the iteration ends.
 const TOLERANCE: f64 = 1e-8;
 const MOST: usize = 200;
@@ -34,6 +50,19 @@ pub struct Uzawa;
 
 pub fn all() -> Vec<Uzawa> {
     vec![Uzawa]
+}
+
+/// The largest change of the multiplier, which becomes the pressure.
+fn updated(
+    assembler: &Assembler<2>,
+    pressure: &Expression<2>,
+    multiplier: &History<f64, 2>,
+) -> Result<f64, Refusal> {
+    let before = assembler.history_values(multiplier)?;
+    assembler.update_history(pressure, multiplier)?;
+    multiplier.commit();
+    let after = assembler.history_values(multiplier)?;
+    Ok(before.iter().zip(&after).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f64::max))
 }
 
 impl Formulation for Uzawa {
@@ -63,13 +92,30 @@ impl Formulation for Uzawa {
             let solved = case.problem(&form).assembler(&assembler).start(&u).solve()?;
             newton.push(solved.iterations());
             let pressures = case.pressures(&pressure(solved.field()))?;
-            let before = assembler.history_values(&multiplier)?;
-            assembler.update_history(&pressure(solved.field()), &multiplier)?;
-            multiplier.commit();
-            let after = assembler.history_values(&multiplier)?;
-            let change = before.iter().zip(&after).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f64::max);
+            let change = updated(&assembler, &pressure(solved.field()), &multiplier)?;
             if change <= TOLERANCE * case.pressure {
                 return Ok(Outcome::of(case, &solved, pressures)?.after(newton));
+            }
+            u = solved.into_field();
+        }
+        Err(Failed(format!("the multiplier still changes after {MOST} iterations")))
+    }
+
+    fn cover(&self, membrane: &Membrane) -> Result<Outcome, Refusal> {
+        let rule = 2 * membrane.space.degree();
+        let assembler = Assembler::new(membrane.space.mesh()).with_quadrature(Quadrature::Degree(rule));
+        let multiplier = assembler.history(Entity::Cells, "all", rule, 0.0)?;
+        let data = volume::data_from(membrane.data.clone()).multiplier(multiplier.clone());
+        let (form, mut u, mut newton) =
+            (volume::above(&data, &membrane.omega()), Field::zero(&membrane.space), vec![]);
+        while newton.len() < MOST {
+            let solved = membrane.problem(&form).assembler(&assembler).start(&u).solve()?;
+            newton.push(solved.iterations());
+            let force = volume::force(&data, solved.field());
+            let pressures = membrane.pressures(&force)?;
+            let change = updated(&assembler, &force, &multiplier)?;
+            if change <= TOLERANCE * membrane.pressure {
+                return Ok(membrane.outcome(&solved, pressures).after(newton));
             }
             u = solved.into_field();
         }

@@ -1,9 +1,12 @@
 //! Problems, a file each.
 
+mod closing_c;
 mod grading;
 mod half_ball;
+mod half_ring;
 mod hertz;
 mod lame;
+mod obstacle;
 mod patch;
 mod punch;
 mod sliding_parabola;
@@ -11,11 +14,11 @@ mod squares;
 mod two_balls;
 mod wavy;
 
-use crate::problem::Problem;
+use crate::posed::Posed;
 
 /// All problems.
-pub fn all() -> Vec<Box<dyn Problem>> {
-    let mut all: Vec<Box<dyn Problem>> = vec![
+pub fn all() -> Vec<Box<dyn Posed>> {
+    let mut all: Vec<Box<dyn Posed>> = vec![
         Box::new(patch::Patch),
         Box::new(lame::Rings::Loaded),
         Box::new(lame::Rings::ShrinkFit),
@@ -28,8 +31,12 @@ pub fn all() -> Vec<Box<dyn Problem>> {
         Box::new(punch::Punch::PlaneStress),
         Box::new(punch::Punch::PlaneStrain),
     ];
-    all.extend(wavy::PRESSURES.map(|part| -> Box<dyn Problem> { Box::new(wavy::Wavy { part }) }));
+    all.extend(wavy::PRESSURES.map(|part| -> Box<dyn Posed> { Box::new(wavy::Wavy { part }) }));
     all.push(Box::new(half_ball::HalfBall));
+    all.push(Box::new(obstacle::Obstacle));
+    all.push(Box::new(closing_c::ClosingC));
+    all.push(Box::new(half_ring::HalfRing::Quadrilaterals));
+    all.push(Box::new(half_ring::HalfRing::Triangles));
     all
 }
 

@@ -1,0 +1,6 @@
+#!/bin/sh
+# The programs that run.py compares with, in an environment of their own: $CONTACT_PEERS_VENV or ~/.cache/peers/contact.
+set -e
+place="${CONTACT_PEERS_VENV:-$HOME/.cache/peers/contact}"
+python3 -m venv "$place"
+"$place/bin/pip" install --quiet "ngsolve==6.2.2608" "mfem==4.10.0.1"

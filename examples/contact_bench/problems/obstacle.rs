@@ -1,0 +1,122 @@
+//! A membrane on the unit disc over a round obstacle: contact in the volume, in closed form.
+
+use std::f64::consts::PI;
+use std::time::Instant;
+
+use forms_fem::mesh::disc;
+use forms_fem::output::Failure;
+use forms_fem::prelude::*;
+
+use crate::formulation::Formulation;
+use crate::membrane::{Membrane, volume};
+use crate::outcome::Outcome;
+use crate::posed::Posed;
+use crate::problem::Quantity;
+use crate::rows::{Answer, Measured};
+
+/// The contact radius, and the slope A of u = A ln r outside of it.
+const REACH: f64 = 0.348_982_574_111_686;
+const SLOPE: f64 = -0.340_129_705_945_858;
+const ENERGY: f64 = 0.453_542_954_841;
+/// The obstacle is a half circle up to this radius, and its tangent cone beyond.
+const KINK: f64 = 0.45;
+
+/// φ.
+fn below(r: f64) -> f64 {
+    let top = |r: f64| (0.25 - r * r).sqrt();
+    if r <= KINK { top(r) } else { top(KINK) - KINK / top(KINK) * (r - KINK) }
+}
+
+fn exact(r: f64) -> f64 {
+    if r <= REACH { below(r) } else { SLOPE * r.ln() }
+}
+
+fn exact_slope(x: &[f64; 2]) -> [f64; 2] {
+    let r = x[0].hypot(x[1]);
+    let part = if r <= REACH { -1.0 / (0.25 - r * r).sqrt() } else { SLOPE / (r * r) };
+    [part * x[0], part * x[1]]
+}
+
+/// −Δφ where the membrane touches.
+fn force(r: f64) -> f64 {
+    let top = 0.25 - r * r;
+    if r <= REACH { (0.5 - r * r) / top.powf(1.5) } else { 0.0 }
+}
+
+/// The whole disc: 80 cells on the first mesh, as in MFEM's example 36 after two refinements.
+pub struct Obstacle;
+
+impl Obstacle {
+    fn membrane(level: usize, degree: usize) -> Result<Membrane, Failure> {
+        let mesh = disc(1.0, [false; 2], 2 << level, 4 << level, CellShape::Quadrilateral, degree.min(2))?;
+        let space = Space::scalar(&mesh, degree)?;
+        let mut constraints = Constraints::new(&space);
+        constraints.fix("circle", |_| 0.0)?;
+        Ok(Membrane {
+            below: Field::interpolate(&space, |x| below(x[0].hypot(x[1])))?,
+            above: Field::interpolate(&space, |x| 1.0 - x[0] * x[0] - x[1] * x[1])?,
+            constraints,
+            data: volume::data().obstacle(|x: &[f64; 2]| below(x[0].hypot(x[1]))),
+            space,
+            pressure: 4.0,
+            approach: 0.1,
+        })
+    }
+
+    fn quantities(membrane: &Membrane, found: &Outcome) -> Result<Vec<Quantity>, Failure> {
+        let assembler = Assembler::new(membrane.space.mesh()).with_quadrature(Quadrature::Degree(10));
+        let off = norms::errors(
+            &assembler,
+            &found.u,
+            |x, value| value[0] = exact(x[0].hypot(x[1])),
+            |x, slope| slope.copy_from_slice(&exact_slope(x)),
+        )?;
+        let energy = assembler.functional(&volume::energy(&membrane.data, &membrane.omega(), &found.u))?;
+        let force = found.pressures.force();
+        let known = |name, value, exact| Quantity { name, value, exact: Some(exact) };
+        Ok(vec![
+            Quantity { name: "H1 error", value: off.h1, exact: None },
+            Quantity { name: "L2 error", value: off.l2, exact: None },
+            known("energy", energy, ENERGY),
+            known("force", force, -2.0 * PI * SLOPE),
+            Quantity { name: "min(u − φ)", value: membrane.least_height(&found.u)?, exact: None },
+        ])
+    }
+}
+
+impl Posed for Obstacle {
+    fn name(&self) -> String {
+        "obstacle".to_owned()
+    }
+
+    fn statement(&self) -> &'static str {
+        "a membrane on the unit disc over φ = √(¼ − r²), beyond r = 0.45 its tangent cone; u = A ln r outside of r = 0.349"
+    }
+
+    fn answer(
+        &self,
+        formulation: &dyn Formulation,
+        level: usize,
+        degree: usize,
+    ) -> Result<(usize, Answer), Failure> {
+        let membrane = Self::membrane(level, degree)?;
+        let start = Instant::now();
+        let outcome = formulation.cover(&membrane);
+        let seconds = start.elapsed().as_secs_f64();
+        let answer = match outcome {
+            Ok(found) => {
+                let measured = Measured {
+                    seconds,
+                    no_gradient: Some("no way".to_owned()),
+                    penetration: (-membrane.least_height(&found.u)?).max(0.0) / membrane.approach,
+                    quantities: Self::quantities(&membrane, &found)?,
+                    ..Measured::of(&found)
+                };
+                let radius = |x: [f64; 2]| x[0].hypot(x[1]);
+                Answer::Solved(measured.compared(&found.pressures, radius, |x| Some(force(radius(x)))))
+            }
+            Err(why) => Answer::of(why),
+        };
+        Ok((membrane.space.unknowns(), answer))
+    }
+}

@@ -1,0 +1,126 @@
+//! Contact in the volume, with a mesh of the gap, and of rubber, compared with closed forms and other programs.
+
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::Value;
+
+/// The rows of a run.
+fn run(arguments: &[&str], directory: &Path) -> Vec<Value> {
+    let output = Command::new(env!("CARGO_BIN_EXE_contact_bench"))
+        .args(arguments)
+        .args(["--out", "out"])
+        .current_dir(directory)
+        .output();
+    let output = output.expect("it starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let json = std::fs::read_to_string(directory.join("out/contact_bench.json")).expect("JSON");
+    serde_json::from_str(&json).expect("it can be read")
+}
+
+fn rows(arguments: &[&str]) -> Vec<Value> {
+    run(arguments, tempfile::tempdir().expect("a directory").path())
+}
+
+/// A number that the problem asks for.
+fn quantity(row: &Value, name: &str) -> f64 {
+    let all = row["answer"]["solved"]["quantities"].as_array().unwrap_or_else(|| panic!("{row}"));
+    let of_name = all.iter().find(|one| one["name"] == name).unwrap_or_else(|| panic!("{name}: {all:?}"));
+    of_name["value"].as_f64().unwrap_or(f64::NAN)
+}
+
+#[test]
+fn a_membrane_has_the_energy_and_force_of_its_closed_form() {
+    let formulations = "nitsche θ = 0,penalty 100 E/h,dual,log barrier";
+    let two = ["--problems", "obstacle", "--degrees", "2", "--levels", "2", "--formulations", formulations];
+    for pair in rows(&two).chunks(2).filter(|pair| !pair[0]["answer"]["solved"].is_null()) {
+        if pair.len() < 2 || pair[0]["formulation"] != pair[1]["formulation"] {
+            continue;
+        }
+        let label = &pair[0]["formulation"];
+        // A barrier of a fixed reach converges to another solution.
+        let [energy, least_order] = match label.as_str() {
+            Some("log barrier, ĝ/d = 0.1") => [1.2e-2, 1.2],
+            Some("penalty 100 E/h") => [4e-3, 1.4],
+            _ => [1.5e-3, 1.4],
+        };
+        let errors = [0, 1].map(|level: usize| quantity(&pair[level], "H1 error"));
+        assert!((errors[0] / errors[1]).log2() > least_order, "{label}: {errors:?}");
+        assert!((quantity(&pair[1], "energy") - 0.453542954841).abs() < energy, "{label}");
+        assert!((quantity(&pair[1], "force") - 2.137097970934).abs() < 4e-2, "{label}");
+    }
+}
+
+/// MFEM's example 36 takes 9 to 19 outer steps with 11 to 21 Newton steps on these meshes.
+#[test]
+fn proximal_galerkin_with_one_step_each_takes_as_few_steps_on_each_mesh() {
+    let asked = [
+        "--problems",
+        "obstacle",
+        "--degrees",
+        "2",
+        "--levels",
+        "2",
+        "--formulations",
+        "proximal Galerkin (",
+    ];
+    let all = rows(&asked);
+    let of = |name: &str, level: usize| {
+        let row = all.iter().find(|row| row["formulation"] == name && row["level"] == level);
+        row.unwrap_or_else(|| panic!("no {name}"))
+    };
+    for level in 0..2 {
+        let short = of("proximal Galerkin (ψ in cells), one step each", level);
+        let whole = of("proximal Galerkin (ψ in cells)", level);
+        assert!(short["answer"]["solved"]["newton"].as_u64().is_some_and(|steps| steps <= 13), "{short}");
+        assert!(short["answer"]["solved"]["outer"].as_u64().is_some_and(|steps| steps <= 13), "{short}");
+        let [a, b] = [short, whole].map(|row| quantity(row, "energy"));
+        assert!((a - b).abs() < 1e-5, "{a} {b}");
+    }
+}
+
+/// Forces of felupe and NGSolve, which agree to 2e-11.
+#[test]
+fn a_closing_c_has_the_forces_of_two_other_programs_and_an_exact_gradient() {
+    let asked = ["--problems", "closing_c", "--degrees", "2", "--levels", "1", "--formulations", "third"];
+    let all = rows(&asked);
+    let row = all.iter().find(|row| row["formulation"] == "third medium").expect("a row");
+    let known = [
+        ("F(1)", 1.33196155e-5),
+        ("F(5)", 6.73803462e-5),
+        ("F(10)", 1.48316229e-4),
+        ("F(15)", 3.08914658e-4),
+    ];
+    for (name, force) in known {
+        assert!((quantity(row, name) / force - 1.0).abs() < 5e-9, "{name}: {}", quantity(row, name));
+    }
+    assert!(row["answer"]["solved"]["newton"].as_u64().is_some_and(|steps| steps <= 96));
+    let gradient = &row["answer"]["solved"]["gradient"];
+    let [adjoint, difference] = ["adjoint", "difference"].map(|name| gradient[name].as_f64().unwrap());
+    assert!((adjoint / difference - 1.0).abs() < 1e-8, "{adjoint} {difference}");
+}
+
+#[test]
+fn a_half_ring_has_the_force_of_two_other_programs() {
+    let formulations = "nitsche θ = 0,augmented";
+    let asked =
+        ["--problems", "half_ring", "--degrees", "2", "--levels", "2", "--formulations", formulations];
+    for row in rows(&asked).iter().filter(|row| row["level"] == 1) {
+        let force = quantity(row, "F(2)");
+        assert!((force / 4.589 - 1.0).abs() < 4e-3, "{}: {force}", row["formulation"]);
+        let growth = quantity(row, "∫(J − 1) there");
+        assert!((growth + 0.1342).abs() < 3e-4, "{}: {growth}", row["formulation"]);
+    }
+}
+
+#[test]
+fn rows_of_other_programs_are_in_the_table() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let line = r#"{"problem": "obstacle", "formulation": "another", "degree": 1, "level": 0, "unknowns": 89, "seconds": 1.0, "newton": [3, 1], "outer": 2, "numbers": {"H1 error": 0.2}}"#;
+    std::fs::write(directory.path().join("others.jsonl"), format!("{line}\n")).expect("a file");
+    let asked = ["--problems", "obstacle", "--degrees", "1", "--levels", "1", "--formulations", "dual"];
+    let found = run(&[&asked[..], &["--others", "others.jsonl"]].concat(), directory.path());
+    let row = found.iter().find(|row| row["formulation"] == "another").expect("its row");
+    assert_eq!(row["answer"]["solved"]["newton"], 4);
+    assert_eq!(quantity(row, "H1 error"), 0.2);
+}
