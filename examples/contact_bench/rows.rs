@@ -107,13 +107,16 @@ impl Measured {
         let is_known = pressures.positions.iter().all(|x| exact(*x).is_some());
         let known = |x: [f64; 2]| exact(x).unwrap_or_default();
         self.pressure_error = is_known.then(|| {
-            let square = pressures.integral(|x, p| (p - known(x)).powi(2));
-            (square / pressures.integral(|x, _| known(x).powi(2))).sqrt()
+            // A known pressure may be infinite at a node, where an edge ends.
+            let finite = |x: [f64; 2], of: f64| if known(x).is_finite() { of * of } else { 0.0 };
+            let square = pressures.integral(|x, p| finite(x, p - known(x)));
+            (square / pressures.integral(|x, _| finite(x, known(x)))).sqrt()
         });
         let points = pressures.positions.iter().zip(&pressures.values);
         self.pressures = points.map(|(x, p)| [along(*x), *p]).collect();
         if is_known {
-            self.known = pressures.positions.iter().map(|x| [along(*x), known(*x)]).collect();
+            let finite = pressures.positions.iter().filter(|x| known(**x).is_finite());
+            self.known = finite.map(|x| [along(*x), known(*x)]).collect();
         }
         for list in [&mut self.pressures, &mut self.known] {
             list.sort_by(|a, b| a[0].total_cmp(&b[0]));
