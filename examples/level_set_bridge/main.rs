@@ -46,7 +46,7 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Failure> {
-    if options.cells < 8 || options.cells % 8 != 0 {
+    if options.cells == 0 || !options.cells.is_multiple_of(8) {
         return Err(format!("--cells {}: it must be a multiple of eight", options.cells).into());
     }
     let bridge = Bridge::new(options.cells)?;

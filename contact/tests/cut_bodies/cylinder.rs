@@ -12,7 +12,7 @@ const POISSON: f64 = 0.3;
 const RADII: [f64; 2] = [20.0, 30.0];
 
 /// J, contact force and contact length on a square of n × n pairs of triangles.
-fn solve(cells: usize, degree: usize, theta: f64) -> [f64; 3] {
+fn solve(cells: usize, theta: f64) -> [f64; 3] {
     // No node is on a circle, and the centre of the body is not a node.
     let corner = [-31.013, -31.027];
     let mut mesh =
@@ -24,7 +24,7 @@ fn solve(cells: usize, degree: usize, theta: f64) -> [f64; 3] {
         let radius = x[0].hypot(x[1]);
         (RADII[0] - radius).max(radius - RADII[1])
     });
-    let space = Space::vector(&mesh, degree).unwrap();
+    let space = Space::vector(&mesh, 1).unwrap();
     let mut held = Constraints::new(&space);
     body.cut().unwrap().hold_outside(&mut held).unwrap();
     let (lambda, mu) =
@@ -32,7 +32,7 @@ fn solve(cells: usize, degree: usize, theta: f64) -> [f64; 3] {
     let data = cut_nitsche::data()
         .lambda(lambda)
         .mu(mu)
-        .gamma0(10.0 * (degree * degree) as f64 * (2.0 * mu + lambda))
+        .gamma0(10.0 * (2.0 * mu + lambda))
         .obstacle_normal([0.0, -1.0])
         .gap(|x: &[f64; 2]| x[1] + RADII[1])
         .theta(theta)
@@ -54,12 +54,13 @@ const FITTED: [f64; 3] = [1494.2486, 133.721, 12.302];
 
 #[test]
 fn cylinder_comes_to_that_of_fitted_meshes() {
-    let meshes: &[usize] = match std::env::var_os("FORMS_SWEEPS") {
-        Some(_) => &[31, 62, 124, 248],
-        None => &[31, 62, 124],
+    let thetas: &[f64] = match std::env::var_os("FORMS_SWEEPS") {
+        Some(_) => &[-1.0, 0.0, 1.0],
+        None => &[0.0],
     };
-    for theta in [-1.0, 0.0, 1.0] {
-        let found: Vec<[f64; 3]> = meshes.iter().map(|cells| solve(*cells, 1, theta)).collect();
+    let meshes = [31, 62, 124];
+    for theta in thetas {
+        let found = meshes.map(|cells| solve(cells, *theta));
         for (cells, values) in meshes.iter().zip(&found) {
             let off = [0, 1, 2].map(|k| values[k] / FITTED[k] - 1.0);
             println!("θ = {theta} {cells} × {cells}: {values:?}, off by {off:?}");
