@@ -164,7 +164,7 @@ impl LinearSolver for PetscSolver<'_> {
         let start = Instant::now();
         self.world.agree(self.check_matrix(&local))?;
         // All processes tell their positions anew if one has to.
-        let is_new = !self.system.as_ref().is_some_and(|system| system.matrix.fits(&local));
+        let is_new = !self.system.as_ref().is_some_and(|system| system.fits(&local));
         if self.world.gather(u64::from(is_new))?.contains(&1) {
             self.system = None;
             self.world.destroy_dropped()?;

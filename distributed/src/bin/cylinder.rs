@@ -16,7 +16,8 @@ fn run(world: &World) -> Result<(), Box<dyn Error>> {
     let mut method = Method::Direct;
     match std::env::args().nth(2).as_deref() {
         Some("split") => problem = problem.with_split_facets(),
-        Some("gmres") => method = Method::gmres(),
+        // So that Newton's method takes the same steps.
+        Some("gmres") => method = Method::Gmres { tolerance: 1e-13, max_iterations: 500 },
         _ => {}
     }
     let mut solver = PetscSolver::new(world, &problem.constraints, method)?;

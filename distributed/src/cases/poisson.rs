@@ -5,7 +5,8 @@ use std::error::Error;
 use forms_fem::mesh::EVERYWHERE;
 use forms_fem::prelude::*;
 
-use crate::petsc_solver::{Method, PetscSolver};
+use crate::method::Method;
+use crate::petsc_solver::PetscSolver;
 use crate::world::World;
 
 /// The forms.
