@@ -174,7 +174,7 @@ impl<const D: usize> Assembler<D> {
         space: &Arc<Space<D>>,
         pieces: &Pieces,
         mut systems: Systems,
-    ) -> Result<ControlFlow<Vec<Vec<f64>>, (Systems, Option<Constraints<D>>)>, AssemblyError> {
+    ) -> Result<ControlFlow<Vec<Vec<f64>>, Joined<D>>, AssemblyError> {
         // Where nodes hang, the nearest of the continuous fields is asked for.
         let joined = Constraints::joining(space)
             .map_err(|source| AssemblyError::Hanging { form, source: Box::new(source) })?;
@@ -225,6 +225,9 @@ impl<const D: usize> Assembler<D> {
 }
 
 instantiate!(assemble_projection: Assembler::<D>::systems_of, Assembler::<D>::solve_by_cells, Assembler::<D>::solve_with_mass);
+
+/// The systems for which a matrix is needed, with the relations of hanging nodes.
+type Joined<const D: usize> = (Systems, Option<Constraints<D>>);
 
 /// The relations of a space's first component between nodes, which are those of all components.
 fn of_nodes<const D: usize>(joined: &Constraints<D>, components: usize) -> BTreeMap<usize, Relation> {
