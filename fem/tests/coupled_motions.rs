@@ -95,7 +95,7 @@ fn model(
 
 fn misfit() -> Energy<2> {
     let data = porous::data_from(forms_fem::time::operators::vector_and_scalar::Data::default());
-    porous::Model::new(data.density(0.0).mu(0.0).permeability(0.0).load(0.0)).misfit().into()
+    porous::Model::new(data.density(0.0).mu(0.0).permeability(0.0).load(0.0)).misfit()
 }
 
 impl Body {

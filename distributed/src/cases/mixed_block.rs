@@ -54,7 +54,7 @@ impl MixedBlock {
         held.fix("bottom", |_| [0.0; 3])?;
         let free = Constraints::new(&spaces[1]);
         let data = mixed::data().mu(1.0).compressibility(1e-3).load(0.1);
-        let form = mixed::Model::new(data).balance().into();
+        let form = mixed::Model::new(data).balance();
         Ok(MixedBlock { form, spaces, held, free })
     }
 
