@@ -118,7 +118,7 @@ impl NodeRows {
         let places = self.places.iter().chain(&self.held).map(|place| *place as u64);
         let sizes = [self.rows.count, self.rows.block, self.places.len()].map(|size| size as u64);
         let positions = constraints.iter().flat_map(|one| one.space().positions());
-        let coordinates = positions.flat_map(|position| position);
+        let coordinates = positions.flatten();
         Fingerprint::default().numbers(sizes).numbers(places).reals(coordinates).finish()
     }
 
