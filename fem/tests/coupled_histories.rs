@@ -89,13 +89,18 @@ fn model(at: &ControlValues<2>) -> Result<porous::Model<2>, ControlError> {
 
 impl Body {
     fn new() -> Self {
+        let mut body = Self::undrained(|mesh| Space::scalar(mesh, 1).unwrap());
+        body.drained.fix("top", |_| 0.0).unwrap();
+        body
+    }
+
+    fn undrained(pressures: impl Fn(&Mesh<2>) -> Arc<Space<2>>) -> Self {
         let mesh = rectangle([0.0; 2], [0.5, 1.0], [2, 4], CellShape::Quadrilateral, 1).unwrap();
-        let (displacements, pressures) = (Space::vector(&mesh, 2).unwrap(), Space::scalar(&mesh, 1).unwrap());
+        let (displacements, pressures) = (Space::vector(&mesh, 2).unwrap(), pressures(&mesh));
         let mut held = Constraints::new(&displacements);
         held.fix("bottom", |_| [0.0; 2]).unwrap();
         held.fix_component("left", 0, |_| 0.0).unwrap();
-        let mut drained = Constraints::new(&pressures);
-        drained.fix("top", |_| 0.0).unwrap();
+        let drained = Constraints::new(&pressures);
         let cells = Space::discontinuous_scalar(&mesh, 0).unwrap();
         let mu = Field::interpolate(&cells, |x| 1.0 + 0.5 * x[0] + 0.3 * x[1]).unwrap();
         let controls = Controls::new()
@@ -105,7 +110,7 @@ impl Body {
         Body { displacements, pressures, held, drained, controls }
     }
 
-    fn bare(&self, controls: Controls<2>) -> LoadHistory<'static, 2> {
+    fn bare<'h>(&self, controls: Controls<2>) -> LoadHistory<'h, 2> {
         LoadHistory::new([&self.displacements, &self.pressures], STEPS, controls)
             .step(|at| {
                 let [u0, p0] = at.before_of_all()? else { unreachable!("two unknowns") };
@@ -121,7 +126,7 @@ impl Body {
             .constrained(&self.drained)
     }
 
-    fn history(&self) -> LoadHistory<'static, 2> {
+    fn history<'h>(&self) -> LoadHistory<'h, 2> {
         self.bare(self.controls.clone()).criterion(|at| Ok(model(at)?.criterion()))
     }
 }
@@ -174,6 +179,25 @@ fn criteria_of_some_unknowns() {
     let mut observed =
         body.bare(body.controls.clone()).observed(2, pressures).observed(STEPS - 1, displacements);
     assert!(off(&mut observed, &m, &[1, permeability, m.len() - 1]) < 1e-9);
+}
+
+/// Pressures of cells, whose equations are eliminated in each step and each adjoint step: the gradient is that by LU of all equations.
+#[test]
+fn pressures_of_cells_are_eliminated() {
+    let body = Body::undrained(|mesh| Space::discontinuous_scalar(mesh, 0).unwrap());
+    let (m, mut history) = (body.controls.values().to_vec(), body.history());
+    let last = m.len() - 1;
+    let worst = off(&mut history, &m, &[0, 3, 7, last - 2, last]);
+    assert!(worst < 1e-9, "{worst:e}");
+    let eliminated = history.solver_report().and_then(|report| report.local_unknowns);
+    assert_eq!(eliminated.map(|counts| counts.eliminated), Some(8));
+    let mut lu = LuSolver::default();
+    let whole = body.history().solver(&mut lu).gradient(&m).unwrap().gradient;
+    let found = history.gradient(&m).unwrap().gradient;
+    let largest = whole.iter().fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
+    for (found, whole) in found.iter().zip(&whole) {
+        assert!((found - whole).abs() < 1e-11 * largest, "{found} {whole}");
+    }
 }
 
 /// Starts of both unknowns as controls.

@@ -29,7 +29,7 @@ def main():
         done = subprocess.run([PYTHON, str(script)], capture_output=True, text=True)
         lines += [line for line in done.stdout.splitlines() if line.startswith("{")]
         if done.returncode:
-            print(f"{script.name}: failed: {done.stderr.strip().splitlines()[-1]}")
+            print(f"{script.name}: failed: {(done.stderr.strip().splitlines() or ['no message'])[-1]}")
         else:
             print(f"{script.name}: done")
     target.parent.mkdir(parents=True, exist_ok=True)
