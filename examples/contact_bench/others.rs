@@ -53,14 +53,12 @@ impl Other {
             level: self.level,
             unknowns: self.unknowns,
             answer: Answer::Solved(Measured {
-                newton: self.newton.iter().sum(),
-                worst_newton: self.newton.iter().copied().max().unwrap_or(0),
                 outer: self.outer,
                 seconds: self.seconds,
                 no_gradient: Some("not measured".to_owned()),
                 penetration: f64::NAN,
                 quantities: first.quantities.iter().map(number).collect(),
-                ..Measured::default()
+                ..Measured::of_newton(self.newton.iter().copied())
             }),
         })
     }

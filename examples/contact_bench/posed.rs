@@ -1,7 +1,5 @@
 //! A problem of any kind as a table shows it: contact on surfaces here, and others in files of their own.
 
-use std::time::Instant;
-
 use forms_fem::output::Failure;
 
 use crate::balance::balance;
@@ -48,19 +46,16 @@ impl<P: Problem> Posed for P {
         degree: usize,
     ) -> Result<(usize, Answer), Failure> {
         let (case, further) = (self.case(level, degree)?, self.further_cases(level, degree)?);
-        let start = Instant::now();
-        let outcome = solve_all(formulation, &case, &further);
-        let seconds = start.elapsed().as_secs_f64();
-        let answer = match outcome {
-            Ok(found) => {
+        let answer = Answer::timed(
+            || solve_all(formulation, &case, &further),
+            |found, seconds| {
                 let gradient = match level {
                     0 => gradient(formulation, &case, &found[0]),
                     _ => Err(not_defined("first mesh")),
                 };
-                Answer::Solved(measured(self, &case, &found, gradient, seconds)?)
-            }
-            Err(why) => Answer::of(why),
-        };
+                measured(self, &case, &found, gradient, seconds)
+            },
+        )?;
         Ok((case.space.unknowns(), answer))
     }
 }

@@ -1,5 +1,8 @@
 //! A row of the results: one formulation on one problem and mesh.
 
+use std::time::Instant;
+
+use forms_fem::output::Failure;
 use serde::Serialize;
 
 use crate::gradient::Gradient;
@@ -77,8 +80,25 @@ impl Row {
 }
 
 impl Answer {
+    /// The answer of a formulation's solution, which is given its seconds, or of its refusal.
+    ///
+    /// # Errors
+    /// Those of the measurement.
+    pub fn timed<T>(
+        solve: impl FnOnce() -> Result<T, Refusal>,
+        measure: impl FnOnce(T, f64) -> Result<Measured, Failure>,
+    ) -> Result<Answer, Failure> {
+        let start = Instant::now();
+        let found = solve();
+        let seconds = start.elapsed().as_secs_f64();
+        match found {
+            Ok(found) => Ok(Answer::Solved(measure(found, seconds)?)),
+            Err(why) => Ok(Answer::of(why)),
+        }
+    }
+
     /// The answer of a formulation without a solution.
-    pub fn of(why: Refusal) -> Answer {
+    fn of(why: Refusal) -> Answer {
         match why {
             Refusal::NotDefined(why) => Answer::NotDefined(why),
             Refusal::Failed(why) => Answer::Failed(why),
@@ -89,12 +109,13 @@ impl Answer {
 impl Measured {
     /// The steps of a solution only.
     pub fn of(found: &Outcome) -> Measured {
-        Measured {
-            newton: found.newton.iter().sum(),
-            worst_newton: found.newton.iter().copied().max().unwrap_or(0),
-            outer: found.outer,
-            ..Measured::default()
-        }
+        Measured { outer: found.outer, ..Measured::of_newton(found.newton.iter().copied()) }
+    }
+
+    /// The Newton steps of several solves.
+    pub fn of_newton(steps: impl Iterator<Item = usize> + Clone) -> Measured {
+        let worst_newton = steps.clone().max().unwrap_or(0);
+        Measured { newton: steps.sum(), worst_newton, ..Measured::default() }
     }
 
     /// With the pressures along the contact, compared with the known ones, where they are known at all points.

@@ -446,6 +446,9 @@ fn what_does_not_fit_is_named() -> Outcome {
     let found = why(reserved, &longer)?;
     let expected = ControlError::Reserved { name: "value_p".into() };
     assert!(matches!(&found, HistoryFailure::Control(found) if *found == expected), "{found}");
+    // Pressures have no inertia, and the common scheme asks for their second rates.
+    let found = why(body.history(GeneralisedAlpha::trapezoidal()), &m)?;
+    assert!(found.to_string().contains("nothing determines `p`"), "{found}");
     let one = MotionHistory::new(&body.displacements, (STEPS, 0.1), second_order(), Controls::new())
         .motion(|during| Ok(model(during, None)?.balance()))
         .criterion(|_| Ok(misfit()));

@@ -1,7 +1,5 @@
 //! A C that closes onto itself, with a mesh of its gap (Bluhm, Sigmund and Poulios 2021).
 
-use std::time::Instant;
-
 use forms_fem::output::Failure;
 use forms_fem::prelude::*;
 
@@ -128,27 +126,20 @@ impl Posed for ClosingC {
         degree: usize,
     ) -> Result<(usize, Answer), Failure> {
         let filled = Self::filled(level, degree)?;
-        let start = Instant::now();
-        let found = formulation.close(&filled);
-        let seconds = start.elapsed().as_secs_f64();
-        let answer = match found {
-            Ok(steps) => {
-                let gradient = match level {
-                    0 => Self::gradient(formulation, &filled).map_err(|why| why.to_string()),
-                    _ => Err("first mesh".to_owned()),
-                };
-                Answer::Solved(Measured {
-                    newton: steps.iter().map(|step| step.newton).sum(),
-                    worst_newton: steps.iter().map(|step| step.newton).max().unwrap_or(0),
-                    seconds,
-                    no_gradient: gradient.clone().err(),
-                    gradient: gradient.ok(),
-                    quantities: quantities(&steps, level == 0),
-                    ..Measured::default()
-                })
-            }
-            Err(why) => Answer::of(why),
+        let measure = |steps: Vec<Step>, seconds| {
+            let gradient = match level {
+                0 => Self::gradient(formulation, &filled).map_err(|why| why.to_string()),
+                _ => Err("first mesh".to_owned()),
+            };
+            Ok(Measured {
+                seconds,
+                no_gradient: gradient.clone().err(),
+                gradient: gradient.ok(),
+                quantities: quantities(&steps, level == 0),
+                ..Measured::of_newton(steps.iter().map(|step| step.newton))
+            })
         };
+        let answer = Answer::timed(|| formulation.close(&filled), measure)?;
         Ok((filled.space.unknowns(), answer))
     }
 }

@@ -1,7 +1,6 @@
 //! Half a ring of rubber, ν = 0.4995, on a rigid flat that comes from below.
 
 use std::f64::consts::PI;
-use std::time::Instant;
 
 use forms_fem::mesh::structured;
 use forms_fem::output::Failure;
@@ -109,24 +108,23 @@ impl Posed for HalfRing {
         degree: usize,
     ) -> Result<(usize, Answer), Failure> {
         let rubber = self.rubber(level, degree)?;
-        let start = Instant::now();
-        let found = formulation.press(&rubber).and_then(|pressed| match &pressed.failure {
-            Some(why) => Err(Refusal::Failed(why.clone())),
-            None => Ok(pressed),
-        });
-        let seconds = start.elapsed().as_secs_f64();
-        let answer = match found {
-            Ok(pressed) => Answer::Solved(Measured {
-                newton: pressed.newton.iter().sum(),
-                worst_newton: pressed.newton.iter().copied().max().unwrap_or(0),
+        let solve = || {
+            let pressed = formulation.press(&rubber)?;
+            match &pressed.failure {
+                Some(why) => Err(Refusal::Failed(why.clone())),
+                None => Ok(pressed),
+            }
+        };
+        let measure = |pressed: Pressed, seconds| {
+            Ok(Measured {
                 seconds,
                 no_gradient: Some("the flat has no unknowns".to_owned()),
                 penetration: pressed.penetration / END as f64,
                 quantities: quantities(&pressed),
-                ..Measured::default()
-            }),
-            Err(why) => Answer::of(why),
+                ..Measured::of_newton(pressed.newton.iter().copied())
+            })
         };
+        let answer = Answer::timed(solve, measure)?;
         Ok((rubber.spaces[0].unknowns(), answer))
     }
 }

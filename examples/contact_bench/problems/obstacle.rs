@@ -1,7 +1,6 @@
 //! A membrane on the unit disc over a round obstacle: contact in the volume, in closed form.
 
 use std::f64::consts::PI;
-use std::time::Instant;
 
 use forms_fem::mesh::disc;
 use forms_fem::output::Failure;
@@ -100,23 +99,18 @@ impl Posed for Obstacle {
         degree: usize,
     ) -> Result<(usize, Answer), Failure> {
         let membrane = Self::membrane(level, degree)?;
-        let start = Instant::now();
-        let outcome = formulation.cover(&membrane);
-        let seconds = start.elapsed().as_secs_f64();
-        let answer = match outcome {
-            Ok(found) => {
-                let measured = Measured {
-                    seconds,
-                    no_gradient: Some("no way".to_owned()),
-                    penetration: (-membrane.least_height(&found.u)?).max(0.0) / membrane.approach,
-                    quantities: Self::quantities(&membrane, &found)?,
-                    ..Measured::of(&found)
-                };
-                let radius = |x: [f64; 2]| x[0].hypot(x[1]);
-                Answer::Solved(measured.compared(&found.pressures, radius, |x| Some(force(radius(x)))))
-            }
-            Err(why) => Answer::of(why),
+        let measure = |found: Outcome, seconds| {
+            let measured = Measured {
+                seconds,
+                no_gradient: Some("no way".to_owned()),
+                penetration: (-membrane.least_height(&found.u)?).max(0.0) / membrane.approach,
+                quantities: Self::quantities(&membrane, &found)?,
+                ..Measured::of(&found)
+            };
+            let radius = |x: [f64; 2]| x[0].hypot(x[1]);
+            Ok(measured.compared(&found.pressures, radius, |x| Some(force(radius(x)))))
         };
+        let answer = Answer::timed(|| formulation.cover(&membrane), measure)?;
         Ok((membrane.space.unknowns(), answer))
     }
 }

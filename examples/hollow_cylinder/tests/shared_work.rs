@@ -41,7 +41,6 @@ fn sixteen_threads_share_the_work_on_a_mesh_of_medium_size() {
 }
 
 #[test]
-#[ignore = "takes several GB of memory"]
 fn sixteen_threads_share_the_work_on_a_large_mesh() {
     let [factorisation, solve, others @ ..] = on_sixteen(160);
     assert!(factorisation >= 10.0, "{factorisation}");

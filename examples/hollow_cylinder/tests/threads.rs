@@ -35,10 +35,11 @@ fn results(threads: &str, arguments: &[&str]) -> (Value, u64, BTreeMap<String, V
 
 #[test]
 fn numbers_files_and_pictures_do_not_depend_on_the_number_of_threads() {
-    let (json, _, files) = results("1", &["--radial", "8"]);
+    // Several runs of 1024 cells.
+    let (json, _, files) = results("1", &["--radial", "16"]);
     assert!(files.len() > 4, "{:?}", files.keys());
     for threads in ["2", "3", "7", "16"] {
-        let (others, count, same) = results(threads, &["--radial", "8"]);
+        let (others, count, same) = results(threads, &["--radial", "16"]);
         assert_eq!(count.to_string(), threads);
         assert_eq!(json, others, "{threads} threads");
         for (name, bytes) in &files {

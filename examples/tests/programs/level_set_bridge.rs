@@ -2,8 +2,9 @@
 
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use crate::interrupted::killed_until_it_ends;
 
 fn command(directory: &Path, cells: &str, steps: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_level_set_bridge"));
@@ -43,27 +44,7 @@ fn a_bridge_that_is_killed_ends_as_one_that_is_not() {
     let bytes = std::fs::read(calm.join("level_set_bridge.png")).expect("a picture");
     assert!(bytes.starts_with(b"\x89PNG") && bytes.len() > 5000);
 
-    let (mut kills, mut patience) = (0, Duration::from_millis(300));
-    loop {
-        let mut child = command(&rough, "24", "30").spawn().expect("the program starts");
-        let start = Instant::now();
-        let ended = loop {
-            match child.try_wait().expect("a status") {
-                Some(status) => break Some(status),
-                None if start.elapsed() > patience => break None,
-                None => sleep(Duration::from_millis(3)),
-            }
-        };
-        if let Some(status) = ended {
-            assert!(status.success(), "{status}");
-            break;
-        }
-        child.kill().expect("it is killed");
-        child.wait().expect("it ends");
-        kills += 1;
-        patience = patience.mul_f64(1.3);
-    }
-    assert!(kills >= 2, "killed {kills} times");
+    let kills = killed_until_it_ends(|| command(&rough, "24", "30"), Duration::from_millis(300));
     for name in ["history.csv", "checkpoint.json", "bridge.vtu"] {
         let [calm, rough] = [&calm, &rough].map(|run| std::fs::read(run.join(name)).expect("a file"));
         assert!(calm == rough, "{name} differs after {kills} kills");

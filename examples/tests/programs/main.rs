@@ -4,6 +4,7 @@ mod adaptive;
 mod bounds;
 mod convergence;
 mod half_ring;
+mod interrupted;
 mod level_set_bridge;
 mod readme;
 mod rolling_ring;

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use crate::interrupted::killed_until_it_ends;
 
 /// A coarse ring with few holes, few steps.
 const COARSE: [&str; 13] = [
@@ -72,32 +73,7 @@ fn a_descent_that_is_killed_ends_as_one_that_is_not() {
         arguments[10] = "4";
     }
     let printed = run(&calm, &arguments);
-    let mut kills = 0;
-    let mut patience = Duration::from_millis(120);
-    loop {
-        let mut child = command(&rough, &arguments).spawn().expect("the program starts");
-        let start = Instant::now();
-        let ended = loop {
-            match child.try_wait().expect("a status") {
-                Some(status) => break Some(status),
-                None if start.elapsed() > patience => break None,
-                None => sleep(Duration::from_millis(3)),
-            }
-        };
-        match ended {
-            Some(status) => {
-                assert!(status.success(), "{status}");
-                break;
-            }
-            None => {
-                child.kill().expect("it is killed");
-                child.wait().expect("it ends");
-                kills += 1;
-                patience = patience.mul_f64(1.3);
-            }
-        }
-    }
-    assert!(kills >= 2, "killed {kills} times");
+    let kills = killed_until_it_ends(|| command(&rough, &arguments), Duration::from_millis(120));
     let (calm, rough) = (numbers_in(&calm), numbers_in(&rough));
     assert_eq!(calm.keys().collect::<Vec<_>>(), rough.keys().collect::<Vec<_>>());
     for (name, bytes) in &calm {
