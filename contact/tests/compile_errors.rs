@@ -29,4 +29,31 @@ fn what_a_law_lacks_is_named() {
         }
     }
     assert!(notes >= 2, "{notes} notes");
+    lists_the_first_laws(
+        &here.join("src/laws"),
+        &read(&here.join("tests/compile_errors/law_without_an_adjoint.stderr")),
+    );
+}
+
+/// rustc lists the first eight laws with an adjoint problem, in alphabetical order: the paper's and seven of the library's.
+fn lists_the_first_laws(laws: &Path, golden: &str) {
+    let files = std::fs::read_dir(laws).unwrap().map(|entry| entry.unwrap().path());
+    let mut names: Vec<String> = files
+        .filter(|path| path.extension().is_some_and(|extension| extension == "rs"))
+        .filter(|path| {
+            let text = std::fs::read_to_string(path).unwrap();
+            text.contains("    adjoint: ")
+                || text.contains("> WithAdjoint<")
+                || text.contains("impl WithAdjoint<")
+        })
+        .map(|path| path.file_stem().unwrap().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    let listed: Vec<&str> = golden
+        .lines()
+        .filter_map(|line| line.trim().trim_start_matches('`').strip_prefix("forms_contact::laws::"))
+        .filter_map(|rest| rest.split("::").next())
+        .take(7)
+        .collect();
+    assert_eq!(listed, names[..7], "law_without_an_adjoint.stderr");
 }
