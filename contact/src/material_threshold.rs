@@ -3,7 +3,6 @@
 
 use forms_fem::contract::{Datum, Region};
 use forms_fem::forms;
-use forms_fem::mesh::EVERYWHERE;
 use forms_fem::prelude::*;
 
 use crate::threshold::{Threshold, largest_eigenvalues, on_cells_of_facets};
@@ -134,7 +133,7 @@ where
             .tangential(if contact.traction == Traction::Whole { 1.0 } else { 0.0 })
     };
     let (of_one, of_gamma0) = (data(Given::constant(1.0)), data(contact.gamma0.clone()));
-    let elasticity = isotropic::elasticity(&of_one, &isotropic::Omega::on(EVERYWHERE));
+    let elasticity = isotropic::Model::new(of_one.clone()).elasticity();
     let assembler = on_cells_of_facets(assembler, space, elasticity.name(), &surfaces)?;
     let zero = Field::zero(space);
     let largest = |data: &isotropic::Data<D>| -> Result<Vec<(u32, f64)>, AssemblyError> {

@@ -8,7 +8,9 @@ use forms_contact::hollow_cylinder::{Settings, hollow_cylinder, solve};
 use forms_distributed::cases::ball_on_flat::ball_on_flat;
 use forms_distributed::cases::drawn_block::DrawnBlock;
 use forms_distributed::cases::hanging_block::HangingBlock;
+use forms_distributed::cases::histories::{creeping, held, swinging_motion};
 use forms_distributed::cases::mixed_block::MixedBlock;
+use forms_distributed::cases::motions::Motion;
 use forms_distributed::cases::poisson::Poisson;
 use forms_distributed::cases::report::read;
 use forms_fem::prelude::*;
@@ -119,6 +121,55 @@ fn a_mixed_block_is_the_same_by_a_direct_solver_and_by_blocks() {
     let expected = BTreeMap::from([("u", u.values().to_vec()), ("p", p.values().to_vec())]);
     check(env!("CARGO_BIN_EXE_mixed_block"), &["3", "direct"], &expected);
     check(env!("CARGO_BIN_EXE_mixed_block"), &["3", "gmres"], &expected);
+}
+
+/// Newton's method in each step, affine equations for accelerations, and two unknowns.
+#[test]
+fn motions_are_the_same_step_by_step() {
+    for (name, motion) in Motion::ALL {
+        let conditions = motion.conditions().unwrap();
+        let (mut serial, size) = motion.begin(&conditions).unwrap();
+        for _ in 0..8 {
+            serial.take(size).unwrap();
+        }
+        // Of the bar's velocity −1 contact has changed some.
+        let rates = serial.state().rate.values();
+        assert!(rates.iter().any(|rate| rate.abs() > 1e-3 && (rate + 1.0).abs() > 0.1), "{name}: {rates:?}");
+        let (mut numbers, mut names) = (vec![], vec![]);
+        for (number, state) in serial.states().iter().enumerate() {
+            names.extend([format!("value{number}"), format!("rate{number}")]);
+            numbers.extend([state.value.values().to_vec(), state.rate.values().to_vec()]);
+        }
+        let expected = names.iter().map(String::as_str).zip(numbers).collect();
+        check(env!("CARGO_BIN_EXE_motions"), &[name, "8"], &expected);
+    }
+}
+
+/// Value, gradient and Hessian of load histories and of motions.
+#[test]
+fn histories_are_the_same_with_gradient_and_hessian() {
+    let direction = [0.3, -0.7];
+    for name in ["creep", "swing"] {
+        let held = held(name).unwrap();
+        let found = match name {
+            "creep" => {
+                let (mut history, m) = creeping(&held);
+                history.hessian(&m, &direction)
+            }
+            _ => {
+                let (mut history, m) = swinging_motion(&held).unwrap();
+                history.hessian(&m, &direction)
+            }
+        };
+        let found = found.unwrap();
+        assert!(found.gradient.iter().chain(&found.along).all(|slope| slope.abs() > 1e-4), "{found:?}");
+        let expected = BTreeMap::from([
+            ("value", vec![found.value]),
+            ("gradient", found.gradient),
+            ("along", found.along),
+        ]);
+        check(env!("CARGO_BIN_EXE_histories"), &[name], &expected);
+    }
 }
 
 /// Options of the environment come before the method, by the solver's prefix.

@@ -190,9 +190,8 @@ impl Setting {
             }
             Formulation::Displacement => {
                 let path = ring.follow([&displacements], |way| {
-                    let mut model = displacement::Model::new(data(gamma0, way));
-                    model.regions.gamma_c = law::GammaC::on("bottom");
-                    model.balance()
+                    let regions = displacement::Regions::default().gamma_c("bottom");
+                    displacement::Model { data: data(gamma0, way), regions }.balance()
                 })?;
                 Ok(ring.ended(path, |_| None))
             }

@@ -30,18 +30,17 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let mesh = rectangle([0.0, 0.0], [1.0, 1.0], [16, 16], CellShape::Triangle, 1)?;
 //! let space = Space::scalar(&mesh, 2)?;
-//! let data = poisson::data().k(2.0).f(|x: &[f64; 2]| 4.0 * x[0]);
-//! let form = poisson::diffusion(&data, &poisson::Omega::on("all"));
+//! let model = poisson::Model::new(poisson::data().k(2.0).f(|x: &[f64; 2]| 4.0 * x[0]));
 //! let mut boundary = Constraints::new(&space);
 //! // u = (x − x³)/3 solves −∇·(2∇u) = 4x.
 //! let exact = |x: &[f64; 2]| (x[0] - x[0].powi(3)) / 3.0;
 //! boundary.fix("boundary", exact)?;
 //!
 //! let assembler = Assembler::new(&mesh);
-//! let u = Problem::new(&form, &space).assembler(&assembler)
+//! let u = Problem::new(&model.diffusion(), &space).assembler(&assembler)
 //!     .constrained(&boundary).solve()?.into_field();
 //! assert!((u.evaluate(&[0.5, 0.5])?[0] - exact(&[0.5, 0.5])).abs() < 1e-5);
-//! let flux = assembler.at_points(&poisson::flux(&data, &u), &[[0.3, 0.6]])?;
+//! let flux = assembler.at_points(&model.flux(&u), &[[0.3, 0.6]])?;
 //! assert!((flux.values[0][0] + 2.0 * (1.0 - 3.0 * 0.09) / 3.0).abs() < 1e-2);
 //! # Ok(())
 //! # }

@@ -25,7 +25,7 @@
 //! let space = Space::scalar(&mesh, 2)?;
 //! let u = Field::interpolate(&space, |x| 1.5 * x[0] + x[1] * x[1])?;
 //! let direction = Field::interpolate(&space, |x| (3.0 * x[0] - x[1]).sin())?;
-//! let form = spring::stored(&spring::Omega::on("all"));
+//! let form = spring::Model::default().stored();
 //!
 //! let report = verification::tangent(&Assembler::new(&mesh), &form, &[&u], &[&direction], 1.0)?;
 //! println!("{report}"); // steps, remainders, orders, and where the active set was another one

@@ -1,6 +1,5 @@
 //! A unit cube that hangs by its top under its weight: linear elasticity in space, of degree 2.
 
-use forms_fem::mesh::EVERYWHERE;
 use forms_fem::prelude::*;
 
 /// Equilibrium of the block.
@@ -48,7 +47,7 @@ impl HangingBlock {
         let mut constraints = Constraints::new(&space);
         constraints.fix("top", |_| [0.0; 3])?;
         let data = equilibrium::data().lambda(0.3 / (1.3 * 0.4)).mu(0.5 / 1.3).weight(weight);
-        let form = equilibrium::balance(&data, &equilibrium::Omega::on(EVERYWHERE));
+        let form = equilibrium::Model::new(data).balance();
         Ok(HangingBlock { form, space, constraints })
     }
 }

@@ -3,6 +3,8 @@
 pub mod ball_on_flat;
 pub mod drawn_block;
 pub mod hanging_block;
+pub mod histories;
 pub mod mixed_block;
+pub mod motions;
 pub mod poisson;
 pub mod report;

@@ -2,7 +2,6 @@
 
 use std::error::Error;
 
-use forms_fem::mesh::EVERYWHERE;
 use forms_fem::prelude::*;
 
 use crate::method::Method;
@@ -81,7 +80,7 @@ impl Poisson {
         let space = Space::scalar(&mesh, given.degree)?;
         let mut constraints = Constraints::new(&space);
         constraints.fix(given.region, |_| given.boundary)?;
-        let form = forms::balance(&forms::data().load(given.load), &forms::Omega::on(EVERYWHERE));
+        let form = forms::Model::new(forms::data().load(given.load)).balance();
         Ok(Poisson { load: given.load, form, space, constraints })
     }
 
@@ -104,10 +103,6 @@ impl Poisson {
     /// # Errors
     /// Those of [`Solved::functional`].
     pub fn total(&self, solved: &Solved<2>) -> Result<f64, AssemblyError> {
-        solved.functional(&forms::total(
-            &forms::data().load(self.load),
-            &forms::Omega::on(EVERYWHERE),
-            solved.field(),
-        ))
+        solved.functional(&forms::Model::new(forms::data().load(self.load)).total(solved.field()))
     }
 }

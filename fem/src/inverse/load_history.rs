@@ -25,7 +25,7 @@ use crate::constraints::{Constraints, ConstraintsError};
 use crate::contract::{Energy, Form};
 use crate::field::{Field, FieldView, fields_on};
 use crate::instantiate::instantiate;
-use crate::solve::{LinearSolver, NewtonOptions, PerUnknown, SolverReport};
+use crate::solve::{Communicator, LinearSolver, NewtonOptions, PerUnknown, SolverReport};
 use crate::space::Space;
 use crate::time::conditions::Conditions;
 use crate::verification::Sample;
@@ -72,11 +72,11 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         controls: Controls<D>,
     ) -> Self {
         const { assert!(N > 0, "a history has an unknown") };
-        Self::on(&spaces.per_unknown(), steps, controls)
+        Self::of_spaces(&spaces.per_unknown(), steps, controls)
     }
 
     #[inline(never)]
-    fn on(spaces: &[&Arc<Space<D>>], steps: usize, controls: Controls<D>) -> Self {
+    fn of_spaces(spaces: &[&Arc<Space<D>>], steps: usize, controls: Controls<D>) -> Self {
         LoadHistory {
             spaces: spaces.iter().map(|space| Arc::clone(space)).collect(),
             steps,

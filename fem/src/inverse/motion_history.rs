@@ -32,7 +32,7 @@ use crate::constraints::{Constraints, ConstraintsError};
 use crate::contract::{Energy, Form};
 use crate::field::{Field, fields_on};
 use crate::instantiate::instantiate;
-use crate::solve::{LinearSolver, NewtonOptions, PerUnknown, SolverReport};
+use crate::solve::{Communicator, LinearSolver, NewtonOptions, PerUnknown, SolverReport};
 use crate::space::Space;
 use crate::time::central_differences::supports_stand;
 use crate::time::conditions::{Conditions, hold};

@@ -3,15 +3,15 @@
 use std::sync::Arc;
 
 use super::error::HistoryFailure;
-use crate::assemble::{Assembler, BlockPattern, Outline, Parts, ValuesBefore};
+use crate::assemble::{Assembler, AssemblyError, BlockPattern, Outline, Parts, ValuesBefore};
 use crate::constraints::Constraints;
 use crate::contract::{Form, Source};
 use crate::field::{Field, FieldView, fields_on};
 use crate::instantiate::instantiate;
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::{
-    Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, SolverReport, StepMemory, Transpose,
-    solve_linear, solve_linear_transposed, solve_owned,
+    Communicator, Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, SolverReport, StepMemory,
+    Transpose, solve_linear, solve_linear_transposed, solve_owned,
 };
 use crate::space::Space;
 
@@ -19,6 +19,10 @@ use crate::space::Space;
 pub(super) struct StepEquations<'a, const D: usize> {
     pub assembler: Assembler<D>,
     pub options: NewtonOptions,
+    /// The processes that solve each step together, if there are several.
+    pub communicator: Option<&'a dyn Communicator>,
+    /// The assembler of this process's cells.
+    own: Option<Assembler<D>>,
     spaces: Vec<Arc<Space<D>>>,
     solver: LentSolver<'a>,
     pattern: Option<Arc<BlockPattern<D>>>,
@@ -44,6 +48,8 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         StepEquations {
             assembler: Assembler::new(spaces[0].mesh()),
             options: NewtonOptions::default(),
+            communicator: None,
+            own: None,
             spaces: spaces.iter().map(|space| Arc::clone(space)).collect(),
             solver: LentSolver::default(),
             pattern: None,
@@ -54,7 +60,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     }
 
     /// The spaces of the unknowns.
-    fn on(&self) -> Vec<&Arc<Space<D>>> {
+    fn unknowns_on(&self) -> Vec<&Arc<Space<D>>> {
         self.spaces.iter().collect()
     }
 
@@ -82,6 +88,20 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         Ok(Arc::clone(self.constants.insert(Space::discontinuous_scalar(self.spaces[0].mesh(), 0)?)))
     }
 
+    /// The assembler of tangents: on several processes of this one's part of the cells. Vectors and functionals are assembled whole on each.
+    fn of_tangents(&mut self) -> Result<Assembler<D>, HistoryFailure> {
+        let Some(communicator) = self.communicator else { return Ok(self.assembler.clone()) };
+        if self.own.is_none() {
+            let mesh = self.spaces[0].mesh();
+            let part = &mesh.cell_order().cells()[communicator.part(mesh.cell_count())];
+            let own = self.assembler.clone().on_owned_cells(part).map_err(|source| {
+                AssemblyError::Region { form: "a history", symbol: "this process's cells", source }
+            })?;
+            self.own = Some(own);
+        }
+        Ok(self.own.clone().unwrap_or_else(|| self.assembler.clone()))
+    }
+
     /// The places of a tangent's entries at a state: those that are known, unless pairs of displaced surfaces have left them.
     fn pattern(&mut self, form: &Form<D>, at: &[Field<D>]) -> Result<Arc<BlockPattern<D>>, HistoryFailure> {
         let (outline, at) = (Outline::of(form, Parts::ALL), views(at));
@@ -90,7 +110,8 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         {
             return Ok(Arc::clone(known));
         }
-        let pattern = BlockPattern::at_iterate(&outline, &self.on(), &at, &self.assembler)?;
+        let assembler = self.of_tangents()?;
+        let pattern = BlockPattern::at_iterate(&outline, &self.unknowns_on(), &at, &assembler)?;
         Ok(Arc::clone(self.pattern.insert(Arc::new(pattern))))
     }
 
@@ -108,10 +129,11 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     ) -> Result<Vec<Field<D>>, HistoryFailure> {
         reads_no_history(&form)?;
         let (affine, pattern) = (form.is_affine(), self.pattern(&form, start)?);
-        let (assembler, options) = (&self.assembler, self.options.clone());
+        let (assembler, options) = (&self.of_tangents()?, self.options.clone());
         let constraints = &constraints.iter().collect::<Vec<_>>();
         let start = &start.iter().collect::<Vec<_>>();
-        let owned = OwnedForm { form, assembler, pattern: &pattern, constraints, start, options };
+        let (pattern, communicator) = (Some(&pattern), self.communicator);
+        let owned = OwnedForm { form, assembler, pattern, communicator, constraints, start, options };
         self.tangent_of = None;
         let solution = solve_owned(owned, self.solver.get(), &mut self.memory)?.fields;
         // Of an affine form it is the tangent wherever; Newton's method has that of an iterate.
@@ -119,17 +141,17 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         Ok(solution)
     }
 
-    /// The tangent of a form at fields.
+    /// The tangent of a form at fields, on several processes this one's part of it.
     ///
     /// # Errors
     /// Those of the assembly.
     pub fn tangent(&mut self, form: &Form<D>, at: &[Field<D>]) -> Result<BlockMatrix, HistoryFailure> {
-        let pattern = self.pattern(form, at)?;
+        let (pattern, assembler) = (self.pattern(form, at)?, self.of_tangents()?);
         let mut matrix = BlockMatrix::zero(pattern.sparsity());
-        let (at, spaces) = (views(at), self.on());
+        let (at, spaces) = (views(at), self.unknowns_on());
         let arguments = (&at[..], &spaces[..]);
         let vanish = ValuesBefore::Vanish;
-        self.assembler.write_tangent(form, arguments, Parts::ALL, &pattern, &mut matrix, vanish)?;
+        assembler.write_tangent(form, arguments, Parts::ALL, &pattern, &mut matrix, vanish)?;
         Ok(matrix)
     }
 
@@ -163,6 +185,25 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         load: &[f64],
         transpose: Transpose,
     ) -> Result<Vec<Field<D>>, HistoryFailure> {
+        let Some(communicator) = self.communicator else {
+            return self.solve_linearised(number, form, constraints, solution, load, transpose);
+        };
+        self.solver.get().set_processes(communicator.size())?;
+        let found = self.solve_linearised(number, form, constraints, solution, load, transpose);
+        // A solver that takes no whole matrix says so at the next one.
+        let _ = self.solver.get().set_processes(1);
+        found
+    }
+
+    fn solve_linearised(
+        &mut self,
+        number: Solution,
+        form: &Form<D>,
+        constraints: &[Constraints<D>],
+        solution: &[Field<D>],
+        load: &[f64],
+        transpose: Transpose,
+    ) -> Result<Vec<Field<D>>, HistoryFailure> {
         let load: Vec<f64> = load.iter().map(|load| -load).collect();
         let constraints: Vec<_> = constraints.iter().map(Constraints::homogeneous).collect();
         let mut elimination = Elimination::of(&constraints.iter().collect::<Vec<_>>())?;
@@ -180,7 +221,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
             self.tangent_of = Some(number);
             found
         };
-        Ok(fields_on(&self.on(), &found)?)
+        Ok(fields_on(&self.unknowns_on(), &found)?)
     }
 
     /// Kᵀ p with the tangent K of a form at a solution, p with the coefficients of all unknowns.
@@ -194,7 +235,13 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         at: &[Field<D>],
         p: &[f64],
     ) -> Result<Vec<f64>, HistoryFailure> {
-        Ok(self.tangent(form, at)?.multiply_transposed(p)?)
+        let own = self.tangent(form, at)?.multiply_transposed(p)?;
+        match self.communicator {
+            None => Ok(own),
+            Some(communicator) => communicator
+                .sum(&own)
+                .map_err(|source| AssemblyError::Communication { form: form.name(), source }.into()),
+        }
     }
 }
 

@@ -11,7 +11,7 @@ use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
 use crate::forms;
 use crate::linear_algebra::BlockMatrix;
-use crate::mesh::{BOUNDARY, EVERYWHERE};
+use crate::mesh::BOUNDARY;
 use crate::solve::{Elimination, TangentSolver, solve_linear};
 use crate::space::Space;
 
@@ -110,9 +110,7 @@ impl InnerProduct {
             .shear(self.shear)
             .dilation(self.dilation)
             .tangential(self.tangential);
-        let (omega, boundary) =
-            (movement_product::Omega::on(EVERYWHERE), movement_product::Boundary::on(BOUNDARY));
-        let form = movement_product::product(&data, &omega, &boundary);
+        let form = movement_product::Model::new(data).product();
         let pattern = BlockPattern::for_form(&form, &[movements], &[movements])?;
         let mut matrix = BlockMatrix::zero(pattern.sparsity());
         let zero = Field::zero(movements);

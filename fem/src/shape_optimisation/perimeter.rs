@@ -33,6 +33,10 @@ fn assembler<const D: usize>(mesh: &Mesh<D>) -> Assembler<D> {
     Assembler::new(mesh).with_quadrature(Quadrature::Degree(4 * mesh.degree()))
 }
 
+fn on(region: &str) -> perimeter_form::Model {
+    perimeter_form::Model { regions: perimeter_form::Regions::default().boundary(region) }
+}
+
 /// The measure of a region of facets \[length^(D−1)\].
 ///
 /// # Errors
@@ -41,7 +45,7 @@ pub fn perimeter<const D: usize>(mesh: &Mesh<D>, region: &str) -> Result<f64, As
 where
     Dim: Dimension<D>,
 {
-    assembler(mesh).functional(&perimeter_form::measure(&perimeter_form::Boundary::on(region)))
+    assembler(mesh).functional(&on(region).measure())
 }
 
 /// The derivative of the perimeter by the movement of each node \[length^(D−2)\].
@@ -55,6 +59,5 @@ pub fn perimeter_derivative<const D: usize>(
 where
     Dim: Dimension<D>,
 {
-    let form = perimeter_form::gradient(&perimeter_form::Boundary::on(region));
-    assembler(movements.mesh()).linear_form(&form, movements)
+    assembler(movements.mesh()).linear_form(&on(region).gradient(), movements)
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::assemble::{Assembler, AssemblyError};
 use crate::dimension::{Dim, Dimension};
 use crate::forms;
-use crate::mesh::{EVERYWHERE, Mesh};
+use crate::mesh::Mesh;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
 
@@ -34,7 +34,7 @@ pub fn measured_volume<const D: usize>(mesh: &Mesh<D>) -> Result<f64, AssemblyEr
 where
     Dim: Dimension<D>,
 {
-    exact(mesh).functional(&volume_form::measure(&volume_form::Omega::on(EVERYWHERE)))
+    exact(mesh).functional(&volume_form::Model::default().measure())
 }
 
 /// det J of cells of degree k has degree k D in each direction, at most.
@@ -69,7 +69,7 @@ impl Volume {
     where
         Dim: Dimension<D>,
     {
-        let form = volume_form::gradient(&volume_form::Omega::on(EVERYWHERE));
+        let form = volume_form::Model::default().gradient();
         let values = exact(movements.mesh()).linear_form(&form, movements)?;
         Ok(values.into_iter().map(|value| value / self.target).collect())
     }

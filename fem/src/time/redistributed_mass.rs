@@ -18,7 +18,7 @@ use crate::field::{Field, FieldError};
 use crate::forms;
 use crate::instantiate::instantiate;
 use crate::linear_algebra::{CsrMatrix, LinearAlgebraError, LuFactor, Transpose};
-use crate::mesh::{EVERYWHERE, Mesh, MeshError};
+use crate::mesh::{Mesh, MeshError};
 use crate::space::{Scope, Space, SpaceError};
 
 #[forms(crate = crate)]
@@ -123,7 +123,7 @@ where
     let before = Before::new(density, region)?;
     let mut weights = vec![];
     for data in before.powers.data() {
-        let model = moments::of_basis(&data, &moments::Omega::on(EVERYWHERE));
+        let model = moments::Model::new(data).of_basis();
         weights.push(assembler.linear_form(&model, &before.space)?);
     }
     before.redistribute(&weights)

@@ -19,7 +19,8 @@ use crate::contract::Form;
 use crate::field::{Field, fields_on};
 use crate::instantiate::instantiate;
 use crate::solve::{
-    Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, SolvedForm, StepMemory, solve_owned,
+    Communicator, Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, SolvedForm, StepMemory,
+    solve_owned,
 };
 
 /// A form of motion that is followed step by step, from a state, by a scheme. Forms of up to four unknowns are
@@ -36,6 +37,8 @@ pub struct TimeLoop<'a, const D: usize> {
     no_unknown: Option<usize>,
     constraints: Conditions<'a, f64, D>,
     solver: LentSolver<'a>,
+    /// The processes that take each step together, if there are several.
+    communicator: Option<&'a dyn Communicator>,
     options: NewtonOptions,
     mass: Mass,
     constant_coefficients: bool,
@@ -142,6 +145,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
             assembler: Assembler::new(start[0].value.space().mesh()),
             constraints: Conditions::none(),
             solver: LentSolver::default(),
+            communicator: None,
             options: NewtonOptions::default(),
             mass: Mass::Consistent,
             constant_coefficients: false,
@@ -188,6 +192,16 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
     /// A linear solver in place of a [`TangentSolver`](crate::solve::TangentSolver).
     pub fn solver(mut self, solver: &'a mut dyn LinearSolver) -> Self {
         self.solver = LentSolver::Lent(solver);
+        self
+    }
+
+    /// Steps on several processes, each of which assembles the integrals over its part of the cells. The linear solver has to take
+    /// matrices that are sums over the processes. All processes have the same states, and take the same steps. Affine forms are assembled in each step,
+    /// and masses cannot be lumped.
+    pub fn on(mut self, communicator: &'a dyn Communicator) -> Self {
+        self.communicator = Some(communicator).filter(|communicator| communicator.size() > 1);
+        // Each process has the positions of its own entries only.
+        self.pattern = None;
         self
     }
 
@@ -305,14 +319,14 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
                 }
                 let homogeneous: Vec<_> = constraints.iter().map(Constraints::homogeneous).collect();
                 let (x, residual, cost) = self.solve_affine(&form, &weights, &homogeneous)?;
-                (x, residual, vec![], Some(cost))
+                (x, residual, vec![], cost)
             }
             SolvedFor::Value if form.is_affine() => {
                 let (x, residual, cost) = self.solve_affine(&form, &weights, &constraints)?;
-                (x, residual, vec![], Some(cost))
+                (x, residual, vec![], cost)
             }
             SolvedFor::Value => {
-                let SolvedForm { fields, residual, history } =
+                let SolvedForm { fields, residual, history, .. } =
                     self.solve_nonlinear(form, size, &constraints)?;
                 (fields, residual, history, None)
             }
@@ -459,11 +473,20 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         form: &Form<D>,
         weights: &[[f64; 3]],
         constraints: &[Constraints<D>],
-    ) -> Result<(Vec<Field<D>>, Vec<f64>, StepCost), StepFailure> {
+    ) -> Result<(Vec<Field<D>>, Vec<f64>, Option<StepCost>), StepFailure> {
+        let of_second_rate = weights.iter().all(|weights| weights[0] == 0.0);
+        if self.communicator.is_some() {
+            if of_second_rate && self.mass == Mass::Lumped {
+                return Err(StepFailure::LumpedOnProcesses);
+            }
+            let start: Vec<_> = self.states().iter().map(|state| Field::zero(state.value.space())).collect();
+            let SolvedForm { fields, residual, .. } =
+                self.solve_by_newton(form.clone(), &start, constraints)?;
+            return Ok((fields, residual, None));
+        }
         let pattern = self.pattern(form)?;
         let mut elimination = Elimination::of(&constraints.iter().collect::<Vec<_>>())?;
         // From zero where masses are lumped: the form's residual knows the consistent ones.
-        let of_second_rate = weights.iter().all(|weights| weights[0] == 0.0);
         let values = self.states[0].iter().flat_map(|state| state.value.values());
         let mut guess: Vec<f64> = values.map(|value| if of_second_rate { 0.0 } else { *value }).collect();
         elimination.impose(&mut guess)?;
@@ -481,7 +504,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         };
         let LinearStep { unknown, residual, cost } =
             solve((form, weights), (&spaces, &guess), &mut elimination, &mut self.kept, &mut means, check)?;
-        Ok((fields_on(&spaces, &unknown)?, residual, cost))
+        Ok((fields_on(&spaces, &unknown)?, residual, Some(cost)))
     }
 
     fn solve_nonlinear(
@@ -490,19 +513,36 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         size: f64,
         constraints: &[Constraints<D>],
     ) -> Result<SolvedForm<D>, StepFailure> {
-        let pattern = self.pattern(&form)?;
         self.kept = None;
         let predicted = |state: &State<D>| Field::combination(&[(1.0, &state.value), (size, &state.rate)]);
         let start: Vec<Field<D>> = self.states[0].iter().map(predicted).collect::<Result<_, _>>()?;
+        self.solve_by_newton(form, &start, constraints)
+    }
+
+    fn solve_by_newton(
+        &mut self,
+        form: Form<D>,
+        start: &[Field<D>],
+        constraints: &[Constraints<D>],
+    ) -> Result<SolvedForm<D>, StepFailure> {
+        let pattern = match self.communicator {
+            None => Some(self.pattern(&form)?),
+            Some(_) => self.pattern.take(),
+        };
         let owned = OwnedForm {
             form,
             assembler: &self.assembler,
-            pattern: &pattern,
+            pattern: pattern.as_ref(),
+            communicator: self.communicator,
             constraints: &constraints.iter().collect::<Vec<_>>(),
             start: &start.iter().collect::<Vec<_>>(),
             options: self.options.clone(),
         };
-        Ok(solve_owned(owned, self.solver.get(), &mut self.memory)?)
+        let solved = solve_owned(owned, self.solver.get(), &mut self.memory)?;
+        if self.communicator.is_some() {
+            self.pattern.clone_from(&solved.pattern);
+        }
+        Ok(solved)
     }
 }
 

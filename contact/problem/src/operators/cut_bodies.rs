@@ -24,7 +24,8 @@ use forms_fem::forms;
 /// let mesh = rectangle([-1.0; 2], [1.0; 2], [8, 8], CellShape::Triangle, 1)?;
 /// let phi = Field::interpolate(&Space::scalar(&mesh, 1)?, |x| x[0].hypot(x[1]) - 0.7)?;
 /// let (disc, space) = (Assembler::new(&mesh).cut_by(&phi)?, Space::scalar(&mesh, 2)?);
-/// let form = membrane::stiffness(&membrane::data(), &membrane::Omega::on("all"), &membrane::Ghost::on("ghost"));
+/// let regions = membrane::Regions::default().ghost("ghost");
+/// let form = membrane::Model { data: membrane::data(), regions }.stiffness();
 /// let u = Field::interpolate(&space, |x| x[0] * x[1])?;
 /// let matrix = disc.tangent(&form, &[&u], &[&space])?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -340,7 +340,10 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
 pub struct OwnedForm<'a, const D: usize> {
     pub form: Form<D>,
     pub assembler: &'a Assembler<D>,
-    pub pattern: &'a Arc<BlockPattern<D>>,
+    /// The pattern of an earlier solution on the same processes, if there is one.
+    pub pattern: Option<&'a Arc<BlockPattern<D>>>,
+    /// The processes that solve together.
+    pub communicator: Option<&'a dyn Communicator>,
     /// Conditions, for each unknown.
     pub constraints: &'a [&'a Constraints<D>],
     /// The first iterate, a field for each unknown.
@@ -352,6 +355,8 @@ pub struct OwnedForm<'a, const D: usize> {
 #[doc(hidden)]
 pub struct SolvedForm<const D: usize> {
     pub fields: Vec<Field<D>>,
+    /// The pattern of the tangent, on several processes of this one's part.
+    pub pattern: Option<Arc<BlockPattern<D>>>,
     pub residual: Vec<f64>,
     pub history: Vec<NewtonStep>,
 }
@@ -381,18 +386,20 @@ fn solve_on<const D: usize, const N: usize>(
     solver: &mut dyn LinearSolver,
     memory: &mut StepMemory,
 ) -> Result<SolvedForm<D>, SolveError> {
-    let OwnedForm { form, assembler, pattern, constraints, options, .. } = owned;
+    let OwnedForm { form, assembler, pattern, communicator, constraints, options, .. } = owned;
     let mut problem: Problem<'_, D, N> = Problem::on_spaces(form, start.map(Field::space));
     problem.system.assembler = Cow::Borrowed(assembler);
-    problem.system.pattern = OnceCell::from(Arc::clone(pattern));
+    problem.communicator = communicator;
+    problem.system.pattern = pattern.map_or_else(OnceCell::new, |known| OnceCell::from(Arc::clone(known)));
     problem.constraints.extend(constraints.iter().map(|constraints| Cow::Borrowed(*constraints)));
     problem.start = Some(start);
     problem.solver = Solver::Lent(solver);
     problem.options = options;
     problem.memory = std::mem::take(memory);
     let solved = problem.solve();
+    let pattern = problem.system.pattern.take();
     let matrix = problem.assembled.take().map(Assembled::into_matrix);
     *memory = StepMemory { matrix, ..problem.memory };
     let Solved { fields, residual, history, .. } = solved?;
-    Ok(SolvedForm { fields: fields.into(), residual, history })
+    Ok(SolvedForm { fields: fields.into(), pattern, residual, history })
 }

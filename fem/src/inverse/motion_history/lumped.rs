@@ -32,6 +32,9 @@ impl<const D: usize> MotionHistory<'_, D> {
 
     /// The masses at a start.
     pub(super) fn masses_at(&mut self, start: &[f64]) -> Result<Vec<f64>, HistoryFailure> {
+        if self.equations.communicator.is_some() {
+            return Err(StepFailure::LumpedOnProcesses.into());
+        }
         let interval = self.interval_at_start();
         let steps = interval.steps_from(&self.unknowns_on(), start)?;
         let form = self.form(&interval, &steps)?;

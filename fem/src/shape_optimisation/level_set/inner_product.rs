@@ -6,7 +6,6 @@ use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
 use crate::forms;
 use crate::linear_algebra::BlockMatrix;
-use crate::mesh::EVERYWHERE;
 use crate::shape_optimisation::ShapeOptimisationError;
 use crate::solve::{Elimination, TangentSolver, solve_linear};
 
@@ -46,7 +45,7 @@ where
     pub fn new(smoothing: f64, held: &Constraints<D>) -> Result<Self, ShapeOptimisationError> {
         let space = held.space();
         let data = level_set_product::data().square(smoothing * smoothing);
-        let form = level_set_product::product(&data, &level_set_product::Omega::on(EVERYWHERE));
+        let form = level_set_product::Model::new(data).product();
         let pattern = BlockPattern::for_form(&form, &[space], &[space])?;
         let mut matrix = BlockMatrix::zero(pattern.sparsity());
         let assembler = Assembler::new(space.mesh());

@@ -7,7 +7,6 @@ use crate::cut::Cut;
 use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
 use crate::forms;
-use crate::mesh::EVERYWHERE;
 use crate::shape_optimisation::Failure;
 use crate::space::Space;
 
@@ -52,7 +51,7 @@ pub fn interface_measure<const D: usize>(body: &Arc<Cut<D>>) -> Result<(f64, Vec
 where
     Dim: Dimension<D>,
 {
-    of_form(body, &measure_forms::perimeter(&measure_forms::Gamma::on(EVERYWHERE)))
+    of_form(body, &measure_forms::Model::default().perimeter())
 }
 
 /// The constraint (V − V₀)/V₀ = 0.
@@ -71,7 +70,7 @@ impl LevelSetVolume {
     where
         Dim: Dimension<D>,
     {
-        let (value, slopes) = of_form(body, &measure_forms::volume(&measure_forms::Omega::on(EVERYWHERE)))?;
+        let (value, slopes) = of_form(body, &measure_forms::Model::default().volume())?;
         let slopes = slopes.into_iter().map(|slope| slope / self.target).collect();
         Ok(((value - self.target) / self.target, slopes))
     }
