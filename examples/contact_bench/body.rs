@@ -26,6 +26,15 @@ pub mod body {
         /// Pressure on the loaded boundary.
         #[default(0)]
         pub wall_pressure: Param,
+        /// Force per volume.
+        #[default(0)]
+        pub body_force: Given<Vector>,
+        /// The factor of the inertia in a step of time, density over time².
+        #[default(0)]
+        pub inertia: Given<Scalar>,
+        /// The displacement at which a step has no inertia \[length\].
+        #[default(0)]
+        pub coasted: Given<Vector>,
         /// n_y, unit vector into a rigid obstacle.
         #[default(0)]
         pub obstacle_normal: Given<Vector>,
@@ -70,9 +79,20 @@ pub mod body {
         weight() * (inner(stress(u), eps(v)) + hoop_stress(u) * hoop(v))
     }
 
-    /// a(u,v) − ℓ(v).
+    /// a(u,v) − ℓ(v), in a step of time with the inertia.
     pub fn balance(u: Unknown<Vector>, v: Test<Vector>) -> Form {
-        integral(Omega, work(u, v)) - integral(Loaded, weight() * dot(traction - wall_pressure * n, v))
+        integral(Omega, work(u, v) + weight() * dot(inertia * (u - coasted) - body_force, v))
+            - integral(Loaded, weight() * dot(traction - wall_pressure * n, v))
+    }
+
+    /// ½ ∫ ρ |w|² of velocities w, with ρ for the inertia.
+    pub fn kinetic(w: State<Vector>) -> Functional {
+        integral(Omega, weight() * inertia * dot(w, w) / 2)
+    }
+
+    /// The work of the forces per volume.
+    pub fn work_of_body_force(u: State<Vector>) -> Functional {
+        integral(Omega, weight() * dot(body_force, u))
     }
 
     /// ½ a(u,u).

@@ -1,5 +1,6 @@
 //! Problems, a file each.
 
+mod bar;
 mod closing_c;
 mod grading;
 mod half_ball;
@@ -33,6 +34,9 @@ pub fn all() -> Vec<Box<dyn Posed>> {
     ];
     all.extend(wavy::PRESSURES.map(|part| -> Box<dyn Posed> { Box::new(wavy::Wavy { part }) }));
     all.push(Box::new(half_ball::HalfBall));
+    for scheme in bar::SCHEMES {
+        all.extend([1.0, 0.5].map(|courant| -> Box<dyn Posed> { Box::new(bar::Bar { scheme, courant }) }));
+    }
     all.push(Box::new(obstacle::Obstacle));
     all.push(Box::new(closing_c::ClosingC));
     all.push(Box::new(half_ring::HalfRing::Quadrilaterals));
