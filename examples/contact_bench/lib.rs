@@ -24,6 +24,7 @@ pub mod rubber;
 pub mod run;
 pub mod solution;
 pub mod table;
+pub mod two_bodies;
 
 pub use case::{Case, Contact, Sides};
 pub use filled::{Filled, Step};
@@ -34,3 +35,4 @@ pub use posed::Posed;
 pub use problem::{Problem, Quantity};
 pub use rubber::{Pressed, Rubber};
 pub use run::program;
+pub use two_bodies::{AfterLoad, TwoBodies};

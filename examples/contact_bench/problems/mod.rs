@@ -1,6 +1,8 @@
 //! Problems, a file each.
 
 mod bar;
+mod boxes;
+mod cattaneo;
 mod closing_c;
 mod grading;
 mod half_ball;
@@ -37,6 +39,8 @@ pub fn all() -> Vec<Box<dyn Posed>> {
     for scheme in bar::SCHEMES {
         all.extend([1.0, 0.5].map(|courant| -> Box<dyn Posed> { Box::new(bar::Bar { scheme, courant }) }));
     }
+    all.push(Box::new(cattaneo::Cattaneo));
+    all.push(Box::new(boxes::Boxes));
     all.push(Box::new(obstacle::Obstacle));
     all.push(Box::new(closing_c::ClosingC));
     all.push(Box::new(half_ring::HalfRing::Quadrilaterals));
