@@ -5,6 +5,7 @@ use crate::filled::{Filled, Step};
 use crate::membrane::Membrane;
 use crate::outcome::{Outcome, Refusal, not_defined};
 use crate::rubber::{Pressed, Rubber};
+use crate::sliding::{Slid, Sliding};
 use crate::two_bodies::{AfterLoad, TwoBodies};
 
 /// A formulation of contact.
@@ -56,5 +57,13 @@ pub trait Formulation: Sync {
     /// As [`Formulation::solve`].
     fn stack(&self, _bodies: &TwoBodies<3>) -> Result<Vec<AfterLoad<3>>, Refusal> {
         Err(not_defined("not written for space"))
+    }
+
+    /// The path of two bodies that slide along each other at finite strains.
+    ///
+    /// # Errors
+    /// As [`Formulation::solve`].
+    fn slide(&self, _bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {
+        Err(not_defined("not written for surfaces that slide"))
     }
 }

@@ -1,7 +1,8 @@
 //! The augmented Lagrangian with semismooth Newton steps: a multiplier on the own surface, of the displacement's degree.
 
 use contact_bench::{
-    AfterLoad, Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides, TwoBodies,
+    AfterLoad, Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides, Slid, Sliding,
+    TwoBodies,
 };
 use forms_fem::prelude::*;
 
@@ -71,6 +72,19 @@ mod rough {
     }
 }
 
+#[forms(dimension = 2)]
+mod drawn {
+    pub use contact_bench::sliding::{Omega, Touch};
+    use contact_bench::sliding::{balance, own_stiffness};
+    #[includes(contact_bench::sliding::Data)]
+    pub struct Data {}
+    pub fn between(u: Unknown<Vector>, l: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
+        let gamma = 10 * own_stiffness();
+        let error = (this(l) - pos_part(this(l) - gamma * gap)) / gamma;
+        balance(u, v) + integral(Touch(u), this(l) * dot(toward, jump(v)) - error * this(q))
+    }
+}
+
 pub struct AugmentedLagrangian;
 
 pub fn all() -> Vec<AugmentedLagrangian> {
@@ -127,5 +141,11 @@ impl Formulation for AugmentedLagrangian {
 
     fn stack(&self, bodies: &TwoBodies<3>) -> Result<Vec<AfterLoad<3>>, Refusal> {
         self.between(bodies)
+    }
+
+    fn slide(&self, bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {
+        let data = drawn::data_from(bodies.data.clone());
+        let form = drawn::between(&data, &bodies.omega(), &bodies.touch(Sides::OwnWholeFacets));
+        bodies.follow_pressure(&form, &bodies.scalars(bodies.space.degree())?)
     }
 }

@@ -2,7 +2,8 @@
 
 use contact_bench::outcome::not_defined;
 use contact_bench::{
-    AfterLoad, Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides, TwoBodies,
+    AfterLoad, Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides, Slid, Sliding,
+    TwoBodies,
 };
 use forms_fem::prelude::*;
 
@@ -97,6 +98,20 @@ mod rough {
     }
 }
 
+#[forms(dimension = 2)]
+mod drawn {
+    pub use contact_bench::sliding::{Omega, Touch};
+    use contact_bench::sliding::{balance, own_stiffness, own_stress};
+    #[includes(contact_bench::sliding::Data)]
+    pub struct Data {
+        share: Param,
+    }
+    pub fn between(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        let pressure = neg_part(own_stress(u) + 10 * own_stiffness() * gap);
+        balance(u, v) + integral(Touch(u), share * pressure * dot(toward, jump(v)))
+    }
+}
+
 pub struct Nitsche {
     theta: f64,
     sides: Sides,
@@ -116,7 +131,7 @@ impl Nitsche {
         Dim: Dimension<D>,
     {
         if self.sides == Sides::OwnWholeFacets {
-            return Err(not_defined("pieces only"));
+            return Err(not_defined("written for pieces of facets"));
         }
         let data = |data| rough::data_from(data).theta(self.theta).part(self.sides.share());
         let (omega, touch) = (bodies.omega(), bodies.touch(self.sides));
@@ -172,5 +187,13 @@ impl Formulation for Nitsche {
 
     fn stack(&self, bodies: &TwoBodies<3>) -> Result<Vec<AfterLoad<3>>, Refusal> {
         self.between(bodies)
+    }
+
+    fn slide(&self, bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {
+        if self.theta != 0.0 {
+            return Err(not_defined("written for θ = 0: others need second derivatives of the stress"));
+        }
+        let data = drawn::data_from(bodies.data.clone()).share(self.sides.share());
+        bodies.follow(&drawn::between(&data, &bodies.omega(), &bodies.touch(self.sides)))
     }
 }

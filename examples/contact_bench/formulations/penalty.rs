@@ -1,7 +1,8 @@
 //! The penalty method: springs of 10, 100 and 10⁴ E/h.
 
 use contact_bench::{
-    AfterLoad, Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides, TwoBodies,
+    AfterLoad, Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides, Slid, Sliding,
+    TwoBodies,
 };
 use forms_fem::prelude::*;
 
@@ -71,6 +72,20 @@ mod rough {
     }
 }
 
+#[forms(dimension = 2)]
+mod drawn {
+    pub use contact_bench::sliding::{Omega, Touch};
+    use contact_bench::sliding::{balance, own_stiffness};
+    #[includes(contact_bench::sliding::Data)]
+    pub struct Data {
+        factor: Param,
+    }
+    pub fn between(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        let pressure = factor * own_stiffness() * neg_part(gap);
+        balance(u, v) + integral(Touch(u), pressure * dot(toward, jump(v)))
+    }
+}
+
 pub struct Penalty {
     factor: f64,
 }
@@ -123,5 +138,10 @@ impl Formulation for Penalty {
 
     fn stack(&self, bodies: &TwoBodies<3>) -> Result<Vec<AfterLoad<3>>, Refusal> {
         self.between(bodies)
+    }
+
+    fn slide(&self, bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {
+        let data = drawn::data_from(bodies.data.clone()).factor(self.factor);
+        bodies.follow(&drawn::between(&data, &bodies.omega(), &bodies.touch(Sides::Own)))
     }
 }

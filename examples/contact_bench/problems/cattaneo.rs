@@ -110,15 +110,14 @@ fn integral(after: &AfterLoad<2>, of: impl Fn(f64, [f64; 2]) -> f64) -> f64 {
     points.map(|((x, weight), t)| weight * of(x[0], [t[0], t[1]])).sum()
 }
 
-/// Half the width of what sticks: the first point that slips, or the middle between it and the last one that sticks.
+/// Half the width of what sticks: the middle between the innermost point that slips and the next one inside.
 fn stick(after: &AfterLoad<2>) -> f64 {
     let points = after.tractions.positions.iter().zip(&after.tractions.values);
     let mut all: Vec<(f64, bool)> =
-        points.map(|(x, t)| (x[0].abs(), t[0].abs() < (1.0 - 1e-3) * FRICTION * -t[1])).collect();
+        points.map(|(x, t)| (x[0].abs(), t[0].abs() > 0.99 * FRICTION * -t[1])).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let sticking = all.iter().filter(|(_, sticks)| *sticks).map(|(x, _)| *x).fold(0.0, f64::max);
-    let next = all.iter().map(|(x, _)| *x).find(|x| *x > sticking).unwrap_or(sticking);
-    0.5 * (sticking + next)
+    let first = all.iter().position(|(_, slips)| *slips).unwrap_or(all.len() - 1);
+    0.5 * (all[first.saturating_sub(1)].0 + all[first].0)
 }
 
 fn quantities(path: &[AfterLoad<2>], hertz: Hertz) -> Vec<Quantity> {

@@ -4,6 +4,7 @@ mod bar;
 mod boxes;
 mod cattaneo;
 mod closing_c;
+mod drawn_die;
 mod grading;
 mod half_ball;
 mod half_ring;
@@ -41,6 +42,8 @@ pub fn all() -> Vec<Box<dyn Posed>> {
     }
     all.push(Box::new(cattaneo::Cattaneo));
     all.push(Box::new(boxes::Boxes));
+    all.push(Box::new(drawn_die::DrawnDie::OverDie));
+    all.push(Box::new(drawn_die::DrawnDie::OverSlab));
     all.push(Box::new(obstacle::Obstacle));
     all.push(Box::new(closing_c::ClosingC));
     all.push(Box::new(half_ring::HalfRing::Quadrilaterals));
