@@ -110,6 +110,11 @@ pub mod body {
         obstacle_normal + 0 * w
     }
 
+    /// E/h on the boundary that faces the obstacle: the scale of a stiffness per area.
+    pub fn stiffness() -> Scalar {
+        young / h
+    }
+
     /// σ_n on the boundary that faces the obstacle.
     pub fn obstacle_stress(w: Vector) -> Scalar {
         dot(stress(w) * n, obstacle_normal)
@@ -118,6 +123,16 @@ pub mod body {
     /// The gap between bodies.
     pub fn distance(w: Vector) -> Scalar {
         gap - dot(jump(w), toward)
+    }
+
+    /// Gaps to the obstacle, which are printed at points that switch back and forth.
+    pub fn gap_to_obstacle(u: Unknown<Vector>) -> Functional {
+        integral(Surface, obstacle_distance(u))
+    }
+
+    /// Gaps between bodies, as [`gap_to_obstacle`](fn@gap_to_obstacle).
+    pub fn gap_of_bodies(u: Unknown<Vector>) -> Functional {
+        integral(Touch, distance(u))
     }
 
     /// σ_n of the own body at a pair.

@@ -54,6 +54,11 @@ pub mod bodies {
         present_gap(w)
     }
 
+    /// Gaps, which are printed at points that switch back and forth.
+    pub fn gap_of_bodies(u: Unknown<Vector>) -> Functional {
+        integral(Touch, separation(u))
+    }
+
     /// A traction that is a field on the own surface.
     pub fn known(l: Vector) -> Vector {
         this(l)
@@ -151,7 +156,7 @@ where
         let step = |data: &Data<D>, load: &Load<D>, [u]: &[Field<D>; 1]| {
             let problem = Problem::new(&form(data.clone()), &self.space).constrained(&load.supports);
             let problem = problem.assembler(self.assembler()).options(crate::Case::options());
-            problem.start(u).solve()
+            problem.observe(&self.observed()).start(u).solve()
         };
         self.all_loads(stiffness, [Field::zero(&self.space)], step, |data, [u]| traction(data, u))
     }
@@ -174,6 +179,10 @@ where
         };
         let start = [Field::zero(&self.space), multiplier];
         self.all_loads(stiffness, start, step, |data, [_, l]| known(&data, l))
+    }
+
+    fn observed(&self) -> Functional<D> {
+        gap_of_bodies(&self.materials(), &self.touch(Sides::Own))
     }
 
     fn all_loads<const N: usize>(

@@ -11,21 +11,19 @@ use forms_fem::prelude::*;
 mod law {
     pub use contact_bench::body::{Surface, Touch};
     use contact_bench::body::{
-        distance, obstacle_distance, obstacle_stress, own_stiffness, own_stress, own_weight, weight,
+        distance, obstacle_distance, obstacle_stress, own_stiffness, own_stress, own_weight, stiffness,
+        weight,
     };
     #[includes(contact_bench::body::Data)]
     pub struct Data {
         theta: Param,
         share: Param,
     }
-    fn gamma() -> Scalar {
-        13 * young / h
-    }
     pub fn pressure(u: Vector) -> Scalar {
-        neg_part(obstacle_stress(u) + gamma() * obstacle_distance(u))
+        neg_part(obstacle_stress(u) + 13 * stiffness() * obstacle_distance(u))
     }
     pub fn on_obstacle(u: Unknown<Vector>, v: Test<Vector>) -> Form {
-        let consistent = theta / gamma() * (obstacle_stress(u) + pressure(u)) * obstacle_stress(v);
+        let consistent = theta / (13 * stiffness()) * (obstacle_stress(u) + pressure(u)) * obstacle_stress(v);
         integral(Surface, weight() * (pressure(u) * dot(v, obstacle_normal) - consistent))
     }
     pub fn pair_pressure(u: Vector) -> Scalar {
