@@ -26,6 +26,15 @@ pub mod body {
         /// Pressure on the loaded boundary.
         #[default(0)]
         pub wall_pressure: Param,
+        /// Force per volume.
+        #[default(0)]
+        pub body_force: Given<Vector>,
+        /// The factor of the inertia in a step of time, density over time².
+        #[default(0)]
+        pub inertia: Given<Scalar>,
+        /// The displacement at which a step has no inertia \[length\].
+        #[default(0)]
+        pub coasted: Given<Vector>,
         /// n_y, unit vector into a rigid obstacle.
         #[default(0)]
         pub obstacle_normal: Given<Vector>,
@@ -70,9 +79,20 @@ pub mod body {
         weight() * (inner(stress(u), eps(v)) + hoop_stress(u) * hoop(v))
     }
 
-    /// a(u,v) − ℓ(v).
+    /// a(u,v) − ℓ(v), in a step of time with the inertia.
     pub fn balance(u: Unknown<Vector>, v: Test<Vector>) -> Form {
-        integral(Omega, work(u, v)) - integral(Loaded, weight() * dot(traction - wall_pressure * n, v))
+        integral(Omega, work(u, v) + weight() * dot(inertia * (u - coasted) - body_force, v))
+            - integral(Loaded, weight() * dot(traction - wall_pressure * n, v))
+    }
+
+    /// ½ ∫ ρ |w|² of velocities w, with ρ for the inertia.
+    pub fn kinetic(w: State<Vector>) -> Functional {
+        integral(Omega, weight() * inertia * dot(w, w) / 2)
+    }
+
+    /// The work of the forces per volume.
+    pub fn work_of_body_force(u: State<Vector>) -> Functional {
+        integral(Omega, weight() * dot(body_force, u))
     }
 
     /// ½ a(u,u).
@@ -90,6 +110,11 @@ pub mod body {
         obstacle_normal + 0 * w
     }
 
+    /// E/h on the boundary that faces the obstacle: the scale of a stiffness per area.
+    pub fn stiffness() -> Scalar {
+        young / h
+    }
+
     /// σ_n on the boundary that faces the obstacle.
     pub fn obstacle_stress(w: Vector) -> Scalar {
         dot(stress(w) * n, obstacle_normal)
@@ -98,6 +123,16 @@ pub mod body {
     /// The gap between bodies.
     pub fn distance(w: Vector) -> Scalar {
         gap - dot(jump(w), toward)
+    }
+
+    /// Gaps to the obstacle, which are printed at points that switch back and forth.
+    pub fn gap_to_obstacle(u: Unknown<Vector>) -> Functional {
+        integral(Surface, obstacle_distance(u))
+    }
+
+    /// Gaps between bodies, as [`gap_to_obstacle`](fn@gap_to_obstacle).
+    pub fn gap_of_bodies(u: Unknown<Vector>) -> Functional {
+        integral(Touch, distance(u))
     }
 
     /// σ_n of the own body at a pair.

@@ -125,7 +125,11 @@ impl Case {
 
     /// The problem of a contact form in the displacement.
     pub fn problem<'a>(&'a self, contact: &Form<2>) -> Problem<'a, 2> {
-        let problem = Problem::new(&(&self.balance() + contact), &self.space);
+        let gap = match self.contact {
+            Contact::Obstacle(_) => body::gap_to_obstacle(&self.data, &self.surface()),
+            Contact::Bodies(_) => body::gap_of_bodies(&self.data, &self.touch(Sides::Own)),
+        };
+        let problem = Problem::new(&(&self.balance() + contact), &self.space).observe(&gap);
         let problem =
             problem.constrained(&self.constraints).assembler(self.assembler()).options(Self::options());
         self.start.iter().fold(problem, |problem, start| problem.start(start))

@@ -5,6 +5,8 @@ use crate::filled::{Filled, Step};
 use crate::membrane::Membrane;
 use crate::outcome::{Outcome, Refusal, not_defined};
 use crate::rubber::{Pressed, Rubber};
+use crate::sliding::{Slid, Sliding};
+use crate::two_bodies::{AfterLoad, TwoBodies};
 
 /// A formulation of contact.
 pub trait Formulation: Sync {
@@ -39,5 +41,29 @@ pub trait Formulation: Sync {
     /// As [`Formulation::solve`].
     fn press(&self, _rubber: &Rubber) -> Result<Pressed, Refusal> {
         Err(not_defined("not written for a body with a field of mean stress"))
+    }
+
+    /// The path of two bodies with friction.
+    ///
+    /// # Errors
+    /// As [`Formulation::solve`].
+    fn rub(&self, _bodies: &TwoBodies<2>) -> Result<Vec<AfterLoad<2>>, Refusal> {
+        Err(not_defined("not written for friction"))
+    }
+
+    /// The path of two bodies in space.
+    ///
+    /// # Errors
+    /// As [`Formulation::solve`].
+    fn stack(&self, _bodies: &TwoBodies<3>) -> Result<Vec<AfterLoad<3>>, Refusal> {
+        Err(not_defined("not written for space"))
+    }
+
+    /// The path of two bodies that slide along each other at finite strains.
+    ///
+    /// # Errors
+    /// As [`Formulation::solve`].
+    fn slide(&self, _bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {
+        Err(not_defined("not written for surfaces that slide"))
     }
 }

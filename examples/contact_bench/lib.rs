@@ -22,8 +22,10 @@ pub mod problems;
 pub mod rows;
 pub mod rubber;
 pub mod run;
+pub mod sliding;
 pub mod solution;
 pub mod table;
+pub mod two_bodies;
 
 pub use case::{Case, Contact, Sides};
 pub use filled::{Filled, Step};
@@ -34,3 +36,5 @@ pub use posed::Posed;
 pub use problem::{Problem, Quantity};
 pub use rubber::{Pressed, Rubber};
 pub use run::program;
+pub use sliding::{Slid, Sliding};
+pub use two_bodies::{AfterLoad, TwoBodies};

@@ -1,5 +1,6 @@
 //! The answer of a formulation on a case, or the reason why there is none.
 
+use std::any::Any;
 use std::error::Error;
 use std::fmt;
 
@@ -92,9 +93,16 @@ impl fmt::Display for Refusal {
     }
 }
 
-impl<E: Error> From<E> for Refusal {
+impl<E: Error + 'static> From<E> for Refusal {
+    /// The reason in one line; below it the points that switched back and forth, where Newton's method failed so.
     fn from(error: E) -> Self {
-        Refusal::Failed(one_line(&error.to_string()))
+        let why = one_line(&error.to_string());
+        let any: &dyn Any = &error;
+        let newton = any.downcast_ref::<NewtonError>();
+        match newton.and_then(|error| error.oscillation.as_ref()) {
+            Some(oscillation) => Refusal::Failed(format!("{why}\n{oscillation}")),
+            None => Refusal::Failed(why),
+        }
     }
 }
 

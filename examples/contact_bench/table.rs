@@ -96,10 +96,19 @@ pub fn markdown(problem: &dyn Posed, rows: &[Row]) -> String {
         };
         let _ = writeln!(text, "| {} | {} | {} | {cells} |", row.formulation, row.degree, row.unknowns);
     }
+    for row in rows {
+        let Answer::Failed(why) = &row.answer else { continue };
+        // Points that switch back and forth.
+        if let Some((_, points)) = why.split_once('\n') {
+            let _ =
+                writeln!(text, "\n{}, degree {}, {} unknowns:\n", row.formulation, row.degree, row.unknowns);
+            let _ = writeln!(text, "```text\n{points}\n```");
+        }
+    }
     text + "\n"
 }
 
 fn shortened(why: &str) -> String {
-    let why = why.replace('|', "/");
+    let why = why.lines().next().unwrap_or_default().replace('|', "/");
     if why.chars().count() <= REASON { why } else { why.chars().take(REASON).chain(['…']).collect() }
 }

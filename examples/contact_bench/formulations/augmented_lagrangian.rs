@@ -1,6 +1,9 @@
 //! The augmented Lagrangian with semismooth Newton steps: a multiplier on the own surface, of the displacement's degree.
 
-use contact_bench::{Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides};
+use contact_bench::{
+    AfterLoad, Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides, Slid, Sliding,
+    TwoBodies,
+};
 use forms_fem::prelude::*;
 
 #[forms(dimension = 2)]
@@ -56,10 +59,48 @@ mod rubber {
     }
 }
 
+#[forms]
+mod rough {
+    pub use contact_bench::two_bodies::bodies::{Omega, Touch};
+    use contact_bench::two_bodies::bodies::{allowed, balance};
+    use forms_contact::operators::bodies::own_gamma;
+    #[includes(contact_bench::two_bodies::bodies::Data)]
+    pub struct Data {}
+    pub fn between(u: Unknown<Vector>, l: Unknown<Vector>, v: Test<Vector>, q: Test<Vector>) -> Form {
+        let error = (this(l) - allowed(l, u)) / own_gamma();
+        balance(u, v) - integral(Touch, dot(this(l), jump(v)) + dot(error, this(q)))
+    }
+}
+
+#[forms(dimension = 2)]
+mod drawn {
+    pub use contact_bench::sliding::{Omega, Touch};
+    use contact_bench::sliding::{balance, own_stiffness};
+    #[includes(contact_bench::sliding::Data)]
+    pub struct Data {}
+    pub fn between(u: Unknown<Vector>, l: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
+        let gamma = 10 * own_stiffness();
+        let error = (this(l) - pos_part(this(l) - gamma * gap)) / gamma;
+        balance(u, v) + integral(Touch(u), this(l) * dot(toward, jump(v)) - error * this(q))
+    }
+}
+
 pub struct AugmentedLagrangian;
 
 pub fn all() -> Vec<AugmentedLagrangian> {
     vec![AugmentedLagrangian]
+}
+
+impl AugmentedLagrangian {
+    fn between<const D: usize>(&self, bodies: &TwoBodies<D>) -> Result<Vec<AfterLoad<D>>, Refusal>
+    where
+        Dim: Dimension<D>,
+    {
+        let (omega, touch, space) = (bodies.omega(), bodies.touch(Sides::Own), &bodies.space);
+        let traces = Space::vector_on_facets(space.mesh(), &bodies.surfaces[0], space.degree())?;
+        let form = |data| rough::between(&rough::data_from(data), &omega, &touch);
+        bodies.follow_multiplier(10.0, Field::zero(&traces), form)
+    }
 }
 
 impl Formulation for AugmentedLagrangian {
@@ -92,5 +133,19 @@ impl Formulation for AugmentedLagrangian {
         let data = |way: f64| rubber::data_from(ring.data(way));
         let form = |way: f64| rubber::on_flat(&data(way), &ring.omega(), &ring.surface());
         ring.follow_all([u, p, &scalars], form, |_| Ok(None))
+    }
+
+    fn rub(&self, bodies: &TwoBodies<2>) -> Result<Vec<AfterLoad<2>>, Refusal> {
+        self.between(bodies)
+    }
+
+    fn stack(&self, bodies: &TwoBodies<3>) -> Result<Vec<AfterLoad<3>>, Refusal> {
+        self.between(bodies)
+    }
+
+    fn slide(&self, bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {
+        let data = drawn::data_from(bodies.data.clone());
+        let form = drawn::between(&data, &bodies.omega(), &bodies.touch(Sides::OwnWholeFacets));
+        bodies.follow_pressure(&form, &bodies.scalars(bodies.space.degree())?)
     }
 }

@@ -58,61 +58,70 @@ pub fn all() -> Vec<Barrier> {
     [1, 2].map(|tenths| Barrier { tenths }).into()
 }
 
+impl Barrier {
+    /// The solutions for ĝ from the size of the change of the gap down by tenths; the last one is the outcome.
+    fn descend(
+        &self,
+        (start, approach): (&Field<2>, f64),
+        step: impl Fn(f64, &Field<2>) -> Result<Outcome, Refusal>,
+    ) -> Result<Outcome, Refusal> {
+        let mut found = step(approach, start)?;
+        let mut newton = found.newton.clone();
+        for tenths in 1..=self.tenths {
+            found = step(approach * 0.1_f64.powi(tenths), &found.u)?;
+            newton.extend(&found.newton);
+        }
+        Ok(found.after(newton))
+    }
+}
+
+/// The solution of contact terms in u whose gaps stay positive.
+fn guarded(
+    case: &Case,
+    start: &Field<2>,
+    (form, gaps): (Form<2>, Functional<2>),
+    pressure: impl Fn(&Field<2>) -> Expression<2>,
+) -> Result<Outcome, Refusal> {
+    let prescribed_values = PrescribedValues::ByTangent;
+    let options = NewtonOptions { prescribed_values, max_iterations: 100, ..Case::options() };
+    let solved = case.problem(&form).start(start).options(options).keep_positive(&gaps).solve()?;
+    let pressures = case.pressures(&pressure(solved.field()))?;
+    Ok(Outcome::of(case, &solved, pressures)?.of_form(&case.balance() + &form))
+}
+
 impl Formulation for Barrier {
     fn name(&self) -> String {
         format!("log barrier, ĝ/d = {}", 1.0 / 10_f64.powi(self.tenths))
     }
 
     fn solve(&self, case: &Case) -> Result<Outcome, Refusal> {
-        let (mut u, mut newton, mut found) = (Field::zero(&case.space), vec![], None);
-        for tenths in 0..=self.tenths {
-            let reach = case.approach * 0.1_f64.powi(tenths);
-            // Bodies touch at first: the clearance is what they may overlap by.
-            let clearance = if matches!(case.contact, Contact::Bodies(_)) { 0.5 * reach } else { 0.0 };
+        let (surface, touch) = (case.surface(), case.touch(Sides::Own));
+        let step = |reach: f64, u: &Field<2>| {
             let data = law::data_from(case.data.clone()).barrier_stiffness(stiffness(case.pressure, reach));
-            let data = data.activation_gap(reach).clearance(clearance);
-            let (form, gaps) = match case.contact {
-                Contact::Obstacle(_) => {
-                    (law::on_obstacle(&data, &case.surface()), law::obstacle_gaps(&data, &case.surface()))
-                }
-                Contact::Bodies(_) => {
-                    (law::between(&data, &case.touch(Sides::Own)), law::gaps(&data, &case.touch(Sides::Own)))
-                }
-            };
-            let options = NewtonOptions {
-                prescribed_values: PrescribedValues::ByTangent,
-                max_iterations: 100,
-                ..Case::options()
-            };
-            let solved = case.problem(&form).start(&u).options(options).keep_positive(&gaps).solve()?;
-            newton.push(solved.iterations());
-            let pressure = match case.contact {
-                Contact::Obstacle(_) => law::pressure(&data, solved.field()),
-                Contact::Bodies(_) => law::pair_pressure(&data, solved.field()),
-            };
-            found = Some(
-                Outcome::of(case, &solved, case.pressures(&pressure)?)?.of_form(&case.balance() + &form),
-            );
-            u = solved.into_field();
-        }
-        found.map(|found| found.after(newton)).ok_or_else(|| Refusal::Failed("no step".to_owned()))
+            let data = data.activation_gap(reach);
+            if let Contact::Obstacle(_) = case.contact {
+                let forms = (law::on_obstacle(&data, &surface), law::obstacle_gaps(&data, &surface));
+                return guarded(case, u, forms, |u| law::pressure(&data, u));
+            }
+            // Bodies touch at first: the clearance is what they may overlap by.
+            let data = data.clearance(0.5 * reach);
+            let forms = (law::between(&data, &touch), law::gaps(&data, &touch));
+            guarded(case, u, forms, |u| law::pair_pressure(&data, u))
+        };
+        self.descend((&Field::zero(&case.space), case.approach), step)
     }
 
     fn cover(&self, membrane: &Membrane) -> Result<Outcome, Refusal> {
-        let (mut u, mut newton, mut found) = (membrane.above.clone(), vec![], None);
-        for tenths in 0..=self.tenths {
-            let reach = membrane.approach * 0.1_f64.powi(tenths);
+        let omega = membrane.omega();
+        let step = |reach: f64, u: &Field<2>| {
             let stiffness = stiffness(membrane.pressure, reach);
             let data = volume::data_from(membrane.data.clone()).barrier_stiffness(stiffness);
             let data = data.activation_gap(reach);
-            let problem = membrane.problem(&volume::above(&data, &membrane.omega()));
-            let heights = volume::heights(&data, &membrane.omega());
-            let solved = problem.start(&u).keep_positive(&heights).solve()?;
-            newton.push(solved.iterations());
+            let problem = membrane.problem(&volume::above(&data, &omega)).start(u);
+            let solved = problem.keep_positive(&volume::heights(&data, &omega)).solve()?;
             let pressures = membrane.pressures(&volume::force(&data, solved.field()))?;
-            found = Some(membrane.outcome(&solved, pressures));
-            u = solved.into_field();
-        }
-        found.map(|found| found.after(newton)).ok_or_else(|| Refusal::Failed("no step".to_owned()))
+            Ok(membrane.outcome(&solved, pressures))
+        };
+        self.descend((&membrane.above, membrane.approach), step)
     }
 }

@@ -1,7 +1,5 @@
 //! Bounds on the unknowns at nodes, which is a dual multiplier for each of them: nothing is below the obstacle at a node, and forces act there.
 
-use std::collections::HashMap;
-
 use contact_bench::outcome::not_defined;
 use contact_bench::{Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, body};
 use forms_fem::prelude::*;
@@ -19,6 +17,25 @@ fn reactions(solved: &Solved<2>, unknowns: usize) -> Vec<f64> {
     forces
 }
 
+/// A rigid obstacle as bounds on one component of displacements at nodes.
+fn bounds_of(case: &Case) -> Result<Bounds<2>, Refusal> {
+    let (space, own, zero) = (&case.space, case.own(), Field::zero(&case.space));
+    let nodes = space.nodes_on(own)?;
+    let places: Vec<[f64; 2]> = nodes.iter().map(|node| space.positions()[*node as usize]).collect();
+    let gaps = case.assembler().at_points(&body::obstacle_distance(&case.data, &zero), &places)?;
+    let gap =
+        |x: &[f64; 2]| places.iter().position(|place| place == x).map_or(f64::NAN, |k| gaps.values[k][0]);
+    let normal = case.assembler().at_points(&body::normal_at(&case.data, &zero), &places[..1])?;
+    let axis = (0..2).find(|one| normal.values[0][*one].abs() == 1.0);
+    let component = axis.ok_or_else(|| not_defined("the obstacle's normal is no axis"))?;
+    let mut bounds = Bounds::new(space);
+    match normal.values[0][component] > 0.0 {
+        true => bounds.component_at_most(own, component, gap)?,
+        false => bounds.component_at_least(own, component, |x| -gap(x))?,
+    };
+    Ok(bounds)
+}
+
 impl Formulation for NodalBounds {
     fn name(&self) -> String {
         "dual multipliers (bounds at nodes)".to_owned()
@@ -28,24 +45,7 @@ impl Formulation for NodalBounds {
         if let Contact::Bodies(_) = case.contact {
             return Err(not_defined("the gap of two bodies is no bound on one unknown"));
         }
-        let zero = Field::zero(&case.space);
-        let nodes = case.space.nodes_on(case.own())?;
-        let places: Vec<[f64; 2]> = nodes.iter().map(|node| case.space.positions()[*node as usize]).collect();
-        let gaps = case.assembler().at_points(&body::obstacle_distance(&case.data, &zero), &places)?;
-        let normal = case.assembler().at_points(&body::normal_at(&case.data, &zero), &places[..1])?;
-        let normal = &normal.values[0];
-        let Some(component) = (0..2).find(|one| normal[*one].abs() == 1.0) else {
-            return Err(not_defined("the obstacle's normal is no axis"));
-        };
-        let key = |x: &[f64; 2]| x.map(f64::to_bits);
-        let gaps: HashMap<[u64; 2], f64> =
-            places.iter().map(key).zip(gaps.values.iter().map(|g| g[0])).collect();
-        let value = |x: &[f64; 2]| normal[component] * gaps.get(&key(x)).copied().unwrap_or(f64::NAN);
-        let mut bounds = Bounds::new(&case.space);
-        match normal[component] > 0.0 {
-            true => bounds.component_at_most(case.own(), component, value)?,
-            false => bounds.component_at_least(case.own(), component, value)?,
-        };
+        let bounds = bounds_of(case)?;
         let problem = Problem::new(&case.balance(), &case.space).constrained(&case.constraints);
         let solved = problem.assembler(case.assembler()).bounded(&bounds).solve()?;
         let forces = reactions(&solved, case.space.unknowns());

@@ -1,6 +1,8 @@
 //! A pressure that falls exponentially with the gap: p₀ exp(−g/c).
 
-use contact_bench::{Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides};
+use contact_bench::{
+    Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides, Slid, Sliding,
+};
 use forms_fem::prelude::*;
 
 #[forms(dimension = 2)]
@@ -51,6 +53,18 @@ mod rubber {
     }
 }
 
+#[forms(dimension = 2)]
+mod drawn {
+    use contact_bench::sliding::balance;
+    pub use contact_bench::sliding::{Omega, Touch};
+    use forms_contact::operators::exponential_closure::exponential_pressure;
+    #[includes(contact_bench::sliding::Data, forms_contact::operators::exponential_closure::Data)]
+    pub struct Data {}
+    pub fn between(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        balance(u, v) + integral(Touch(u), exponential_pressure(gap) * dot(toward, jump(v)))
+    }
+}
+
 /// The length over which the pressure falls by e, as a part of the problem's change of the gap.
 pub struct Exponential {
     part: f64,
@@ -90,5 +104,11 @@ impl Formulation for Exponential {
             rubber::data_from(ring.data(way)).closed_pressure(ring.pressure).closure_length(length)
         };
         ring.follow(|way| rubber::on_flat(&data(way), &ring.omega(), &ring.surface()))
+    }
+
+    fn slide(&self, bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {
+        let data = drawn::data_from(bodies.data.clone()).closed_pressure(bodies.pressure);
+        let data = data.closure_length(self.part * bodies.approach);
+        bodies.follow(&drawn::between(&data, &bodies.omega(), &bodies.touch(Sides::Own)))
     }
 }

@@ -2,7 +2,7 @@
 
 use contact_bench::outcome::not_defined;
 use contact_bench::solution::contact_forces;
-use contact_bench::{Case, Contact, Formulation, Outcome, Refusal, Sides};
+use contact_bench::{Case, Contact, Formulation, Outcome, Refusal, Sides, Slid, Sliding};
 use forms_fem::prelude::*;
 
 #[forms(dimension = 2)]
@@ -19,6 +19,23 @@ mod law {
     }
     pub fn of_vertices(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         means(Touch, 1, neg_part(mean(augmented(u))) * mean(dot(toward, jump(v))))
+    }
+}
+
+#[forms(dimension = 2)]
+mod drawn {
+    pub use contact_bench::sliding::{Omega, Touch};
+    use contact_bench::sliding::{balance, own_stiffness, own_stress};
+    #[includes(contact_bench::sliding::Data)]
+    pub struct Data {}
+    fn augmented(u: Vector) -> Scalar {
+        own_stress(u) + 10 * own_stiffness() * gap
+    }
+    pub fn of_facets(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        balance(u, v) + means(Touch(u), 0, neg_part(mean(augmented(u))) * mean(dot(toward, jump(v))))
+    }
+    pub fn of_vertices(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        balance(u, v) + means(Touch(u), 1, neg_part(mean(augmented(u))) * mean(dot(toward, jump(v))))
     }
 }
 
@@ -45,5 +62,13 @@ impl Formulation for MeanNitsche {
         let solved = case.problem(&form).solve()?;
         let forces = contact_forces(case, &solved)?;
         Ok(Outcome::of(case, &solved, case.pressures_of_forces(&forces)?)?.of_form(&case.balance() + &form))
+    }
+
+    fn slide(&self, bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {
+        let (data, touch) = (drawn::data_from(bodies.data.clone()), bodies.touch(Sides::OwnWholeFacets));
+        match bodies.space.degree() {
+            1 => bodies.follow(&drawn::of_facets(&data, &bodies.omega(), &touch)),
+            _ => bodies.follow(&drawn::of_vertices(&data, &bodies.omega(), &touch)),
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Mortar: a multiplier of degree 1 on the own facets, as in `forms_contact::laws::mortar_bodies`, whose gap has the mean zero against each function.
 
 use contact_bench::outcome::not_defined;
-use contact_bench::{Case, Contact, Formulation, Outcome, Refusal, Sides};
+use contact_bench::{Case, Contact, Formulation, Outcome, Refusal, Sides, Slid, Sliding};
 use forms_fem::prelude::*;
 
 #[forms(dimension = 2)]
@@ -19,6 +19,25 @@ mod law {
         let condition = normal_condition(this(p), distance(u), 10 * own_stiffness());
         balance(u, v) + integral(Touch, own_weight() * (this(p) * dot(toward, jump(v)) - condition * this(q)))
             - integral(Surface, weight() * uncovered * h / (10 * young) * p * q)
+    }
+}
+
+#[forms(dimension = 2)]
+mod drawn {
+    pub use contact_bench::sliding::{Omega, Touch};
+    use contact_bench::sliding::{balance, own_stiffness};
+    use forms_contact::operators::multipliers::normal_condition;
+    #[includes(contact_bench::sliding::Data)]
+    pub struct Data {
+        #[default(0.000000000000000001)]
+        uncovered: Param,
+    }
+    #[facets]
+    pub struct Own;
+    pub fn between(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
+        let condition = normal_condition(this(p), gap, 10 * own_stiffness());
+        balance(u, v) + integral(Touch(u), this(p) * dot(toward, jump(v)) - condition * this(q))
+            - integral(Own, uncovered * h / (10 * young) * p * q)
     }
 }
 
@@ -46,5 +65,16 @@ impl Formulation for Mortar {
         let solved = case.mixed_problem(&form, &scalars).start([&u, &guess]).solve()?;
         let pressures = case.known_pressures(&solved.fields[1])?;
         Ok(Outcome::of(case, &solved, pressures)?.of_form(form))
+    }
+
+    fn slide(&self, bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {
+        let own = drawn::Own::on(bodies.surfaces[0]);
+        let form = drawn::between(
+            &drawn::data_from(bodies.data.clone()),
+            &own,
+            &bodies.omega(),
+            &bodies.touch(Sides::Own),
+        );
+        bodies.follow_pressure(&form, &bodies.scalars(1)?)
     }
 }

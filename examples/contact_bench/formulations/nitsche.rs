@@ -1,28 +1,29 @@
 //! Nitsche's method: θ = −1, 0, 1, over one surface, over both, and at points of whole facets.
 
 use contact_bench::outcome::not_defined;
-use contact_bench::{Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides};
+use contact_bench::{
+    AfterLoad, Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides, Slid, Sliding,
+    TwoBodies,
+};
 use forms_fem::prelude::*;
 
 #[forms(dimension = 2)]
 mod law {
     pub use contact_bench::body::{Surface, Touch};
     use contact_bench::body::{
-        distance, obstacle_distance, obstacle_stress, own_stiffness, own_stress, own_weight, weight,
+        distance, obstacle_distance, obstacle_stress, own_stiffness, own_stress, own_weight, stiffness,
+        weight,
     };
     #[includes(contact_bench::body::Data)]
     pub struct Data {
         theta: Param,
         share: Param,
     }
-    fn gamma() -> Scalar {
-        13 * young / h
-    }
     pub fn pressure(u: Vector) -> Scalar {
-        neg_part(obstacle_stress(u) + gamma() * obstacle_distance(u))
+        neg_part(obstacle_stress(u) + 13 * stiffness() * obstacle_distance(u))
     }
     pub fn on_obstacle(u: Unknown<Vector>, v: Test<Vector>) -> Form {
-        let consistent = theta / gamma() * (obstacle_stress(u) + pressure(u)) * obstacle_stress(v);
+        let consistent = theta / (13 * stiffness()) * (obstacle_stress(u) + pressure(u)) * obstacle_stress(v);
         integral(Surface, weight() * (pressure(u) * dot(v, obstacle_normal) - consistent))
     }
     pub fn pair_pressure(u: Vector) -> Scalar {
@@ -74,6 +75,41 @@ mod rubber {
     }
 }
 
+#[forms]
+mod rough {
+    pub use contact_bench::two_bodies::bodies::{Omega, Touch};
+    use contact_bench::two_bodies::bodies::{allowed, balance};
+    use forms_contact::operators::bodies::{own_gamma, own_traction};
+    use forms_contact::operators::linear_elastic::stress;
+    #[includes(contact_bench::two_bodies::bodies::Data)]
+    pub struct Data {
+        theta: Param,
+        #[default(1)]
+        part: Param,
+    }
+    pub fn traction(u: Vector) -> Vector {
+        allowed(stress(u) * n, u)
+    }
+    pub fn between(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        let consistent = theta / own_gamma() * dot(traction(u) - own_traction(u), own_traction(v));
+        balance(u, v) + integral(Touch, part * (consistent - dot(traction(u), jump(v))))
+    }
+}
+
+#[forms(dimension = 2)]
+mod drawn {
+    pub use contact_bench::sliding::{Omega, Touch};
+    use contact_bench::sliding::{balance, own_stiffness, own_stress};
+    #[includes(contact_bench::sliding::Data)]
+    pub struct Data {
+        share: Param,
+    }
+    pub fn between(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        let pressure = neg_part(own_stress(u) + 10 * own_stiffness() * gap);
+        balance(u, v) + integral(Touch(u), share * pressure * dot(toward, jump(v)))
+    }
+}
+
 pub struct Nitsche {
     theta: f64,
     sides: Sides,
@@ -85,6 +121,21 @@ pub fn all() -> Vec<Nitsche> {
         thetas.flat_map(|theta| [Sides::Own, Sides::Both].map(|sides| Nitsche { theta, sides })).collect();
     all.push(Nitsche { theta: 0.0, sides: Sides::OwnWholeFacets });
     all
+}
+
+impl Nitsche {
+    fn between<const D: usize>(&self, bodies: &TwoBodies<D>) -> Result<Vec<AfterLoad<D>>, Refusal>
+    where
+        Dim: Dimension<D>,
+    {
+        if self.sides == Sides::OwnWholeFacets {
+            return Err(not_defined("written for pieces of facets"));
+        }
+        let data = |data| rough::data_from(data).theta(self.theta).part(self.sides.share());
+        let (omega, touch) = (bodies.omega(), bodies.touch(self.sides));
+        let form = |given| rough::between(&data(given), &omega, &touch);
+        bodies.follow(13.0, form, |given, u| rough::traction(&data(given), u))
+    }
 }
 
 impl Formulation for Nitsche {
@@ -126,5 +177,21 @@ impl Formulation for Nitsche {
         }
         let data = |way: f64| rubber::data_from(ring.data(way)).theta(self.theta);
         ring.follow(|way| rubber::on_flat(&data(way), &ring.omega(), &ring.surface()))
+    }
+
+    fn rub(&self, bodies: &TwoBodies<2>) -> Result<Vec<AfterLoad<2>>, Refusal> {
+        self.between(bodies)
+    }
+
+    fn stack(&self, bodies: &TwoBodies<3>) -> Result<Vec<AfterLoad<3>>, Refusal> {
+        self.between(bodies)
+    }
+
+    fn slide(&self, bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {
+        if self.theta != 0.0 {
+            return Err(not_defined("written for θ = 0: others need second derivatives of the stress"));
+        }
+        let data = drawn::data_from(bodies.data.clone()).share(self.sides.share());
+        bodies.follow(&drawn::between(&data, &bodies.omega(), &bodies.touch(self.sides)))
     }
 }

@@ -1,6 +1,9 @@
 //! The penalty method: springs of 10, 100 and 10⁴ E/h.
 
-use contact_bench::{Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides};
+use contact_bench::{
+    AfterLoad, Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides, Slid, Sliding,
+    TwoBodies,
+};
 use forms_fem::prelude::*;
 
 #[forms(dimension = 2)]
@@ -55,12 +58,51 @@ mod rubber {
     }
 }
 
+#[forms]
+mod rough {
+    pub use contact_bench::two_bodies::bodies::{Omega, Touch};
+    use contact_bench::two_bodies::bodies::{allowed, balance};
+    #[includes(contact_bench::two_bodies::bodies::Data)]
+    pub struct Data {}
+    pub fn traction(u: Vector) -> Vector {
+        allowed(0 * u, u)
+    }
+    pub fn between(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        balance(u, v) - integral(Touch, dot(traction(u), jump(v)))
+    }
+}
+
+#[forms(dimension = 2)]
+mod drawn {
+    pub use contact_bench::sliding::{Omega, Touch};
+    use contact_bench::sliding::{balance, own_stiffness};
+    #[includes(contact_bench::sliding::Data)]
+    pub struct Data {
+        factor: Param,
+    }
+    pub fn between(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        let pressure = factor * own_stiffness() * neg_part(gap);
+        balance(u, v) + integral(Touch(u), pressure * dot(toward, jump(v)))
+    }
+}
+
 pub struct Penalty {
     factor: f64,
 }
 
 pub fn all() -> Vec<Penalty> {
     [10.0, 100.0, 1e4].map(|factor| Penalty { factor }).into()
+}
+
+impl Penalty {
+    fn between<const D: usize>(&self, bodies: &TwoBodies<D>) -> Result<Vec<AfterLoad<D>>, Refusal>
+    where
+        Dim: Dimension<D>,
+    {
+        let (omega, touch) = (bodies.omega(), bodies.touch(Sides::Own));
+        let form = |data| rough::between(&rough::data_from(data), &omega, &touch);
+        bodies.follow(self.factor, form, |data, u| rough::traction(&rough::data_from(data), u))
+    }
 }
 
 impl Formulation for Penalty {
@@ -88,5 +130,18 @@ impl Formulation for Penalty {
     fn press(&self, ring: &Rubber) -> Result<Pressed, Refusal> {
         let data = |way: f64| rubber::data_from(ring.data(way)).factor(self.factor);
         ring.follow(|way| rubber::on_flat(&data(way), &ring.omega(), &ring.surface()))
+    }
+
+    fn rub(&self, bodies: &TwoBodies<2>) -> Result<Vec<AfterLoad<2>>, Refusal> {
+        self.between(bodies)
+    }
+
+    fn stack(&self, bodies: &TwoBodies<3>) -> Result<Vec<AfterLoad<3>>, Refusal> {
+        self.between(bodies)
+    }
+
+    fn slide(&self, bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {
+        let data = drawn::data_from(bodies.data.clone()).factor(self.factor);
+        bodies.follow(&drawn::between(&data, &bodies.omega(), &bodies.touch(Sides::Own)))
     }
 }

@@ -2,7 +2,7 @@
 
 use contact_bench::outcome::not_defined;
 use contact_bench::{Case, Contact, Formulation, Membrane, Outcome, Refusal, Sides};
-use forms_contact::proximal::{Proximal, ProximalOptions, solve_by_proximal_points};
+use forms_contact::proximal::{Proximal, ProximalOptions, ProximalSolution, solve_by_proximal_points};
 use forms_fem::prelude::*;
 
 #[forms(dimension = 2)]
@@ -14,31 +14,19 @@ mod law {
         alpha: Param,
         /// 1, or 0 for the line that touches e^ψ at the ψ before: one step of Newton's method.
         whole: Param,
+        /// ψ before.
+        before: Given<Scalar>,
     }
-    pub fn slack(psi: Scalar, before: Scalar) -> Scalar {
+    pub fn slack(psi: Scalar) -> Scalar {
         exp(before + whole * (psi - before)) * (1 + (1 - whole) * (psi - before))
     }
-    pub fn on_obstacle(
-        u: Unknown<Vector>,
-        psi: Unknown<Scalar>,
-        v: Test<Vector>,
-        w: Test<Scalar>,
-        before: State<Scalar>,
-    ) -> Form {
+    pub fn on_obstacle(u: Unknown<Vector>, psi: Unknown<Scalar>, v: Test<Vector>, w: Test<Scalar>) -> Form {
         let pressed = (before - psi) / alpha * dot(v, obstacle_normal);
-        balance(u, v)
-            + integral(Surface, weight() * (pressed + (obstacle_distance(u) - slack(psi, before)) * w))
+        balance(u, v) + integral(Surface, weight() * (pressed + (obstacle_distance(u) - slack(psi)) * w))
     }
-    pub fn between(
-        u: Unknown<Vector>,
-        psi: Unknown<Scalar>,
-        v: Test<Vector>,
-        w: Test<Scalar>,
-        before: State<Scalar>,
-    ) -> Form {
+    pub fn between(u: Unknown<Vector>, psi: Unknown<Scalar>, v: Test<Vector>, w: Test<Scalar>) -> Form {
         let pressed = this(before - psi) / alpha * dot(toward, jump(v));
-        balance(u, v)
-            + integral(Touch, own_weight() * (pressed + (distance(u) - this(slack(psi, before))) * this(w)))
+        balance(u, v) + integral(Touch, own_weight() * (pressed + (distance(u) - this(slack(psi))) * this(w)))
     }
 }
 
@@ -50,16 +38,11 @@ mod volume {
     pub struct Data {
         alpha: Param,
         whole: Param,
+        before: Given<Scalar>,
     }
-    use super::law::slack;
-    pub fn above(
-        u: Unknown<Scalar>,
-        psi: Unknown<Scalar>,
-        v: Test<Scalar>,
-        w: Test<Scalar>,
-        before: State<Scalar>,
-    ) -> Form {
-        balance(u, v) + integral(Omega, (psi - before) / alpha * v + (height(u) - slack(psi, before)) * w)
+    pub fn above(u: Unknown<Scalar>, psi: Unknown<Scalar>, v: Test<Scalar>, w: Test<Scalar>) -> Form {
+        let slack = exp(before + whole * (psi - before)) * (1 + (1 - whole) * (psi - before));
+        balance(u, v) + integral(Omega, (psi - before) / alpha * v + (height(u) - slack) * w)
     }
 }
 
@@ -102,6 +85,34 @@ impl ProximalGalerkin {
         if self.inner == Inner::Whole { 1.0 } else { 0.0 }
     }
 
+    fn scalars_on(&self, case: &Case) -> Result<Arc<Space<2>>, Refusal> {
+        match self.latent {
+            Latent::Equal => case.scalars(),
+            Latent::Cells => Err(not_defined("ψ is on a surface, which has no cells of its own")),
+        }
+    }
+
+    fn scalars(&self, membrane: &Membrane) -> Result<Arc<Space<2>>, Refusal> {
+        let (space, degree) = (&membrane.space, membrane.space.degree());
+        match self.latent {
+            Latent::Equal => Ok(Arc::clone(space)),
+            Latent::Cells if degree < 2 => Err(not_defined("degree 2 or more")),
+            Latent::Cells => Ok(Space::of(space.mesh(), Elements::Lagrange(degree - 2), Scope::Cell, &[])?),
+        }
+    }
+
+    /// The iteration, with the Newton steps of each problem.
+    fn iterate(
+        &self,
+        pressure: f64,
+        start: [Field<2>; 2],
+        step: impl Fn(Proximal<'_, 2>) -> Result<Solved<2, 2>, NewtonError>,
+    ) -> Result<(ProximalSolution<2>, Vec<usize>), Refusal> {
+        let found = solve_by_proximal_points(start, self.options(pressure), step, |_| ())?;
+        let newton = found.history.steps.iter().map(|step| step.newton_steps).collect();
+        Ok((found, newton))
+    }
+
     fn options(&self, pressure: f64) -> ProximalOptions {
         let usual = ProximalOptions { first_step: self.first / pressure, ..ProximalOptions::default() };
         match self.inner {
@@ -124,46 +135,33 @@ impl Formulation for ProximalGalerkin {
     }
 
     fn solve(&self, case: &Case) -> Result<Outcome, Refusal> {
-        if self.latent == Latent::Cells {
-            return Err(not_defined("ψ is on a surface, which has no cells of its own"));
-        }
-        let (scalars, bodies, load) = (case.scalars()?, case.bodies(), case.load());
-        let step = |Proximal { alpha, before }: Proximal<'_, 2>| {
-            let data = law::data_from(case.data.clone()).alpha(alpha).whole(self.whole());
+        let (scalars, bodies, load) = (self.scalars_on(case)?, case.bodies(), case.load());
+        let step = |at: Proximal<'_, 2>| {
+            let data =
+                law::data_from(case.data.clone()).alpha(at.alpha).whole(self.whole()).before(&at.before[1]);
             let form = match case.contact {
-                Contact::Obstacle(_) => law::on_obstacle(&data, &bodies, &load, &case.surface(), &before[1]),
-                Contact::Bodies(_) => {
-                    law::between(&data, &bodies, &load, &case.touch(Sides::Own), &before[1])
-                }
+                Contact::Obstacle(_) => law::on_obstacle(&data, &bodies, &load, &case.surface()),
+                Contact::Bodies(_) => law::between(&data, &bodies, &load, &case.touch(Sides::Own)),
             };
             // Undamped: a line search on the residual stalls where e^ψ is far off.
             let problem = case.mixed_problem(&form, &scalars).options(NewtonOptions::default());
-            problem.start([&before[0], &before[1]]).solve()
+            problem.start([&at.before[0], &at.before[1]]).solve()
         };
-        let options = self.options(case.pressure);
-        let start = [case.first(), Field::zero(&scalars)];
-        let found = solve_by_proximal_points(start, options, step, |_| ())?;
+        let (found, newton) = self.iterate(case.pressure, [case.first(), Field::zero(&scalars)], step)?;
         let pressures = case.known_pressures(&found.multiplier)?;
-        let newton = found.history.steps.iter().map(|step| step.newton_steps).collect();
         Ok(Outcome::of(case, &found.solved, pressures)?.after(newton))
     }
 
     fn cover(&self, membrane: &Membrane) -> Result<Outcome, Refusal> {
-        let (space, degree) = (&membrane.space, membrane.space.degree());
-        let scalars = match self.latent {
-            Latent::Equal => Arc::clone(space),
-            Latent::Cells if degree < 2 => return Err(not_defined("degree 2 or more")),
-            Latent::Cells => Space::of(space.mesh(), Elements::Lagrange(degree - 2), Scope::Cell, &[])?,
+        let scalars = self.scalars(membrane)?;
+        let step = |at: Proximal<'_, 2>| {
+            let data = volume::data_from(membrane.data.clone()).alpha(at.alpha).whole(self.whole());
+            let form = volume::above(&data.before(&at.before[1]), &membrane.omega());
+            membrane.mixed_problem(&form, &scalars).start([&at.before[0], &at.before[1]]).solve()
         };
-        let step = |Proximal { alpha, before }: Proximal<'_, 2>| {
-            let data = volume::data_from(membrane.data.clone()).alpha(alpha).whole(self.whole());
-            let form = volume::above(&data, &membrane.omega(), &before[1]);
-            membrane.mixed_problem(&form, &scalars).start([&before[0], &before[1]]).solve()
-        };
-        let start = [Field::zero(space), Field::zero(&scalars)];
-        let found = solve_by_proximal_points(start, self.options(membrane.pressure), step, |_| ())?;
+        let start = [Field::zero(&membrane.space), Field::zero(&scalars)];
+        let (found, newton) = self.iterate(membrane.pressure, start, step)?;
         let pressures = membrane.known_pressures(&found.multiplier)?;
-        let newton = found.history.steps.iter().map(|step| step.newton_steps).collect();
         Ok(membrane.outcome(&found.solved, pressures).after(newton))
     }
 }

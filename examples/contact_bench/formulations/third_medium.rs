@@ -32,6 +32,34 @@ pub fn all() -> Vec<ThirdMedium> {
     [5e-6, 5e-5, 1e-6].map(|softness| ThirdMedium { softness }).into()
 }
 
+impl ThirdMedium {
+    fn data(&self, filled: &Filled) -> law::Data<2> {
+        let [lambda, mu] = filled.reference;
+        let soft = medium(lambda, mu, self.softness, filled.size);
+        let data = law::data().lambda(filled.lambda).mu(filled.mu);
+        let data = data.medium_lambda(soft.lambda).medium_mu(soft.mu);
+        data.curvature_stiffness(soft.curvature_stiffness)
+    }
+}
+
+/// The force and its derivatives at a displacement.
+fn step(filled: &Filled, data: &law::Data<2>, u: &Field<2>, newton: usize) -> Result<Step, Refusal> {
+    let (omega, gap, assembler, lift) =
+        (law::Omega::on("body"), law::Medium::on("medium"), filled.assembler(), filled.lift()?);
+    let linear = |form: &Form<2>, way: f64| -> Result<Field<2>, Refusal> {
+        let problem = Problem::new(form, &filled.space).assembler(&assembler);
+        Ok(problem.constrained(&filled.constraints(way)?).solve()?.into_field())
+    };
+    let q = linear(&law::force_adjoint(data, &omega, &gap, u), 1.0)?;
+    let d = linear(&law::slope(data, &omega, &gap, u), 0.0)?;
+    let ratios = assembler.at_quadrature_points(&law::volume_ratio(data, u), Entity::Cells, "all", 5)?;
+    let force = assembler.functional(&law::force_along(data, &omega, &gap, u, &lift))?;
+    let by_mu = assembler.functional(&law::force_by_mu(data, &omega, &gap, u, &q))?;
+    let by_mu_twice = assembler.functional(&law::twice(data, &omega, &gap, u, &q, &d))?;
+    let least_volume = ratios.values.iter().map(|ratio| ratio[0]).fold(f64::INFINITY, f64::min);
+    Ok(Step { newton, force, by_mu, by_mu_twice, least_volume })
+}
+
 impl Formulation for ThirdMedium {
     fn name(&self) -> String {
         let of =
@@ -44,40 +72,17 @@ impl Formulation for ThirdMedium {
     }
 
     fn close(&self, filled: &Filled) -> Result<Vec<Step>, Refusal> {
-        let [lambda, mu] = filled.reference;
-        let soft = medium(lambda, mu, self.softness, filled.size);
-        let data = law::data().lambda(filled.lambda).mu(filled.mu);
-        let data = data.medium_lambda(soft.lambda).medium_mu(soft.mu);
-        let data = data.curvature_stiffness(soft.curvature_stiffness);
-        let (omega, gap) = (law::Omega::on("body"), law::Medium::on("medium"));
-        let loaded = law::GammaN::on("top");
-        let direct = contact::direct(&data, &omega, &gap, &loaded);
+        let (data, omega, gap) = (self.data(filled), law::Omega::on("body"), law::Medium::on("medium"));
+        let direct = contact::direct(&data, &omega, &gap, &law::GammaN::on("top"));
         let volume = law::volume(&data, &omega, &gap);
-        let (assembler, lift) = (filled.assembler(), filled.lift()?);
         let (mut u, mut steps) = (Field::zero(&filled.space), vec![]);
         for way in &filled.ways {
-            let problem = Problem::new(&direct, &filled.space).keep_positive(&volume);
-            let constraints = filled.constraints(*way)?;
-            let problem = problem.constrained(&constraints).assembler(&assembler).start(&u);
-            let solved = problem.options(filled.options.clone()).solve()?;
+            let (constraints, problem) = (filled.constraints(*way)?, Problem::new(&direct, &filled.space));
+            let problem = problem.constrained(&constraints).assembler(filled.assembler()).start(&u);
+            let solved = problem.keep_positive(&volume).options(filled.options.clone()).solve()?;
             let newton = solved.iterations();
             u = solved.into_field();
-            let linear = |form: &Form<2>, way: f64| -> Result<Field<2>, Refusal> {
-                let constraints = filled.constraints(way)?;
-                let problem = Problem::new(form, &filled.space).constrained(&constraints);
-                Ok(problem.assembler(&assembler).solve()?.into_field())
-            };
-            let q = linear(&law::force_adjoint(&data, &omega, &gap, &u), 1.0)?;
-            let d = linear(&law::slope(&data, &omega, &gap, &u), 0.0)?;
-            let ratios =
-                assembler.at_quadrature_points(&law::volume_ratio(&data, &u), Entity::Cells, "all", 5)?;
-            steps.push(Step {
-                newton,
-                force: assembler.functional(&law::force_along(&data, &omega, &gap, &u, &lift))?,
-                by_mu: assembler.functional(&law::force_by_mu(&data, &omega, &gap, &u, &q))?,
-                by_mu_twice: assembler.functional(&law::twice(&data, &omega, &gap, &u, &q, &d))?,
-                least_volume: ratios.values.iter().map(|ratio| ratio[0]).fold(f64::INFINITY, f64::min),
-            });
+            steps.push(step(filled, &data, &u, newton)?);
         }
         Ok(steps)
     }

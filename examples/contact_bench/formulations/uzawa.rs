@@ -52,17 +52,34 @@ pub fn all() -> Vec<Uzawa> {
     vec![Uzawa]
 }
 
-/// The largest change of the multiplier, which becomes the pressure.
-fn updated(
-    assembler: &Assembler<2>,
-    pressure: &Expression<2>,
-    multiplier: &History<f64, 2>,
-) -> Result<f64, Refusal> {
-    let before = assembler.history_values(multiplier)?;
-    assembler.update_history(pressure, multiplier)?;
-    multiplier.commit();
-    let after = assembler.history_values(multiplier)?;
-    Ok(before.iter().zip(&after).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f64::max))
+/// The iteration for a problem from a start, with the pressure that becomes the multiplier, and the Newton steps of each problem.
+fn iterate<'a>(
+    (problem, mut u): (impl Fn() -> Problem<'a, 2>, Field<2>),
+    (assembler, multiplier): (&Assembler<2>, &History<f64, 2>),
+    pressure: impl Fn(&Field<2>) -> Expression<2>,
+    scale: f64,
+) -> Result<(Solved<2>, Vec<usize>), Refusal> {
+    let (mut newton, mut before) = (vec![], assembler.history_values(multiplier)?);
+    while newton.len() < MOST {
+        let solved = problem().assembler(assembler).start(&u).solve()?;
+        newton.push(solved.iterations());
+        assembler.update_history(&pressure(solved.field()), multiplier)?;
+        multiplier.commit();
+        let after = assembler.history_values(multiplier)?;
+        let change = before.iter().zip(&after).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f64::max);
+        if change <= TOLERANCE * scale {
+            return Ok((solved, newton));
+        }
+        (u, before) = (solved.into_field(), after);
+    }
+    Err(Failed(format!("the multiplier still changes after {MOST} iterations")))
+}
+
+fn multiplier(case: &Case, assembler: &Assembler<2>, rule: usize) -> Result<History<f64, 2>, Refusal> {
+    match case.contact {
+        Contact::Obstacle(_) => Ok(assembler.history(Entity::Facets, case.own(), rule, 0.0)?),
+        Contact::Bodies(_) => Ok(assembler.history_on_pairs(&case.pairing(Sides::Own), rule, 0.0)?),
+    }
 }
 
 impl Formulation for Uzawa {
@@ -72,33 +89,20 @@ impl Formulation for Uzawa {
 
     fn solve(&self, case: &Case) -> Result<Outcome, Refusal> {
         // One point per facet more than the degree: more would constrain the displacement too much.
-        let (pairing, rule) = (case.pairing(Sides::Own), 2 * case.space.degree());
+        let (is_pair, rule) = (matches!(case.contact, Contact::Bodies(_)), 2 * case.space.degree());
         let assembler = Assembler::new(case.mesh()).with_quadrature(Quadrature::Degree(rule));
-        let multiplier = match case.contact {
-            Contact::Obstacle(_) => assembler.history(Entity::Facets, case.own(), rule, 0.0)?,
-            Contact::Bodies(_) => assembler.history_on_pairs(&pairing, rule, 0.0)?,
-        };
+        let multiplier = multiplier(case, &assembler, rule)?;
         let data = law::data_from(case.data.clone()).multiplier(multiplier.clone());
-        let form = match case.contact {
-            Contact::Obstacle(_) => law::on_obstacle(&data, &case.surface()),
-            Contact::Bodies(_) => law::between(&data, &case.touch(Sides::Own)),
+        let form = match is_pair {
+            false => law::on_obstacle(&data, &case.surface()),
+            true => law::between(&data, &case.touch(Sides::Own)),
         };
-        let pressure = |u: &Field<2>| match case.contact {
-            Contact::Obstacle(_) => law::pressure(&data, u),
-            Contact::Bodies(_) => law::pair_pressure(&data, u),
-        };
-        let (mut u, mut newton) = (case.first(), vec![]);
-        while newton.len() < MOST {
-            let solved = case.problem(&form).assembler(&assembler).start(&u).solve()?;
-            newton.push(solved.iterations());
-            let pressures = case.pressures(&pressure(solved.field()))?;
-            let change = updated(&assembler, &pressure(solved.field()), &multiplier)?;
-            if change <= TOLERANCE * case.pressure {
-                return Ok(Outcome::of(case, &solved, pressures)?.after(newton));
-            }
-            u = solved.into_field();
-        }
-        Err(Failed(format!("the multiplier still changes after {MOST} iterations")))
+        let pressure =
+            |u: &Field<2>| if is_pair { law::pair_pressure(&data, u) } else { law::pressure(&data, u) };
+        let at = (|| case.problem(&form), case.first());
+        let (solved, newton) = iterate(at, (&assembler, &multiplier), pressure, case.pressure)?;
+        let pressures = case.pressures(&pressure(solved.field()))?;
+        Ok(Outcome::of(case, &solved, pressures)?.after(newton))
     }
 
     fn cover(&self, membrane: &Membrane) -> Result<Outcome, Refusal> {
@@ -106,19 +110,11 @@ impl Formulation for Uzawa {
         let assembler = Assembler::new(membrane.space.mesh()).with_quadrature(Quadrature::Degree(rule));
         let multiplier = assembler.history(Entity::Cells, "all", rule, 0.0)?;
         let data = volume::data_from(membrane.data.clone()).multiplier(multiplier.clone());
-        let (form, mut u, mut newton) =
-            (volume::above(&data, &membrane.omega()), Field::zero(&membrane.space), vec![]);
-        while newton.len() < MOST {
-            let solved = membrane.problem(&form).assembler(&assembler).start(&u).solve()?;
-            newton.push(solved.iterations());
-            let force = volume::force(&data, solved.field());
-            let pressures = membrane.pressures(&force)?;
-            let change = updated(&assembler, &force, &multiplier)?;
-            if change <= TOLERANCE * membrane.pressure {
-                return Ok(membrane.outcome(&solved, pressures).after(newton));
-            }
-            u = solved.into_field();
-        }
-        Err(Failed(format!("the multiplier still changes after {MOST} iterations")))
+        let form = volume::above(&data, &membrane.omega());
+        let (at, force) = ((|| membrane.problem(&form), Field::zero(&membrane.space)), |u: &Field<2>| {
+            volume::force(&data, u)
+        });
+        let (solved, newton) = iterate(at, (&assembler, &multiplier), force, membrane.pressure)?;
+        Ok(membrane.outcome(&solved, membrane.pressures(&force(solved.field()))?).after(newton))
     }
 }

@@ -1,6 +1,10 @@
 //! Problems, a file each.
 
+mod bar;
+mod boxes;
+mod cattaneo;
 mod closing_c;
+mod drawn_die;
 mod grading;
 mod half_ball;
 mod half_ring;
@@ -33,6 +37,13 @@ pub fn all() -> Vec<Box<dyn Posed>> {
     ];
     all.extend(wavy::PRESSURES.map(|part| -> Box<dyn Posed> { Box::new(wavy::Wavy { part }) }));
     all.push(Box::new(half_ball::HalfBall));
+    for scheme in bar::SCHEMES {
+        all.extend([1.0, 0.5].map(|courant| -> Box<dyn Posed> { Box::new(bar::Bar { scheme, courant }) }));
+    }
+    all.push(Box::new(cattaneo::Cattaneo));
+    all.push(Box::new(boxes::Boxes));
+    all.push(Box::new(drawn_die::DrawnDie::OverDie));
+    all.push(Box::new(drawn_die::DrawnDie::OverSlab));
     all.push(Box::new(obstacle::Obstacle));
     all.push(Box::new(closing_c::ClosingC));
     all.push(Box::new(half_ring::HalfRing::Quadrilaterals));

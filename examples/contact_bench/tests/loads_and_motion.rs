@@ -1,0 +1,102 @@
+//! A falling bar, friction that turns round, boxes in space and a die that is drawn, compared with closed forms and other programs.
+
+mod rows;
+
+use rows::{quantity, rows};
+use serde_json::Value;
+
+/// The rows of a formulation that were solved, by level.
+fn solved(all: &[Value], problem: &str, formulation: &str) -> Vec<Value> {
+    let is_it = |row: &&Value| row["problem"] == problem && row["formulation"] == formulation;
+    let found: Vec<Value> = all.iter().filter(is_it).cloned().collect();
+    assert!(!found.is_empty(), "no {formulation} on {problem}");
+    found
+}
+
+#[test]
+fn a_bar_bounces_as_its_waves_say() {
+    let problems = "bar_mid_point,bar_massless,bar_backward";
+    let formulations = "nitsche θ = 0,augmented,dual";
+    let asked = ["--problems", problems, "--formulations", formulations, "--degrees", "1", "--levels", "2"];
+    let all = rows(&asked);
+    for formulation in ["nitsche θ = 0", "augmented Lagrangian", "dual multipliers (bounds at nodes)"] {
+        for problem in problems.split(',') {
+            let rows = solved(&all, problem, formulation);
+            let off = |level: usize, name: &str, exact: f64| (quantity(&rows[level], name) - exact).abs();
+            assert!(off(1, "impulse", 800.0 / 3.0) < 3.0, "{formulation}, {problem}");
+            assert!(off(1, "end at t = 2", 5.0 / 3.0) < 0.2, "{formulation}, {problem}");
+            assert!(off(1, "end at t = 7/3", 40.0 / 9.0) < 0.3, "{formulation}, {problem}");
+        }
+        // Without mass at the end, and with damping, the pressure follows 300 t.
+        for (problem, most) in [("bar_massless", 30.0), ("bar_backward", 6.5)] {
+            let worst = [0, 1].map(|level| {
+                quantity(&solved(&all, problem, formulation)[level], "worst error of p for 1.1 < t < 1.6")
+            });
+            assert!(worst[1] < most && worst[1] < 0.6 * worst[0], "{formulation}, {problem}: {worst:?}");
+        }
+    }
+    // A step begins when the bar touches, so that the gap is zero at both of its ends and the force of exact conditions does no work.
+    for formulation in ["augmented Lagrangian", "dual multipliers (bounds at nodes)"] {
+        for row in solved(&all, "bar_mid_point", formulation) {
+            let change = quantity(&row, "change of the energy/500");
+            assert!(change.abs() < 1e-8, "{formulation}: {change:e}");
+        }
+    }
+}
+
+#[test]
+fn friction_sticks_and_slips_as_cattaneo_says() {
+    let formulations = "nitsche θ = 0,augmented";
+    let asked = ["--problems", "cattaneo", "--formulations", formulations, "--degrees", "2", "--levels", "2"];
+    let all = rows(&asked);
+    for formulation in ["nitsche θ = 0", "augmented Lagrangian"] {
+        let rows = solved(&all, "cattaneo", formulation);
+        for (level, row) in rows.iter().enumerate() {
+            assert!((quantity(row, "P") / 0.1 - 1.0).abs() < 5e-4, "{formulation}");
+            assert!((quantity(row, "Q/κP") / 0.6 - 1.0).abs() < 4e-3, "{formulation}");
+            let cell = [0.25, 0.125][level];
+            assert!(
+                (quantity(row, "c/a") - 0.632456).abs() < cell,
+                "{formulation}: {}",
+                quantity(row, "c/a")
+            );
+        }
+        for name in ["error of τ, Q = 0.6 κP", "error of τ, Q = 0", "error of τ, Q = −0.6 κP"] {
+            let errors = [0, 1].map(|level| quantity(&rows[level], name));
+            let most = if name.ends_with("Q = 0") { 0.3 } else { 0.035 };
+            assert!(errors[1] < most && errors[1] < 0.7 * errors[0], "{formulation}, {name}: {errors:?}");
+        }
+    }
+}
+
+/// NGSolve's energy with degree 3, ± 0.2 %.
+#[test]
+fn boxes_in_space_have_the_energy_of_another_program() {
+    let asked = ["--problems", "boxes", "--formulations", "nitsche θ = 0", "--degrees", "2", "--levels", "1"];
+    for formulation in ["nitsche θ = 0", "nitsche θ = 0, unbiased"] {
+        let row = &solved(&rows(&asked), "boxes", formulation)[0];
+        assert!((quantity(row, "energy 4") / 4.81e-3 - 1.0).abs() < 2e-3, "{row}");
+        // From the first touch on the force is proportional to the way.
+        let forces =
+            [1, 2, 3, 4].map(|k| quantity(row, &format!("reaction {k}")) / (0.025 * k as f64 - 1e-4));
+        assert!(forces.iter().all(|force| (force / forces[3] - 1.0).abs() < 1e-6), "{forces:?}");
+    }
+}
+
+/// GetFEM's force varies by 0.0081 along a cell of the slab, and its side force is up to 0.0095 of it.
+#[test]
+fn the_force_of_a_drawn_die_varies_as_in_another_program() {
+    let formulations = "nitsche θ = 0,mortar";
+    let asked =
+        ["--problems", "drawn_die", "--formulations", formulations, "--degrees", "1", "--levels", "1"];
+    let all = rows(&asked);
+    for formulation in ["nitsche θ = 0", "nitsche θ = 0, unbiased", "nitsche θ = 0, points of whole facets"]
+    {
+        let row = &solved(&all, "drawn_die", formulation)[0];
+        let [across, along] =
+            ["(max − min)/mean of F_y", "largest |F_x|/F_y"].map(|name| quantity(row, name));
+        assert!((4e-3..9e-3).contains(&across) && (5e-3..1e-2).contains(&along), "{across} {along}");
+    }
+    let mortar = &solved(&all, "drawn_die", "mortar, degree 1")[0];
+    assert!(quantity(mortar, "(max − min)/mean of F_y") < 5e-3, "{mortar}");
+}

@@ -1,0 +1,232 @@
+//! Two elastic bodies with friction, in the plane or in space, under one load after the other: what a formulation gets there.
+
+use forms_fem::forms;
+use forms_fem::prelude::*;
+
+use crate::case::Sides;
+use crate::outcome::Refusal;
+
+#[doc(inline)]
+pub use self::bodies::*;
+
+/// Elasticity of two bodies, and what contact with friction is written in.
+#[forms]
+pub mod bodies {
+    use forms_contact::operators::bodies::{own_gamma, present_gap};
+    use forms_contact::operators::friction::{augmented_traction, contact_traction, slip_limit};
+    use forms_contact::operators::linear_elastic::stress;
+
+    /// Materials, the scale γ₀ of a formulation's stiffness, friction, and the displacement from which slip is counted.
+    #[includes(forms_contact::operators::bodies::Data, forms_contact::operators::friction::Data)]
+    pub struct Data {}
+
+    /// Both bodies.
+    #[cells]
+    pub struct Omega;
+    /// The surfaces that may touch.
+    #[pairs]
+    pub struct Touch;
+
+    /// Σ a_i(u,v).
+    pub fn balance(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(Omega, inner(stress(u), eps(v)))
+    }
+
+    /// Σ ½ a_i(u,u).
+    pub fn energy(u: State<Vector>) -> Functional {
+        integral(Omega, inner(stress(u), eps(u)) / 2)
+    }
+
+    /// T(λ), the traction that contact and friction allow: the projection of λ, with springs of stiffness γ on the gap and the slip.
+    pub fn allowed(traction: Vector, w: Vector) -> Vector {
+        let P = augmented_traction(
+            this(traction),
+            present_gap(w),
+            jump(w - displacement_before),
+            own_gamma(),
+            toward,
+        );
+        contact_traction(P, slip_limit(neg_part(dot(P, toward))), toward)
+    }
+
+    /// The gap between the displaced surfaces.
+    pub fn separation(w: Vector) -> Scalar {
+        present_gap(w)
+    }
+
+    /// Gaps, which are printed at points that switch back and forth.
+    pub fn gap_of_bodies(u: Unknown<Vector>) -> Functional {
+        integral(Touch, separation(u))
+    }
+
+    /// A traction that is a field on the own surface.
+    pub fn known(l: Vector) -> Vector {
+        this(l)
+    }
+}
+
+/// A load: conditions on displacements, and the coefficient of friction while they are reached.
+#[derive(Clone, Debug)]
+pub struct Load<const D: usize> {
+    /// Conditions on displacements.
+    pub supports: Constraints<D>,
+    /// κ.
+    pub friction: f64,
+}
+
+/// Two bodies on a mesh.
+#[derive(Clone, Debug)]
+pub struct TwoBodies<const D: usize> {
+    /// Displacements.
+    pub space: Arc<Space<D>>,
+    /// Names of the surfaces that may touch, the own one in front. The other one covers it.
+    pub surfaces: [String; 2],
+    /// E \[stress\].
+    pub young: f64,
+    /// λ and μ \[stress\].
+    pub lame: [f64; 2],
+    /// The loads, one after the other.
+    pub loads: Vec<Load<D>>,
+    /// A typical pressure \[stress\].
+    pub pressure: f64,
+}
+
+/// The bodies after a load.
+#[derive(Clone, Debug)]
+pub struct AfterLoad<const D: usize> {
+    /// The displacement.
+    pub u: Field<D>,
+    /// Points of the own surface, with weights and the tractions of the opposite body there.
+    pub tractions: forms_fem::assemble::PointValues<D>,
+    /// The residual by unknown of the displacement: reactions where values are prescribed.
+    pub residual: Vec<f64>,
+    /// Newton steps.
+    pub newton: usize,
+}
+
+impl<const D: usize> TwoBodies<D>
+where
+    Dim: Dimension<D>,
+{
+    /// Both bodies as a region.
+    pub fn omega(&self) -> Omega {
+        Omega::on("all")
+    }
+
+    /// The pairs.
+    pub fn pairing(&self, sides: Sides) -> Pairing {
+        let [own, opposite] = self.surfaces.each_ref().map(String::as_str);
+        match sides {
+            Sides::Both => Pairing::between(own, opposite),
+            Sides::Own | Sides::OwnWholeFacets => Pairing::onto(own, opposite),
+        }
+    }
+
+    /// The pairs as a region.
+    pub fn touch(&self, sides: Sides) -> Touch {
+        Touch::on(self.pairing(sides))
+    }
+
+    /// The data of a load after a displacement, with γ₀ as a multiple of E.
+    fn data(&self, stiffness: f64, load: &Load<D>, before: &Field<D>) -> Data<D> {
+        let data = self.materials().gamma0(stiffness * self.young);
+        data.friction(load.friction).displacement_before(before)
+    }
+
+    fn materials(&self) -> Data<D> {
+        let [lambda, mu] = self.lame;
+        data().lambda(lambda).mu(mu).gamma0(self.young)
+    }
+
+    fn assembler(&self) -> Assembler<D> {
+        let degree = 2 * self.space.degree() + 2;
+        Assembler::new(self.space.mesh()).with_quadrature(Quadrature::Degree(degree))
+    }
+
+    /// The path of a form in u, with γ₀ as a multiple of E and the traction on the own surface.
+    ///
+    /// # Errors
+    /// Newton's method fails.
+    pub fn follow(
+        &self,
+        stiffness: f64,
+        form: impl Fn(Data<D>) -> Form<D>,
+        traction: impl Fn(Data<D>, &Field<D>) -> Expression<D>,
+    ) -> Result<Vec<AfterLoad<D>>, Refusal> {
+        let step = |data: &Data<D>, load: &Load<D>, [u]: &[Field<D>; 1]| {
+            let problem = Problem::new(&form(data.clone()), &self.space).constrained(&load.supports);
+            let problem = problem.assembler(self.assembler()).options(crate::Case::options());
+            problem.observe(&self.observed()).start(u).solve()
+        };
+        self.all_loads(stiffness, [Field::zero(&self.space)], step, |data, [u]| traction(data, u))
+    }
+
+    /// The path of a form in u and a multiplier, the traction on the own surface, with γ₀ as a multiple of E.
+    ///
+    /// # Errors
+    /// Newton's method fails.
+    pub fn follow_multiplier(
+        &self,
+        stiffness: f64,
+        multiplier: Field<D>,
+        form: impl Fn(Data<D>) -> Form<D>,
+    ) -> Result<Vec<AfterLoad<D>>, Refusal> {
+        let multipliers = Arc::clone(multiplier.space());
+        let step = |data: &Data<D>, load: &Load<D>, [u, l]: &[Field<D>; 2]| {
+            let problem = Problem::new(&form(data.clone()), [&self.space, &multipliers]);
+            let problem = problem.constrained(&load.supports).assembler(self.assembler());
+            problem.options(crate::Case::options()).start([u, l]).solve()
+        };
+        let start = [Field::zero(&self.space), multiplier];
+        self.all_loads(stiffness, start, step, |data, [_, l]| known(&data, l))
+    }
+
+    fn observed(&self) -> Functional<D> {
+        gap_of_bodies(&self.materials(), &self.touch(Sides::Own))
+    }
+
+    fn all_loads<const N: usize>(
+        &self,
+        stiffness: f64,
+        mut fields: [Field<D>; N],
+        step: impl Fn(&Data<D>, &Load<D>, &[Field<D>; N]) -> Result<Solved<D, N>, NewtonError>,
+        traction: impl Fn(Data<D>, &[Field<D>; N]) -> Expression<D>,
+    ) -> Result<Vec<AfterLoad<D>>, Refusal> {
+        let mut path = vec![];
+        for (number, load) in self.loads.iter().enumerate() {
+            let data = self.data(stiffness, load, &fields[0]);
+            let failed = |why| Refusal::Failed(format!("load {}: {}", number + 1, Refusal::from(why)));
+            let solved = step(&data, load, &fields).map_err(failed)?;
+            let tractions = traction(data, &solved.fields);
+            path.push(AfterLoad {
+                u: solved.fields[0].clone(),
+                tractions: self.assembler().at_pairs(&tractions, &self.pairing(Sides::Own), MEASURED)?,
+                residual: solved.residual[..self.space.unknowns()].to_vec(),
+                newton: solved.iterations(),
+            });
+            fields = solved.fields;
+        }
+        Ok(path)
+    }
+
+    /// The largest penetration at points of the own surface, zero without one \[length\].
+    ///
+    /// # Errors
+    /// Data that do not fit.
+    pub fn penetration(&self, u: &Field<D>) -> Result<f64, Refusal> {
+        let gap = separation(&self.materials(), u);
+        let gaps = self.assembler().at_pairs(&gap, &self.pairing(Sides::Own), MEASURED)?;
+        Ok(gaps.values.iter().fold(0.0, |most: f64, gap| most.max(-gap[0])))
+    }
+
+    /// Σ ½ a_i(u,u).
+    ///
+    /// # Errors
+    /// Data that do not fit.
+    pub fn energy(&self, u: &Field<D>) -> Result<f64, Refusal> {
+        Ok(self.assembler().functional(&energy(&self.materials(), &self.omega(), u))?)
+    }
+}
+
+/// The degree of quadrature at which tractions and gaps are measured.
+const MEASURED: usize = 8;
