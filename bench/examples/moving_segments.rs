@@ -78,13 +78,13 @@ fn lines<const D: usize>(
         let pairing = Pairing::between("slab top", "block bottom").at(places);
         let facets = mesh.facet_region("slab top")?.len() + mesh.facet_region("block bottom")?.len();
         let form = form(pairing.clone(), &Field::zero(&space));
-        let assembler =
-            Assembler::new(&mesh).with_threads(Threads::ONE).with_quadrature(quadrature.clone());
+        let assembler = Assembler::new(&mesh).with_threads(Threads::ONE).with_quadrature(quadrature.clone());
         let tests = [&space];
         let pattern = assembler.pattern(&form, &tests, &tests)?;
         let mut matrix = BlockMatrix::zero(pattern.sparsity());
         let search = least(states.len(), |k| Ok(drop(assembler.pairs_at(&pairing, 0, &states[k])?)))?;
-        let residual = least(states.len(), |k| Ok(drop(assembler.residual(&form, &[&states[k]], &tests)?)))?;
+        let residual =
+            least(states.len(), |k| Ok(drop(assembler.residual(&form, &[&states[k]], &tests)?)))?;
         let tangent = least(states.len(), |k| {
             Ok(assembler.assemble_tangent(&form, &[&states[k]], &tests, Parts::ALL, &pattern, &mut matrix)?)
         })?;

@@ -205,7 +205,6 @@ impl<const D: usize> Search<'_, '_, D> {
     }
 
     /// The parts that see the candidates, each without the others.
-    #[inline(never)]
     fn find_parts(
         &self,
         own: &SurfaceFacet<D>,
@@ -264,7 +263,6 @@ impl<const D: usize> Search<'_, '_, D> {
     }
 
     /// Drops what nearer facets hide. Facets with a common corner hide nothing of each other.
-    #[inline(never)]
     fn drop_hidden(
         &self,
         own: &SurfaceFacet<D>,
