@@ -6,7 +6,7 @@
 use super::PairError;
 use super::found::Found;
 use super::rays::Rays;
-use super::search::Search;
+use super::search::{FACING, Search};
 use super::segment_motion::{FEET, Shares, foot, foot_matrix};
 use super::segments::{PartPoint, SegmentRoom, continued_by};
 use super::surface::{SurfaceFacet, dot, minus};
@@ -214,9 +214,14 @@ impl<const D: usize> Search<'_, '_, D> {
     ) -> Result<(), PairError> {
         let Polygons { polygon, clipped, parts } = polygons;
         parts.clear();
+        let normal = own.at(&own.middle()).normal();
         let lines = if own.parameters().len() == 3 { &TRIANGLE[..] } else { &SQUARE[..] };
         for &facet in candidates {
             let opposite = &self.opposite[facet];
+            // Facets that the own one sees from the side may fold; no ray counts that meets them.
+            if dot(&normal, &opposite.at(&opposite.middle()).normal()) >= FACING {
+                continue;
+            }
             let folded = || PairError::SegmentsFolded { position: own.centre.to_vec() };
             let mut feet = [[0.0; 2]; FEET];
             polygon.clear();
@@ -233,10 +238,10 @@ impl<const D: usize> Search<'_, '_, D> {
                 let value = |corner: &Corner| constant + slope[0] * corner.s[0] + slope[1] * corner.s[1];
                 polygon.iter().all(|corner| value(corner) <= ON_OUTLINE)
             };
-            if area(polygon) <= 0.0 || lines.iter().any(beside) {
+            if area(polygon) <= SMALLEST || lines.iter().any(beside) {
                 continue;
             }
-            if !is_convex(polygon) {
+            if polygon.len() > 3 && !is_convex(polygon) {
                 return Err(folded());
             }
             for line in lines {
