@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p forms-bench --example moving_segments [-- CELLS]`
 //!
-//! A block on a longer slab, Nitsche's method with Coulomb's friction over both surfaces, one thread. The search for pairs is included.
+//! A block on a longer slab, in space of tetrahedra, Nitsche's method with Coulomb's friction over both surfaces, one thread. The search for pairs is included.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -15,7 +15,7 @@ use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
 use forms_fem::threads::Threads;
 
-#[forms(dimension = 2)]
+#[forms]
 mod elastic {
     use forms_contact::operators::friction::{augmented_traction, contact_traction};
     use forms_contact::operators::linear_elastic::stress;
@@ -53,62 +53,77 @@ fn least(
     Ok(least)
 }
 
+/// The lines of two bodies, whose surfaces touch where the upper one is moved.
+fn lines<const D: usize>(
+    out: &mut StandardOutput,
+    [slab, block]: [&Mesh<D>; 2],
+    (degree, quadrature): (usize, Quadrature<D>),
+    form: impl Fn(Pairing, &Field<D>) -> Form<D>,
+) -> Result<(), Box<dyn Error>> {
+    let mesh = Mesh::of_bodies(&[("slab", slab), ("block", block)])?;
+    let space = Space::vector(&mesh, degree)?;
+    let states: Vec<Field<D>> = (0..12)
+        .map(|k| {
+            let phase = 1e-4 * f64::from(k);
+            Field::interpolate(&space, |x| {
+                let mut u = [0.0; D];
+                if x[D - 1] > 0.01005 {
+                    u[D - 1] = -3e-4 + 5e-5 * (20.0 * x[0] + phase).sin();
+                }
+                u
+            })
+        })
+        .collect::<Result<_, _>>()?;
+    for places in [PairQuadrature::WholeFacets, PairQuadrature::Pieces] {
+        let pairing = Pairing::between("slab top", "block bottom").at(places);
+        let facets = mesh.facet_region("slab top")?.len() + mesh.facet_region("block bottom")?.len();
+        let form = form(pairing.clone(), &Field::zero(&space));
+        let assembler = Assembler::new(&mesh).with_threads(Threads::ONE).with_quadrature(quadrature.clone());
+        let tests = [&space];
+        let pattern = assembler.pattern(&form, &tests, &tests)?;
+        let mut matrix = BlockMatrix::zero(pattern.sparsity());
+        let search = least(states.len(), |k| Ok(drop(assembler.pairs_at(&pairing, 0, &states[k])?)))?;
+        let residual =
+            least(states.len(), |k| Ok(drop(assembler.residual(&form, &[&states[k]], &tests)?)))?;
+        let tangent = least(states.len(), |k| {
+            Ok(assembler.assemble_tangent(&form, &[&states[k]], &tests, Parts::ALL, &pattern, &mut matrix)?)
+        })?;
+        let report = assembler.pairs_at(&pairing, 0, &states[0])?;
+        let micro = |seconds: f64| 1e6 * seconds / facets as f64;
+        out.line(format!(
+            "| {:?} {degree} | {places:?} | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} |",
+            mesh.cell_shape(0),
+            report.segments as f64 / facets as f64,
+            report.points as f64 / facets as f64,
+            micro(search),
+            micro(residual),
+            micro(tangent)
+        ));
+    }
+    Ok(())
+}
+
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let count: usize = std::env::args().nth(1).map_or(Ok(1000), |count| count.parse())?;
-    out.line("| elements | rule | points | residual | tangent |");
+    out.line("| elements | rule | segments | points | search | residual | tangent |");
     for (shape, degree) in
         [(CellShape::Quadrilateral, 1), (CellShape::Quadrilateral, 2), (CellShape::Triangle, 2)]
     {
         let slab = rectangle([0.0, 0.0], [2.0, 0.01], [count, 2], shape, 1)?;
         let block = rectangle([0.3, 0.0101], [1.7, 0.02], [(0.9 * count as f64) as usize, 2], shape, 1)?;
-        let mesh = Mesh::of_bodies(&[("slab", &slab), ("block", &block)])?;
-        let space = Space::vector(&mesh, degree)?;
-        let none = Field::zero(&space);
-        let states: Vec<Field<2>> = (0..12)
-            .map(|k| {
-                let phase = 1e-4 * f64::from(k);
-                Field::interpolate(&space, |x| {
-                    [0.0, if x[1] > 0.01005 { -3e-4 + 5e-5 * (20.0 * x[0] + phase).sin() } else { 0.0 }]
-                })
-            })
-            .collect::<Result<_, _>>()?;
-        for quadrature in [PairQuadrature::WholeFacets, PairQuadrature::Pieces] {
-            let pairing = Pairing::between("slab top", "block bottom").at(quadrature);
-            let facets = mesh.facet_region("slab top")?.len() + mesh.facet_region("block bottom")?.len();
-            let data = elastic::data().lambda(115.4).mu(76.9).gamma0(4e3).kappa(0.3).old(&none);
-            let form = elastic::balance(&data, &elastic::Touch::on(pairing.clone()));
-            let assembler = Assembler::new(&mesh)
-                .with_threads(Threads::ONE)
-                .with_quadrature(Quadrature::Degree(2 * degree + 1));
-            let tests = [&space];
-            let pattern = assembler.pattern(&form, &tests, &tests)?;
-            let mut matrix = BlockMatrix::zero(pattern.sparsity());
-            let residual = least(states.len(), |k| {
-                assembler.residual(&form, &[&states[k]], &tests)?;
-                Ok(())
-            })?;
-            let tangent = least(states.len(), |k| {
-                assembler.assemble_tangent(
-                    &form,
-                    &[&states[k]],
-                    &tests,
-                    Parts::ALL,
-                    &pattern,
-                    &mut matrix,
-                )?;
-                Ok(())
-            })?;
-            let points = assembler.pairs_at(&pairing, 2 * degree + 1, &states[0])?.points;
-            let micro = |seconds: f64| 1e6 * seconds / facets as f64;
-            out.line(format!(
-                "| {shape:?} {degree} | {quadrature:?} | {:.2} | {:.2} | {:.2} |",
-                points as f64 / facets as f64,
-                micro(residual),
-                micro(tangent)
-            ));
-        }
+        lines(out, [&slab, &block], (degree, Quadrature::Degree(2 * degree + 1)), |pairing, none| {
+            let data = elastic::data().lambda(115.4).mu(76.9).gamma0(4e3).kappa(0.3).old(none);
+            elastic::balance(&data, &elastic::Touch::on(pairing))
+        })?;
     }
-    Ok(())
+    let cells = (count / 25).max(4);
+    let (shape, fewer) = (CellShape::Tetrahedron, cells * 6 / 10);
+    let slab = cuboid([0.0; 3], [2.0, 2.0, 0.01], [cells, cells, 1], shape, 1)?;
+    let block = cuboid([0.3, 0.3, 0.0101], [1.7, 1.7, 0.02], [fewer, fewer, 1], shape, 1)?;
+    lines(out, [&slab, &block], (1, Quadrature::Degree(2)), |pairing, none| {
+        let data = elastic::data().lambda(115.4).mu(76.9).gamma0(4e3).kappa(0.3).old(none);
+        elastic::balance(&data, &elastic::Touch::on(pairing))
+    })
 }
 
 fn main() -> ExitCode {

@@ -6,7 +6,7 @@ use forms_fem::mesh::structured;
 use forms_fem::prelude::*;
 use forms_fem::threads::Threads;
 
-#[forms(dimension = 2)]
+#[forms]
 pub mod springs {
     pub struct Data {
         gamma: Param,
@@ -45,7 +45,7 @@ pub fn bent(space: &Arc<Space<2>>, phase: f64) -> Field<2> {
     .unwrap()
 }
 
-pub fn model(pairing: &Pairing) -> springs::Model<2> {
+pub fn model<const D: usize>(pairing: &Pairing) -> springs::Model<D> {
     let regions = springs::Regions::default().touch(pairing.clone().at(PairQuadrature::Pieces));
     springs::Model { data: springs::data().gamma(7.0), regions }
 }

@@ -5,5 +5,6 @@ mod errors;
 mod histories;
 mod patch;
 mod rings;
+mod space;
 mod tangent;
 mod wobble;

@@ -9,9 +9,9 @@ const MU: f64 = 200.0 / 2.6;
 /// γ.
 const GAMMA: f64 = 4000.0;
 /// The shortening of block and layer, which are ½ high.
-const DOWN: f64 = 0.01;
+pub const DOWN: f64 = 0.01;
 
-#[forms(dimension = 2)]
+#[forms]
 pub mod layers {
     pub struct Data {
         lambda: Param,
@@ -72,9 +72,16 @@ pub fn bodies(shape: CellShape, cells: [usize; 2]) -> Mesh<2> {
     Mesh::of_bodies(&[("layer", &layer), ("block", &block)]).unwrap()
 }
 
-fn pressure_of(method: Method) -> f64 {
+pub fn pressure_of(method: Method) -> f64 {
     let soft = if method == Method::Penalty { 1.0 / GAMMA } else { 0.0 };
     DOWN / (1.0 / (LAMBDA + 2.0 * MU) + soft)
+}
+
+/// The data of a method over one surface or both.
+pub fn data_of<const D: usize>(method: Method, pairing: &Pairing) -> layers::Data<D> {
+    let theta = if let Method::Nitsche(theta) = method { theta } else { 0.0 };
+    let share = if pairing.surfaces.len() == 2 { 0.5 } else { 1.0 };
+    layers::data().lambda(LAMBDA).mu(MU).gamma(GAMMA).theta(theta).share(share).pressure(pressure_of(method))
 }
 
 /// The forms of a method, and a displacement with the block moved by (`aside`, `up`). The nodes of the interface belong to two bodies: the
@@ -85,15 +92,7 @@ pub fn layers_of(
     pairing: &Pairing,
     (u, aside, up): (&Field<2>, f64, f64),
 ) -> (layers::Model<2>, Field<2>) {
-    let theta = if let Method::Nitsche(theta) = method { theta } else { 0.0 };
-    let share = if pairing.surfaces.len() == 2 { 0.5 } else { 1.0 };
-    let data = layers::data()
-        .lambda(LAMBDA)
-        .mu(MU)
-        .gamma(GAMMA)
-        .theta(theta)
-        .share(share)
-        .pressure(pressure_of(method));
+    let data = data_of(method, pairing);
     let regions = layers::Regions::default()
         .surface("layer top")
         .touch(pairing.clone().at(PairQuadrature::Pieces))

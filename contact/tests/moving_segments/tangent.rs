@@ -19,7 +19,7 @@ pub fn wave(space: &Arc<Space<2>>, size: f64, phase: f64) -> Field<2> {
     .unwrap()
 }
 
-fn moved(u: &Field<2>, w: &Field<2>, t: f64) -> Field<2> {
+fn moved<const D: usize>(u: &Field<D>, w: &Field<D>, t: f64) -> Field<D> {
     let values = u.values().iter().zip(w.values()).map(|(u, w)| u + t * w).collect();
     Field::from_values(u.space(), values).unwrap()
 }
@@ -29,10 +29,14 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// The largest difference of the tangent's product and a difference of fourth order, as a part of the largest entry.
-pub fn off_differences(assembler: &Assembler<2>, form: &Form<2>, u: &Field<2>, w: &Field<2>) -> f64 {
+pub fn off_differences<const D: usize>(
+    assembler: &Assembler<D>,
+    form: &Form<D>,
+    (u, w): (&Field<D>, &Field<D>),
+    h: f64,
+) -> f64 {
     let space = [u.space()];
     let residual = |t: f64| assembler.residual(form, &[&moved(u, w, t)], &space).unwrap();
-    let h = 2e-4;
     let product = assembler.tangent(form, &[u], &space).unwrap().multiply(w.values()).unwrap();
     let [a, b, c, d] = [h, -h, 2.0 * h, -2.0 * h].map(residual);
     let difference = |k: usize| (8.0 * (a[k] - b[k]) - (c[k] - d[k])) / (12.0 * h);
@@ -43,7 +47,12 @@ pub fn off_differences(assembler: &Assembler<2>, form: &Form<2>, u: &Field<2>, w
 }
 
 /// The least order of |R(u + t w) − R(u) − t K w| over halvings of t > 0.
-fn taylor_order(assembler: &Assembler<2>, form: &Form<2>, u: &Field<2>, w: &Field<2>) -> [f64; 2] {
+pub fn taylor_order<const D: usize>(
+    assembler: &Assembler<D>,
+    form: &Form<D>,
+    u: &Field<D>,
+    w: &Field<D>,
+) -> [f64; 2] {
     let space = [u.space()];
     let product = assembler.tangent(form, &[u], &space).unwrap().multiply(w.values()).unwrap();
     let start = assembler.residual(form, &[u], &space).unwrap();
@@ -72,7 +81,7 @@ fn tangents_of_springs_are_those_of_differences() {
             for phase in [0.2, 1.1] {
                 let (u, w) = (bent(&space, phase), wave(&space, 1.0, 0.7 + phase));
                 let form = springs_between(&pairing).forces();
-                let off = off_differences(&Assembler::new(&mesh), &form, &u, &w);
+                let off = off_differences(&Assembler::new(&mesh), &form, (&u, &w), 2e-4);
                 println!("{shape:?} {geometry} {degree} {pairing} {phase}: {off:.1e}");
                 assert!(off < 1e-9, "{shape:?} {degree} {pairing}: {off:e}");
             }
@@ -96,7 +105,7 @@ fn tangents_of_nitsche_are_those_of_differences() {
             for pairing in pairings() {
                 let (u, w) = (wave(&space, 0.01, 0.3), wave(&space, 1.0, 1.7));
                 let (model, u) = layers_of(&mesh, Method::Nitsche(theta), &pairing, (&u, 0.173, -0.03));
-                let off = off_differences(&Assembler::new(&mesh), &model.nitsche(), &u, &w);
+                let off = off_differences(&Assembler::new(&mesh), &model.nitsche(), (&u, &w), 2e-4);
                 println!("{shape:?} {degree} theta {theta} {pairing}: {off:.1e}");
                 assert!(off < 1e-9, "{shape:?} {degree} {theta} {pairing}: {off:e}");
             }
@@ -117,7 +126,7 @@ fn tangents_with_friction_are_those_of_differences() {
         let law = sliding::Model { data, regions };
         let (u, w) = (wave(&space, 0.01, 0.3), wave(&space, 1.0, 1.7));
         let (_, u) = layers_of(&mesh, Method::Penalty, &pairing, (&u, 0.173, -0.05));
-        let off = off_differences(&Assembler::new(&mesh), &law.direct(), &u, &w);
+        let off = off_differences(&Assembler::new(&mesh), &law.direct(), (&u, &w), 2e-4);
         println!("degree {degree}: {off:.1e}");
         assert!(off < 1e-9, "{degree}: {off:e}");
     }
@@ -142,7 +151,7 @@ fn self_contact_and_rigid_tools() {
         let assembler = Assembler::new(&pin);
         let report = assembler.pairs_at(&pairing.clone().at(PairQuadrature::Pieces), 3, &u).unwrap();
         assert!(report.segments > 12 && report.paired_measure > 2.0, "{report:?}");
-        let off = off_differences(&assembler, &springs_between(&pairing).forces(), &u, &w);
+        let off = off_differences(&assembler, &springs_between(&pairing).forces(), (&u, &w), 2e-4);
         println!("hairpin, degree {degree}: {off:.1e}");
         assert!(off < 1e-9, "{degree}: {off:e}");
         let block = rectangle([0.0, 0.0], [2.0, 0.6], [6, 2], CellShape::Quadrilateral, 1).unwrap();
@@ -162,7 +171,7 @@ fn self_contact_and_rigid_tools() {
         }
         let w = Field::from_values(&space, values).unwrap();
         let form = springs_between(&Pairing::onto("top", "tool")).forces();
-        let off = off_differences(&Assembler::new(&mesh), &form, &u, &w);
+        let off = off_differences(&Assembler::new(&mesh), &form, (&u, &w), 2e-4);
         println!("tool, degree {degree}: {off:.1e}");
         assert!(off < 1e-9, "{degree}: {off:e}");
     }
@@ -183,7 +192,8 @@ fn a_plate_that_hides_another_one() {
         let space = Space::vector(&mesh, degree).unwrap();
         let (u, w) = (wave(&space, 0.01, 0.4), wave(&space, 1.0, 1.7));
         let pairing = Pairing::onto("own top", "lids").within_reach(0.6);
-        let off = off_differences(&Assembler::new(&mesh), &springs_between(&pairing).forces(), &u, &w);
+        let off =
+            off_differences(&Assembler::new(&mesh), &springs_between(&pairing).forces(), (&u, &w), 2e-4);
         println!("degree {degree}: {off:.1e}");
         assert!(off < 1e-9, "{degree}: {off:e}");
     }

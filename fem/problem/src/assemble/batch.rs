@@ -54,6 +54,8 @@ pub(super) struct Batch<'a, L, const D: usize> {
     start: usize,
     /// Number of lanes that hold cells of their own.
     filled: usize,
+    /// The own facet's coordinate along which points of moving segments have slopes.
+    direction: usize,
     /// Largest distance between the two sides of an interior facet.
     tolerance: [f64; WIDEST],
     /// Weight of a point without its quadrature weight, and the normal, where the geometry is affine.
@@ -101,10 +103,17 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
             buffers,
             start: 0,
             filled: 0,
+            direction: 0,
             tolerance: [0.0; WIDEST],
             affine: None,
             least: L::splat(f64::INFINITY),
         })
+    }
+
+    /// Slopes along one of the own facet's coordinates, where values carry any and points are those of moving segments.
+    #[inline(always)]
+    pub fn move_along(&mut self, direction: usize) {
+        self.direction = direction;
     }
 
     fn two_sided(&self) -> bool {

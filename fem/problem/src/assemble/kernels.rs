@@ -233,7 +233,7 @@ impl<K: LinearKernel<D>, const D: usize> VectorCalls<D> for K {
             return Err(AssemblyError::NoLevelSetDerivative { form: task.binding.name });
         }
         // Kernels whose points nothing moves are not compiled once more.
-        if const { K::MOVED_BY_LEVEL_SET || (K::SLIDES && D == 2) } {
+        if const { K::MOVED_BY_LEVEL_SET || K::SLIDES } {
             return task.compute_moving((self, constants), set, moving, deliver);
         }
         Ok(())

@@ -1,7 +1,7 @@
-//! The part of a tangent that moves the points of moving segments: Σ over their ends e of ∂R/∂s_e ⊗ ∂s_e/∂u.
+//! The part of a tangent that moves the points of moving segments: Σ over coordinates c of the feet of opposite nodes of ∂R/∂c ⊗ ∂c/∂u.
 //!
-//! `element_loops/segments.rs` has the first factor and `pairs/segment_motion.rs` the second one, which has entries for the nodes of the own facet
-//! and those of the facet whose node the end follows.
+//! `element_loops/moving_points.rs` has the first factor and `pairs/segment_motion.rs` the second one, which has entries for the nodes of the own
+//! facet and those of the facet that has the node.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -22,15 +22,12 @@ use crate::field::FieldView;
 use crate::instantiate::instantiate;
 use crate::linear_algebra::BlockMatrix;
 use crate::mesh::Facet;
-use crate::pairs::{MovingEnd, PairError};
+use crate::pairs::{Foot, PairError};
 use crate::space::Space;
-
-/// The derivative of an end of a segment by the displacement of a node.
-type Rate<const D: usize> = (u32, [f64; D]);
 
 /// Whether a form has integrals over moving segments.
 pub(super) fn has_segments<const D: usize>(form: &Function<D>) -> bool {
-    D == 2 && form.residual().iter().any(|term| displacing_segments(form, term).is_some())
+    form.residual().iter().any(|term| displacing_segments(form, term).is_some())
 }
 
 /// The fields that displace the moving segments of a term; none of other terms.
@@ -42,11 +39,40 @@ fn displacing_segments<const D: usize>(
     term.integral.displacement.filter(|by| region.is_on_moving_segments(Some(by)))
 }
 
-/// The derivatives of an end by the coefficients of a space; none of an end of the own facet.
-fn rates<const D: usize>(end: &MovingEnd<D>, own: Facet, space: &Space<D>) -> Vec<Rate<D>> {
-    let Some(node) = &end.node else { return vec![] };
-    let mut rates: Vec<Rate<D>> = Vec::new();
-    let mut add = |facet: Facet, reference: &[f64; D], of_node: &dyn Fn(f64, &[f64; D]) -> [f64; D]| {
+/// The derivatives of the coordinates of a unit's feet by the coefficients of a space.
+#[derive(Default)]
+struct Rates<const D: usize> {
+    columns: Vec<u32>,
+    /// Of each column and coordinate.
+    rates: Vec<[f64; D]>,
+    coordinates: usize,
+}
+
+impl<const D: usize> Rates<D> {
+    fn take(&mut self, feet: &[Option<Foot<D>>], own: Facet, space: &Space<D>) {
+        self.columns.clear();
+        self.rates.clear();
+        self.coordinates = feet.len() * (D - 1);
+        for (k, foot) in feet.iter().enumerate() {
+            let Some(foot) = foot else { continue };
+            self.add((k, space), foot.facet, &foot.node, |axis, value, _| {
+                foot.apart[axis].map(|component| value * component)
+            });
+            self.add((k, space), own, &foot.own, |axis, value, gradient| {
+                let slope: f64 = (0..D).map(|k| gradient[k] * foot.turning[axis][k]).sum();
+                std::array::from_fn(|k| slope * foot.normal[k] - value * foot.apart[axis][k])
+            });
+        }
+    }
+
+    /// The rates of one foot by the nodes of a facet, from values and gradients of their functions.
+    fn add(
+        &mut self,
+        (foot, space): (usize, &Space<D>),
+        facet: Facet,
+        reference: &[f64; D],
+        of_node: impl Fn(usize, f64, &[f64; D]) -> [f64; D],
+    ) {
         let (mut value, mut gradient) = ([0.0; MAXIMUM_NODES], [[0.0; D]; MAXIMUM_NODES]);
         let element = space.traces_of(space.mesh.cell_shape(facet.cell as usize));
         element.evaluate(reference, &mut value, &mut gradient);
@@ -56,19 +82,18 @@ fn rates<const D: usize>(end: &MovingEnd<D>, own: Facet, space: &Space<D>) -> Ve
             false => element.facet_nodes(usize::from(facet.local)),
         };
         for place in places {
-            let rate = of_node(value[place], &gradient[place]);
-            match rates.iter_mut().find(|(known, _)| *known == nodes[place]) {
-                Some((_, known)) => (0..D).for_each(|k| known[k] += rate[k]),
-                None => rates.push((nodes[place], rate)),
+            let column = self.columns.iter().position(|known| *known == nodes[place]).unwrap_or_else(|| {
+                self.columns.push(nodes[place]);
+                self.rates.resize(self.columns.len() * self.coordinates, [0.0; D]);
+                self.columns.len() - 1
+            });
+            for axis in 0..D - 1 {
+                let rate = of_node(axis, value[place], &gradient[place]);
+                let known = &mut self.rates[column * self.coordinates + foot * (D - 1) + axis];
+                (0..D).for_each(|k| known[k] += rate[k]);
             }
         }
-    };
-    add(node.facet, &node.reference, &|value, _| node.apart.map(|component| value * component));
-    add(own, &end.reference, &|value, gradient| {
-        let slope: f64 = (0..D).map(|k| gradient[k] * end.along[k]).sum();
-        std::array::from_fn(|k| slope * node.turned[k] - value * node.apart[k])
-    });
-    rates
+    }
 }
 
 impl<const D: usize> Assembler<D> {
@@ -85,9 +110,6 @@ impl<const D: usize> Assembler<D> {
         pattern: &BlockPattern<D>,
         matrix: &mut BlockMatrix,
     ) -> Result<(), AssemblyError> {
-        if D != 2 {
-            return Ok(());
-        }
         for term in form.residual().iter().filter(|term| parts.contain(term.integral.dependence)) {
             let Some(displacing) = displacing_segments(form, term) else { continue };
             let mut binding = self.bind(form, unknowns)?;
@@ -137,28 +159,32 @@ impl<const D: usize> Motion<'_, D> {
         for group in groups(binding, integral, quadrature, &degrees, constants.requirements, &arguments)? {
             let side = group.side(form, integral.test_side)?;
             let Some(pairs) = group.pairs() else { continue };
-            let vectors = self.vectors_by_ends(&group, side, element)?;
+            let vectors = self.vectors_by_feet(&group, side, element)?;
             let [reading, _] = Reading::of_arguments(constants.requirements);
             let nodes = group.sides[side].elements[element].nodes;
             let seen = seen_places(&group, side, test, reading).unwrap_or_else(|| (0..nodes).collect());
             let local = group.sides[side].facet.map(|(local, _)| local);
             let (values, zeros) = matrix.values_and_zero_rows();
             let (values, zeros) = (&mut values[blocks.values()], &mut zeros[rows.clone()]);
-            let size = nodes * height;
+            let (size, motion) = (nodes * height, &pairs.group.motion);
+            let mut rates = Rates::default();
             for (unit, facets) in pairs.group.facets.iter().enumerate() {
                 let at = test.nodes_at(group.sides[side].cells[unit], local);
-                for (number, end) in pairs.group.motion.ends[unit].iter().enumerate() {
-                    let by_end = &vectors[(2 * unit + number) * size..][..size];
-                    let rates = rates(end, facets[0], trials);
-                    let moved = rates.iter().flat_map(|rate| seen.iter().map(move |place| (rate, *place)));
-                    for ((column, rate), place) in moved {
-                        let row = at[place] as usize;
+                rates.take(motion.feet_of(unit, group.entities()), facets[0], trials);
+                let coordinates = rates.coordinates;
+                let by_feet = &vectors[coordinates * unit * size..][..coordinates * size];
+                for (column, rates) in rates.columns.iter().zip(rates.rates.chunks_exact(coordinates)) {
+                    for place in &seen {
+                        let row = at[*place] as usize;
                         let first = blocks.place(row, *column).ok_or_else(missing)? * height * width;
                         zeros[row] = false;
-                        let by_end = &by_end[place * height..][..height];
-                        let entries =
-                            by_end.iter().flat_map(|by_end| rate.iter().map(move |rate| by_end * rate));
-                        values[first..].iter_mut().zip(entries).for_each(|(value, entry)| *value += entry);
+                        let entries = values[first..][..height * width].chunks_exact_mut(width);
+                        for (component, entries) in entries.enumerate() {
+                            for (coordinate, rate) in rates.iter().enumerate() {
+                                let by_foot = by_feet[coordinate * size + place * height + component];
+                                (0..D).for_each(|k| entries[k] += by_foot * rate[k]);
+                            }
+                        }
                     }
                 }
             }
@@ -166,8 +192,8 @@ impl<const D: usize> Motion<'_, D> {
         Ok(())
     }
 
-    /// The derivatives of the element vectors of a group by the ends of their segments, unit after unit.
-    fn vectors_by_ends(
+    /// The derivatives of the element vectors of a group by the feet of their segments, unit after unit.
+    fn vectors_by_feet(
         &self,
         group: &Group<D>,
         side: usize,
@@ -181,7 +207,7 @@ impl<const D: usize> Motion<'_, D> {
         let parts = (0..threads).map(|part| part * count / threads..(part + 1) * count / threads).collect();
         let found = assembler.threads.run(parts, |units: Range<usize>| {
             let mut vectors: Vec<f64> = Vec::new();
-            let moving = (PointMotion::ByEnds, units);
+            let moving = (PointMotion::ByFeet, units);
             term.kernel.compute_moving(&task, assembler.instructions, moving, &mut |_, some| {
                 vectors.extend_from_slice(some);
                 Ok(())

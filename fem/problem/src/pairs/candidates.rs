@@ -43,9 +43,9 @@ impl<const D: usize> RayBundle<D> {
         RayBundle { centre: own.centre, radius: 0.0, direction, spread: 0.0, reach }
     }
 
-    /// The rays from all points of a facet in the plane whose position is a polynomial of degree two at most: its normal turns one way from
-    /// end to end.
-    pub fn of_segment(own: &SurfaceFacet<D>, reach: f64) -> Self {
+    /// The rays from all points of a facet in the plane whose position is a polynomial of degree two at most, or of one of degree one: its
+    /// normals are between those of its corners.
+    pub fn of_facet(own: &SurfaceFacet<D>, reach: f64) -> Self {
         let mut beam = RayBundle { radius: own.radius, ..RayBundle::along_normal_of(own, reach) };
         for end in own.parameters().iter().map(|s| own.at(s)) {
             beam.hold(&Rays { x: end.position, n: end.normal() }, 1);

@@ -16,13 +16,25 @@ const DEGREE_OF_STRAIGHT: usize = 3;
 /// The rule on parabolas: three points. With two the tangent jumps where segments appear.
 const DEGREE_OF_CURVED: usize = 5;
 
-/// Whether an own surface can be cut.
+/// The rules on triangles in space: three points where all facets are triangles, six where quadrilaterals have products of bilinear
+/// functions.
+const DEGREES_IN_SPACE: [usize; 2] = [2, 4];
+
+/// Whether an own surface can be cut; in space also by the opposite one.
 ///
 /// # Errors
 /// [`PairError::SegmentsInSpace`], [`PairError::SegmentsOfDegree`].
-pub(super) fn check<const D: usize>(surface: &str, own: &[SurfaceFacet<D>]) -> Result<(), PairError> {
-    if D != 2 {
-        return Err(PairError::SegmentsInSpace);
+pub(super) fn check<const D: usize>(
+    surfaces: [&str; 2],
+    [own, opposite]: [&[SurfaceFacet<D>]; 2],
+) -> Result<(), PairError> {
+    let [surface, _] = surfaces;
+    if D == 3 {
+        let straight = [own, opposite].map(|facets| facets.iter().all(|facet| facet.of_degree_one));
+        return match straight.iter().position(|straight| !straight) {
+            Some(place) => Err(PairError::SegmentsInSpace { surface: surfaces[place].to_owned() }),
+            None => Ok(()),
+        };
     }
     match own.iter().all(|facet| facet.parabola().is_some()) {
         true => Ok(()),
@@ -33,8 +45,11 @@ pub(super) fn check<const D: usize>(surface: &str, own: &[SurfaceFacet<D>]) -> R
 /// The degree of the rule on segments where the user leaves it to an estimate. That of the integrand's fields would count kinks that
 /// segments do not have.
 pub(super) fn degree_of<const D: usize>(own: &[SurfaceFacet<D>], opposite: &[SurfaceFacet<D>]) -> usize {
-    let straight = own.iter().chain(opposite).all(|facet| facet.affine);
-    if straight { DEGREE_OF_STRAIGHT } else { DEGREE_OF_CURVED }
+    match (D, own.iter().chain(opposite).all(|facet| facet.affine)) {
+        (2, true) => DEGREE_OF_STRAIGHT,
+        (2, false) => DEGREE_OF_CURVED,
+        (_, affine) => DEGREES_IN_SPACE[usize::from(!affine)],
+    }
 }
 
 /// The coordinates inside (0, 1) at which the normal of a curve in the plane runs through a point, ascending; of three the first ones of

@@ -117,12 +117,33 @@ pub enum PairError {
         "a history has values for each own and opposite facet once, and this pairing has some of them twice"
     )]
     Twice,
-    /// Moving segments in space.
+    /// Moving segments in space of facets that are not of degree one.
     #[error(
-        "pairs of displaced surfaces are cut into pieces in the plane only: leave out `.at(PairQuadrature::Pieces)`, so that the points \
-         of whole facets slide"
+        "displaced surfaces in space are cut into pieces where both have facets of degree one, and \"{surface}\" has others: take \
+         displacements and a mesh of degree one, or leave out `.at(PairQuadrature::Pieces)`, so that the points of whole facets slide"
     )]
-    SegmentsInSpace,
+    SegmentsInSpace {
+        /// The surface with other facets.
+        surface: String,
+    },
+    /// An opposite facet whose corners, as an own facet in space sees them, are not those of a convex polygon.
+    #[error(
+        "an opposite facet is no convex polygon as the own facet at {position:?} sees it, and cannot be cut into pieces: refine, or leave \
+         out `.at(PairQuadrature::Pieces)`"
+    )]
+    SegmentsFolded {
+        /// The middle of the own facet.
+        position: Vec<f64>,
+    },
+    /// Opposite facets in space of which one hides a part of the other.
+    #[error(
+        "an opposite facet hides a part of another one from the own facet at {position:?}, so that neither is cut into pieces: lower the \
+         reach (`Pairing::within_reach`), let the pairing have one of them, or leave out `.at(PairQuadrature::Pieces)`"
+    )]
+    SegmentsHidden {
+        /// The middle of what would see the hidden facet.
+        position: Vec<f64>,
+    },
     /// Moving segments of facets whose positions have too high a degree.
     #[error(
         "the facets of \"{surface}\" have a degree above two and cannot be cut where opposite nodes slide: take displacements and a mesh of \

@@ -1,8 +1,10 @@
 //! Results of a search: points with their opposite points, facet by facet, and their numbers.
 
+use std::ops::Range;
+
 use super::PairGroup;
 use super::candidates::KeptList;
-use super::segment_motion::MovingEnd;
+use super::segment_motion::Foot;
 use super::surface::SurfaceFacet;
 use crate::mesh::{Facet, Mesh};
 
@@ -29,8 +31,15 @@ pub(super) struct Unit {
     /// How many points it has, and where they begin.
     pub count: usize,
     pub start: FirstPoint,
-    /// Of a moving segment, its place among those that were found.
-    pub segment: Option<usize>,
+    pub segment: Option<MovingUnit>,
+}
+
+/// The places of a moving segment's numbers among those that were found.
+#[derive(Clone, Debug)]
+pub(super) struct MovingUnit {
+    pub feet: Range<usize>,
+    /// The first of its points.
+    pub shares: usize,
 }
 
 /// Where a unit's points begin among numbers and normals of those that were found.
@@ -111,11 +120,10 @@ pub(super) struct Found<const D: usize> {
     pub rigid_normals: Vec<[f64; D]>,
     /// Of each point of a whole facet with rays: its place among the points of the rule.
     pub rule_points: Vec<u16>,
-    /// Of each point of a moving segment: the derivatives of its numbers along the segment, and the part of the segment before it.
-    pub slopes: Vec<f64>,
-    pub fractions: Vec<f64>,
-    /// Of each moving segment.
-    pub ends: Vec<[MovingEnd<D>; 2]>,
+    /// Of the points of moving segments, as [`GroupMotion`](super::GroupMotion) has them.
+    pub slopes: [Vec<f64>; 2],
+    pub shares: Vec<f64>,
+    pub feet: Vec<Option<Foot<D>>>,
     /// Of each own facet.
     pub counts: Vec<Counts<D>>,
     /// Lists of candidates that were made for some own facets.
@@ -140,9 +148,9 @@ impl<const D: usize> Found<D> {
             points: Vec::with_capacity(facets * points * PairGroup::<D>::STRIDE),
             rigid_normals: vec![],
             rule_points: Vec::with_capacity(facets * points),
-            slopes: vec![],
-            fractions: vec![],
-            ends: vec![],
+            slopes: [vec![], vec![]],
+            shares: vec![],
+            feet: vec![],
             counts: Vec::with_capacity(facets),
             remade: vec![],
         }

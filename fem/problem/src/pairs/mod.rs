@@ -15,8 +15,9 @@
 //! candidates     the facets that rays may meet, kept while motions are small
 //! search, points, ray_points, found   the opposite points of an own facet's points
 //! pieces, clip   an own facet in parts that face one opposite facet, in the plane and in space
-//! segments, cuts   the same on displaced surfaces in the plane, where cuts move with the surfaces
-//! segment_motion   derivatives of their ends and points
+//! segments, cuts   the same on displaced surfaces, where cuts move with the surfaces, in the plane
+//! polygons   the same in space
+//! segment_motion   derivatives of their cuts and points
 //! report    the numbers of a pairing's points
 //! known, surface_values   searches that were done, and the values that identify them
 //! jumping_data   functions of position that do not know on which body they are
@@ -45,6 +46,7 @@ mod opposite;
 mod parabola;
 mod pieces;
 mod points;
+mod polygons;
 mod ray_points;
 mod rays;
 mod report;
@@ -70,7 +72,7 @@ use self::candidates::KeptCandidates;
 pub(crate) use self::displacement::{Displacement, DisplacementField};
 pub use self::error::PairError;
 pub use self::first_touch::{Approach, FirstTouch};
-use self::found::{Counts, Found, Unit};
+use self::found::{Counts, Found, MovingUnit, Unit};
 pub(crate) use self::jumping_data::ReadFunction;
 pub(crate) use self::known::KnownPairs;
 use self::points::OfFacets;
@@ -78,7 +80,7 @@ pub use self::report::PairReport;
 use self::rest::SurfacesAtRest;
 pub(crate) use self::rigid::coupled_facets;
 use self::search::Search;
-pub(crate) use self::segment_motion::{GroupMotion, MovingEnd};
+pub(crate) use self::segment_motion::{Foot, GroupMotion};
 use self::surfaces::Surfaces;
 pub use self::tunnelling::FollowedMotion;
 pub(crate) use self::tunnelling::Follower;
@@ -122,6 +124,8 @@ impl<const D: usize> PairGroup<D> {
         };
         let kept: Vec<usize> =
             (0..self.facets.len()).filter(|unit| wanted(self.facets[*unit][0].cell)).collect();
+        let units = self.facets.len();
+        let coordinates = self.motion.coordinates(units);
         PairGroup {
             sides: self.sides,
             facets: kept.iter().map(|unit| self.facets[*unit]).collect(),
@@ -134,9 +138,9 @@ impl<const D: usize> PairGroup<D> {
                 .copied()
                 .collect(),
             motion: GroupMotion {
-                slopes: of_units(&self.motion.slopes, Self::STRIDE, &kept),
-                fractions: of_units(&self.motion.fractions, 1, &kept),
-                ends: kept.iter().filter_map(|unit| self.motion.ends.get(*unit).cloned()).collect(),
+                slopes: self.motion.slopes.each_ref().map(|slopes| of_units(slopes, Self::STRIDE, &kept)),
+                shares: of_units(&self.motion.shares, coordinates * D, &kept),
+                feet: kept.iter().flat_map(|unit| self.motion.feet_of(*unit, units)).cloned().collect(),
             },
         }
     }
@@ -216,9 +220,9 @@ impl<const D: usize> Pairs<D> {
     pub fn facets(&self) -> Vec<[Facet; 2]> {
         let mut facets: Vec<_> = self.groups.iter().flat_map(|group| &group.facets).copied().collect();
         for group in &self.groups {
-            for (sides, ends) in group.facets.iter().zip(&group.motion.ends) {
-                let nodes = ends.iter().filter_map(|end| end.node.as_ref()).map(|node| node.facet);
-                let hidden = nodes.filter(|facet| *facet != sides[1]);
+            for (unit, sides) in group.facets.iter().enumerate() {
+                let feet = group.motion.feet_of(unit, group.facets.len()).iter().flatten();
+                let hidden = feet.map(|foot| foot.facet).filter(|facet| *facet != sides[1]);
                 facets.extend(hidden.flat_map(|third| sides.map(|side| [side, third])));
             }
         }
@@ -291,11 +295,12 @@ fn grouped<const D: usize>(mesh: &Mesh<D>, found: &[Found<D>]) -> Vec<Arc<PairGr
         for point in part.points[start.numbers..].chunks_exact(PairGroup::<D>::STRIDE).take(*count) {
             group.points.extend_from_slice(point);
         }
-        if let Some(segment) = segment {
-            let from = start.numbers;
-            group.motion.slopes.extend(&part.slopes[from..][..count * PairGroup::<D>::STRIDE]);
-            group.motion.fractions.extend(&part.fractions[from / PairGroup::<D>::STRIDE..][..*count]);
-            group.motion.ends.push(part.ends[*segment].clone());
+        if let Some(MovingUnit { feet, shares }) = segment {
+            for (slopes, found) in group.motion.slopes.iter_mut().zip(&part.slopes).take(D - 1) {
+                slopes.extend(&found[start.numbers..][..count * PairGroup::<D>::STRIDE]);
+            }
+            group.motion.shares.extend(&part.shares[*shares..][..count * feet.len() * (D - 1) * D]);
+            group.motion.feet.extend_from_slice(&part.feet[feet.clone()]);
         }
         let places = part.rule_points.iter().skip(start.numbers / PairGroup::<D>::STRIDE);
         group.rule_points.extend(places.take(*count));

@@ -22,7 +22,8 @@ pub(super) struct NearestOnRays<L: SimdLane> {
 
 impl<const D: usize> Search<'_, '_, D> {
     /// The points opposite to those of an own facet with coordinates `from`: of the points that are accepted those with the smallest
-    /// |g|; of several those on the facet with the lowest number. Candidates are ascending.
+    /// |g|; of several those on the facet with the lowest number. Candidates are ascending;
+    /// facets are continued by a tolerance in their own coordinates.
     #[inline(always)]
     pub fn nearest_on_rays<L: SimdLane>(
         &self,
@@ -31,6 +32,7 @@ impl<const D: usize> Search<'_, '_, D> {
         rays: &Rays<D, L>,
         candidates: &[usize],
         reach: f64,
+        continued: f64,
     ) -> NearestOnRays<L> {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let (reach, facing) = (L::splat(reach), L::splat(FACING * FACING));
@@ -40,7 +42,7 @@ impl<const D: usize> Search<'_, '_, D> {
         let mut least = L::splat(f64::INFINITY);
         for index in 0..candidates.len() {
             let facet = &self.opposite[candidates[index]];
-            let Some(Met { met, s, point }) = along_rays(facet, rays) else { continue };
+            let Some(Met { met, s, point }) = along_rays(facet, rays, continued) else { continue };
             let gap = dot(&rays.n, &minus(&point.position, &rays.x));
             let distance = gap.abs();
             // Without the normal's length: the product is negative, and its square not below that of FACING.

@@ -34,7 +34,7 @@ impl<const D: usize> LaneWork for OfFacets<'_, '_, '_, D> {
             let mut room = SegmentRoom::default();
             for index in facets {
                 found.begin();
-                search.add_segments_of::<L>(index, &mut found, &mut room);
+                search.add_segments_of::<L>(index, &mut found, &mut room)?;
             }
         } else if search.places == PlacesOfPoints::WholeFacets && search.projection == Projection::Ray {
             let mut rays = RayRoom::<D, L>::new(&search.rules);

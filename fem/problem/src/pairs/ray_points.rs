@@ -9,6 +9,7 @@ use super::nearest_on_rays::NearestOnRays;
 use super::rays::Rays;
 use super::search::Search;
 use super::surface::{SurfaceFacet, dot, over};
+use super::tolerances::INSIDE;
 use crate::element::CellShape;
 use crate::lanes::{SimdLane, WIDEST};
 use crate::quadrature::QuadratureRule;
@@ -85,7 +86,7 @@ impl<const D: usize> Search<'_, '_, D> {
         counts.measure = measure;
         for batch in 0..points.len() {
             let rays = &rays[batch];
-            let nearest = self.nearest_on_rays(own, &points[batch], rays, candidates, reach);
+            let nearest = self.nearest_on_rays(own, &points[batch], rays, candidates, reach, INSIDE);
             let lanes = &mut batches[batch];
             lanes.take(&nearest, rays);
             let first = batch * L::WIDTH;

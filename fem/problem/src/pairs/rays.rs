@@ -24,21 +24,23 @@ pub(super) struct Met<const D: usize, L: SimdLane> {
     pub point: SurfacePoint<D, L>,
 }
 
-/// The points at which rays meet a facet; none where all pass it by. What a ray meets does not depend on its neighbours.
+/// The points at which rays meet a facet, continued by a tolerance in its coordinates; none where all pass it by. What a ray meets does not
+/// depend on its neighbours.
 #[inline(always)]
 pub(super) fn along_rays<L: SimdLane, const D: usize>(
     facet: &SurfaceFacet<D>,
     rays: &Rays<D, L>,
+    tolerance: f64,
 ) -> Option<Met<D, L>> {
     let Rays { x, n } = rays;
     let (s, met) = match facet.parabola() {
         Some(parabola) => {
             let s = [parabola.met_by(x, n), L::splat(0.0)];
-            (s, facet.contains(&s, INSIDE))
+            (s, facet.contains(&s, tolerance))
         }
         None => {
-            let (s, found) = along_flat(facet, rays)?;
-            (s, L::and(found, facet.contains(&s, INSIDE)))
+            let (s, found) = along_flat(facet, rays, tolerance)?;
+            (s, L::and(found, facet.contains(&s, tolerance)))
         }
     };
     if !L::any(met) {
@@ -53,12 +55,13 @@ pub(super) fn along_rays<L: SimdLane, const D: usize>(
 fn along_flat<L: SimdLane, const D: usize>(
     facet: &SurfaceFacet<D>,
     rays: &Rays<D, L>,
+    tolerance: f64,
 ) -> Option<([L; 2], L::Mask)> {
     let Rays { x, n } = rays;
     // A line passes the facet by where its distance from the centre exceeds the radius.
     let off = minus(&splat(&facet.centre), x);
     let along = dot(&off, n);
-    let largest = L::splat(facet.radius * facet.radius * (1.0 + 1e-6));
+    let largest = L::splat((facet.radius * (1.0 + 2.0 * tolerance)).powi(2) * (1.0 + 1e-6));
     let mut open = (dot(&off, &off) - along * along).less_equal(largest);
     if !L::any(open) {
         return None;
@@ -66,7 +69,7 @@ fn along_flat<L: SimdLane, const D: usize>(
     let own = facet.flat()?;
     let flat = own.met_by(x, n);
     let [first, second] = own.doubt(n);
-    let tolerance = L::splat(INSIDE);
+    let tolerance = L::splat(tolerance);
     open = L::and(open, L::not(facet.is_missed_by(&flat, &[first + tolerance, second + tolerance])));
     if !L::any(open) {
         return None;
@@ -127,6 +130,6 @@ pub(super) fn along_ray<const D: usize>(
     x: &[f64; D],
     n: &[f64; D],
 ) -> Option<ClosestPoint<D>> {
-    let Met { s, point, .. } = along_rays(facet, &Rays { x: *x, n: *n })?;
+    let Met { s, point, .. } = along_rays(facet, &Rays { x: *x, n: *n }, INSIDE)?;
     Some(ClosestPoint { s, position: point.position, normal: point.normal(), at_rim: false })
 }

@@ -22,7 +22,7 @@ pub struct PairReport<const D: usize> {
     pub paired_measure: f64,
     /// The measure of the surfaces that are integrated over \[length^(D−1)\]; of whole facets by the rule of their points.
     pub measure: f64,
-    /// The moving segments of facets in the plane; zero on whole facets and fixed pairs.
+    /// The moving segments; zero on whole facets and fixed pairs.
     pub segments: usize,
     /// The parts of facets between cuts that see no opposite facet, and have no points.
     pub dropped_parts: usize,

@@ -13,6 +13,7 @@ use super::opposite::{ClosestPoint, hit, nearest};
 use super::rays::{Rays, along_ray};
 use super::surface::{SurfaceFacet, SurfacePoint, dot, minus, unit};
 use super::surfaces::Surfaces;
+use super::tolerances::INSIDE;
 use crate::element::CellShape;
 use crate::locate::BoxGrid;
 use crate::mesh::{Facet, Mesh};
@@ -54,7 +55,7 @@ pub(super) enum PlacesOfPoints {
     WholeFacets,
     /// A rule on each piece that faces one opposite facet, of surfaces that are fixed.
     Pieces,
-    /// The same on displaced surfaces in the plane.
+    /// The same on displaced surfaces.
     Segments,
 }
 
@@ -132,7 +133,7 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
             (Some(PairQuadrature::Pieces), true) => PlacesOfPoints::Segments,
         };
         if places == PlacesOfPoints::Segments {
-            cuts::check(&facing.own, own)?;
+            cuts::check([&facing.own, &facing.opposite], [own, opposite])?;
         }
         let mut corner_normals: HashMap<u32, [f64; D]> = HashMap::new();
         let mut rim = BoundaryEdges::default();
@@ -152,7 +153,12 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
             _ => degree,
         };
         for shape in mesh.shapes().into_iter().filter(|_| places != PlacesOfPoints::Pieces) {
-            let rule = quadrature.facet_reference_rule(shape, estimated);
+            // Pieces in space are triangles.
+            let of = match (shape, places) {
+                (CellShape::Hexahedron, PlacesOfPoints::Segments) => CellShape::Tetrahedron,
+                _ => shape,
+            };
+            let rule = quadrature.facet_reference_rule(of, estimated);
             rules.push((shape, rule.map_err(|source| PairError::Quadrature { source })?));
         }
         Ok(Search {
@@ -276,7 +282,7 @@ impl<'s, 'm, const D: usize> Search<'s, 'm, D> {
         match self.projection {
             Projection::Ray => {
                 let rays = Rays { x: from.position, n: from.normal };
-                let found = self.nearest_on_rays(from.own, &from.s, &rays, candidates, reach);
+                let found = self.nearest_on_rays(from.own, &from.s, &rays, candidates, reach, INSIDE);
                 let facet = found.facet as usize;
                 match (found.found, found.rejected) {
                     (true, _) => {

@@ -1,23 +1,33 @@
-//! Moving segments: an own facet in the plane is cut where opposite nodes come to lie on its rays, and each part that sees an opposite facet
-//! has a quadrature rule of its own.
+//! Moving segments: an own facet is cut where opposite nodes come to lie on its rays, and each part that sees an opposite facet has a quadrature
+//! rule of its own. Here facets in the plane are cut, in `polygons.rs` those in space.
 //!
 //! The middle of a part decides which facet it sees. Parts that see none are dropped; neighbours that see the same one are one segment.
 
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
 #![allow(clippy::needless_range_loop)]
 
-use super::PairGroup;
+use super::PairError;
 use super::candidates::RayBundle;
 use super::cuts::normals_through;
-use super::found::{Found, PairPoint, Unit};
+use super::found::{Found, MovingUnit, PairPoint, Unit};
+use super::polygons::Polygons;
 use super::rays::Rays;
 use super::search::Search;
-use super::segment_motion::{SegmentEnd, moving_end, slopes_of_point};
+use super::segment_motion::{Foot, Shares, add_slopes, foot};
 use super::surface::SurfaceFacet;
+use super::tolerances::{CONTINUED, INSIDE};
 use crate::lanes::{SimdLane, WIDEST};
 
 /// Parts shorter than this part of their facet hold nothing.
 const SHORTEST: f64 = 1e-14;
+
+/// An end of a segment.
+#[derive(Clone, Copy, Debug)]
+struct SegmentEnd {
+    s: f64,
+    /// The opposite node whose ray cuts here, as a facet and its corner; none at an end of the own facet.
+    node: Option<[u32; 2]>,
+}
 
 /// A part of an own facet and the index of the opposite facet that it sees.
 #[derive(Clone, Copy, Debug)]
@@ -26,100 +36,160 @@ struct Segment {
     ends: [SegmentEnd; 2],
 }
 
+/// A quadrature point of a part of an own facet.
+#[derive(Clone, Debug)]
+pub(super) struct PartPoint {
+    pub s: [f64; 2],
+    /// Weight on the own facet's reference cell.
+    pub weight: f64,
+    pub shares: Shares,
+}
+
 /// Room for the segments of one own facet.
 #[derive(Default)]
 pub(super) struct SegmentRoom {
-    candidates: Vec<usize>,
+    pub candidates: Vec<usize>,
     /// The nodes that were taken to the facet.
     nodes: Vec<u32>,
     ends: Vec<SegmentEnd>,
     segments: Vec<Segment>,
+    pub points: Vec<PartPoint>,
+    pub polygons: Polygons,
+}
+
+/// The tolerance by which opposite facets are continued: between the feet of its corners an edge does not follow its rays where the own facet in space is
+/// not affine.
+pub(super) fn continued_by<const D: usize>(own: &SurfaceFacet<D>) -> f64 {
+    if D == 3 && !own.affine { CONTINUED } else { INSIDE }
 }
 
 impl<const D: usize> Search<'_, '_, D> {
     /// The points of the segments of an own facet, added.
+    ///
+    /// # Errors
+    /// As [`Search::add_polygons_of`].
     #[inline(always)]
-    pub fn add_segments_of<L: SimdLane>(&self, index: usize, found: &mut Found<D>, room: &mut SegmentRoom) {
+    pub fn add_segments_of<L: SimdLane>(
+        &self,
+        index: usize,
+        found: &mut Found<D>,
+        room: &mut SegmentRoom,
+    ) -> Result<(), PairError> {
         let own = &self.own[index];
         let shape = self.mesh.cell_shape(own.facet.cell as usize);
-        let Some((_, rule)) = self.rules.iter().find(|(known, _)| *known == shape) else { return };
+        let Some((_, rule)) = self.rules.iter().find(|(known, _)| *known == shape) else { return Ok(()) };
         let reach = self.reach(own);
-        let beam = RayBundle::of_segment(own, reach);
+        let beam = RayBundle::of_facet(own, reach);
         let may_face = |facet| self.may_face(own, facet);
         let made = self.candidates.of(index, &beam, own.diameter, may_face, &mut room.candidates);
         found.remade.extend(made.map(|list| (index, list)));
+        if D == 3 {
+            return self.add_polygons_of::<L>(own, rule, found, room);
+        }
         for (s, weight) in rule.points.iter().zip(&rule.weights) {
             found.counts().measure += weight * own.at(s).element();
         }
         self.cut(own, room);
         self.find_segments::<L>(own, reach, rule.points.len(), found, room);
-        let SegmentRoom { segments, .. } = room;
-        let place = self.mesh.walk_of_facet(&[own.facet]);
-        for segment in segments.iter() {
-            let [first, last] = segment.ends.map(|end| end.s);
-            let opposite = &self.opposite[segment.facet];
-            let (mut count, start) = (0, found.next_point());
-            for batch in (0..rule.points.len()).step_by(L::WIDTH) {
-                let filled = L::WIDTH.min(rule.points.len() - batch);
-                let mut places = [0.0; WIDEST];
-                for lane in 0..L::WIDTH {
-                    let [along, _] = rule.points[batch + lane.min(filled - 1)];
-                    places[lane] = first * (1.0 - along) + last * along;
-                }
-                let s = [L::load(&places), L::splat(0.0)];
-                let point = own.at(&s);
-                let rays = Rays { x: point.position, n: point.normal() };
-                let nearest = self.nearest_on_rays(own, &s, &rays, &[segment.facet], reach);
-                let [mut seen, mut rejected, mut gaps, mut met] = [[0.0; WIDEST]; 4];
-                let (one, zero) = (L::splat(1.0), L::splat(0.0));
-                L::select(nearest.found, one, zero).store(&mut seen);
-                L::select(nearest.rejected, one, zero).store(&mut rejected);
-                nearest.gap.store(&mut gaps);
-                nearest.s[0].store(&mut met);
-                let [mut x, mut n] = [[[0.0; WIDEST]; D]; 2];
-                for k in 0..D {
-                    rays.x[k].store(&mut x[k]);
-                    rays.n[k].store(&mut n[k]);
-                }
-                for lane in 0..filled {
-                    let counts = found.counts();
-                    if seen[lane] == 0.0 {
-                        counts.open += 1;
-                        counts.rejected += usize::from(rejected[lane] != 0.0);
-                        continue;
-                    }
-                    let mut position = [0.0; D];
-                    let mut toward = [0.0; D];
-                    for k in 0..D {
-                        position[k] = x[k][lane];
-                        toward[k] = n[k][lane];
-                    }
-                    let own_place = [places[lane], 0.0];
-                    let weight = rule.weights[batch + lane] * (last - first);
-                    let gap = gaps[lane];
-                    counts.add_point(&position, gap, weight * own.at(&own_place).element());
-                    found.add_point(&PairPoint {
-                        reference: [own.reference(&own_place), opposite.reference(&[met[lane], 0.0])],
-                        weight,
-                        gap,
-                        toward,
-                        rigid_normal: opposite.rigid_normal,
-                    });
-                    found.slopes.extend_from_slice(
-                        &slopes_of_point(own, places[lane], opposite, met[lane], gap)
-                            [..PairGroup::<D>::STRIDE],
-                    );
-                    found.fractions.push(rule.points[batch + lane][0]);
-                    count += 1;
+        let SegmentRoom { segments, points, .. } = room;
+        for Segment { facet, ends } in segments.iter() {
+            let [first, last] = ends.map(|end| end.s);
+            let length = last - first;
+            points.clear();
+            for ([part, _], weight) in rule.points.iter().zip(&rule.weights) {
+                let mut shares = Shares::default();
+                shares[0][0] = [1.0 - part, -1.0 / length, 0.0];
+                shares[1][0] = [*part, 1.0 / length, 0.0];
+                let s = [first * (1.0 - part) + last * part, 0.0];
+                points.push(PartPoint { s, weight: weight * length, shares });
+            }
+            let feet = ends.map(|end| {
+                let [holder, corner] = end.node?.map(|number| number as usize);
+                let (seen, vertex) = (&self.opposite[*facet], self.opposite[holder].vertices().nth(corner));
+                // Facets share their ends: the one that is seen couples nothing new.
+                let opposite = match seen.vertices().position(|known| Some(known) == vertex) {
+                    Some(place) => (seen, place),
+                    None => (&self.opposite[holder], corner),
+                };
+                Some(foot((own, &[end.s, 0.0]), opposite))
+            });
+            self.add_part::<L>((own, *facet), reach, points, feet, found);
+        }
+        Ok(())
+    }
+
+    /// A unit of the points of a part that sees an opposite facet.
+    #[inline(always)]
+    pub fn add_part<L: SimdLane>(
+        &self,
+        (own, facet): (&SurfaceFacet<D>, usize),
+        reach: f64,
+        points: &[PartPoint],
+        feet: impl IntoIterator<Item = Option<Foot<D>>>,
+        found: &mut Found<D>,
+    ) {
+        let (opposite, continued) = (&self.opposite[facet], continued_by(own));
+        let (mut count, start) = (0, found.next_point());
+        let first_foot = found.feet.len();
+        found.feet.extend(feet);
+        let numbers = (found.feet.len() - first_foot) * (D - 1);
+        for batch in (0..points.len()).step_by(L::WIDTH) {
+            let filled = L::WIDTH.min(points.len() - batch);
+            let mut places = [[0.0; WIDEST]; 2];
+            for lane in 0..L::WIDTH {
+                for k in 0..2 {
+                    places[k][lane] = points[batch + lane.min(filled - 1)].s[k];
                 }
             }
-            if count > 0 {
-                let facets = [own.facet, opposite.facet];
-                let number = Some(found.ends.len());
-                found.ends.push(segment.ends.map(|end| moving_end(own, &end, self.opposite, segment.facet)));
-                found.units.push(Unit { place, facets, count, start, segment: number });
+            let s = [L::load(&places[0]), L::load(&places[1])];
+            let point = own.at(&s);
+            let rays = Rays { x: point.position, n: point.normal() };
+            let nearest = self.nearest_on_rays(own, &s, &rays, &[facet], reach, continued);
+            let [mut seen, mut rejected, mut gaps] = [[0.0; WIDEST]; 3];
+            let mut met = [[0.0; WIDEST]; 2];
+            let (one, zero) = (L::splat(1.0), L::splat(0.0));
+            L::select(nearest.found, one, zero).store(&mut seen);
+            L::select(nearest.rejected, one, zero).store(&mut rejected);
+            nearest.gap.store(&mut gaps);
+            let [mut x, mut n] = [[[0.0; WIDEST]; D]; 2];
+            for k in 0..2 {
+                nearest.s[k].store(&mut met[k]);
+            }
+            for k in 0..D {
+                rays.x[k].store(&mut x[k]);
+                rays.n[k].store(&mut n[k]);
+            }
+            for lane in 0..filled {
+                let PartPoint { s, weight, shares } = &points[batch + lane];
+                let counts = found.counts();
+                if seen[lane] == 0.0 {
+                    counts.open += 1;
+                    counts.rejected += usize::from(rejected[lane] != 0.0);
+                    continue;
+                }
+                let (mut position, mut toward) = ([0.0; D], [0.0; D]);
+                for k in 0..D {
+                    (position[k], toward[k]) = (x[k][lane], n[k][lane]);
+                }
+                let (gap, met) = (gaps[lane], [met[0][lane], met[1][lane]]);
+                counts.add_point(&position, gap, weight * own.at(s).element());
+                let reference = [own.reference(s), opposite.reference(&met)];
+                let rigid_normal = opposite.rigid_normal;
+                found.add_point(&PairPoint { reference, weight: *weight, gap, toward, rigid_normal });
+                add_slopes((own, s), (opposite, &met), gap, &mut found.slopes);
+                let shares = shares.iter().flat_map(|foot| &foot[..D - 1]).take(numbers);
+                found.shares.extend(shares.flat_map(|share| &share[..D]));
+                count += 1;
             }
         }
+        if count == 0 {
+            return found.feet.truncate(first_foot);
+        }
+        let place = self.mesh.walk_of_facet(&[own.facet]);
+        let feet = first_foot..found.feet.len();
+        let shares = found.shares.len() - count * numbers * D;
+        let segment = Some(MovingUnit { feet, shares });
+        found.units.push(Unit { place, facets: [own.facet, opposite.facet], count, start, segment });
     }
 
     /// The ends of the parts of an own facet, ascending.
@@ -179,7 +249,7 @@ impl<const D: usize> Search<'_, '_, D> {
             let s = [L::load(&middles), L::splat(0.0)];
             let point = own.at(&s);
             let rays = Rays { x: point.position, n: point.normal() };
-            let nearest = self.nearest_on_rays(own, &s, &rays, candidates, reach);
+            let nearest = self.nearest_on_rays(own, &s, &rays, candidates, reach, INSIDE);
             let [mut seen, mut rejected, mut facets] = [[0.0; WIDEST]; 3];
             let (one, zero) = (L::splat(1.0), L::splat(0.0));
             L::select(nearest.found, one, zero).store(&mut seen);

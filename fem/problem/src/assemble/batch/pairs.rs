@@ -50,7 +50,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         pairs: &PairTables<D>,
     ) -> Result<(), AssemblyError> {
         let (stride, points, slopes) =
-            (PairGroup::<D>::STRIDE, &pairs.group.points, &pairs.group.motion.slopes);
+            (PairGroup::<D>::STRIDE, &pairs.group.points, &pairs.group.motion.slopes[self.direction]);
         let mut places = [0; WIDEST];
         for lane in 0..L::WIDTH {
             let unit = self.start + lane.min(self.filled - 1);

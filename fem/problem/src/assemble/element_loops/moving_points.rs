@@ -1,10 +1,10 @@
 //! Derivatives of element vectors whose points move: a linear kernel that is run on values with derivatives along the motion.
 //!
-//! Points of cut cells move with the level set function, together with their weights. Those of moving segments follow the two ends. With
-//! points s = (1 − ξ) a + ξ b of weight w (b − a) and the density ρ at them
+//! Points of cut cells move with the level set function, together with their weights. Those of moving segments follow the feet of opposite
+//! nodes. With the coordinate c of a foot, points s of weight W and the density ρ at them
 //!
 //! ```text
-//! ∂/∂a Σ w (b − a) ρ(s) = Σ w (−ρ + (b − a)(1 − ξ) ρ′),  ∂/∂b: Σ w (ρ + (b − a) ξ ρ′)
+//! ∂/∂c Σ W ρ(s) = Σ W (ρ,_α ∂s^α/∂c + ρ ∂W/∂c / W)
 //! ```
 
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
@@ -28,18 +28,8 @@ use crate::lanes::{InstructionSet, LaneWork, Moving, SharedWork, SimdLane, Trans
 pub enum PointMotion {
     /// That of each point's record, with its weight: one vector per entity.
     OfRecords,
-    /// Those by the two ends of moving segments: two vectors per entity, that by the first end before that by the last one.
-    ByEnds,
-}
-
-impl PointMotion {
-    /// Vectors per entity.
-    fn vectors(self) -> usize {
-        match self {
-            PointMotion::OfRecords => 1,
-            PointMotion::ByEnds => 2,
-        }
-    }
+    /// Those of moving segments by the feet of their nodes: one vector per coordinate of each foot.
+    ByFeet,
 }
 
 impl<const D: usize> ElementVectors<'_, D> {
@@ -105,13 +95,15 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
     fn run(self) -> Self::Output {
         let Loops { task, kernel, calls, motion, range, deliver } = self;
         let ElementVectors { group, side, element, .. } = *task;
-        let ends = match (motion, group.pairs()) {
+        let moving = match (motion, group.pairs()) {
             (PointMotion::OfRecords, _) => None,
-            (PointMotion::ByEnds, Some(pairs)) => Some(&pairs.group.motion),
-            // No segments, no ends.
-            (PointMotion::ByEnds, None) => return Ok(()),
+            (PointMotion::ByFeet, Some(pairs)) => Some(&pairs.group.motion),
+            // No segments, no feet.
+            (PointMotion::ByFeet, None) => return Ok(()),
         };
-        let (nodes, zero, one) = (task.nodes(), L::splat(0.0), L::splat(1.0));
+        let vectors_each = moving.map_or(1, |motion| motion.coordinates(group.entities()));
+        let directions = if moving.is_some() { D - 1 } else { 1 };
+        let (nodes, zero) = (task.nodes(), L::splat(0.0));
         let size = nodes * kernel.components;
         let requirements = *kernel.requirements;
         let [reading, _] = Reading::of_arguments(&requirements);
@@ -119,51 +111,52 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
         let mut buffers = BatchBuffers::<Moving<L>, D>::default();
         let mut batch = Batch::new(task.binding, group, task.cells, requirements, &arguments, &mut buffers)?;
         let nothing = Moving { value: zero, slope: zero };
-        let stride = motion.vectors() * size;
+        let stride = vectors_each * size;
         let (mut at_point, mut sums) = (vec![nothing; size], vec![zero; stride]);
         let mut vectors = vec![0.0; L::WIDTH * stride];
-        let (mut rates, mut places) = ([0.0; WIDEST], [0; WIDEST]);
         let mut start = range.start;
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
-            if let Some(motion) = ends {
-                for lane in 0..L::WIDTH {
-                    let unit = start + lane.min(filled - 1);
-                    let [first, last] = &motion.ends[unit];
-                    rates[lane] = 1.0 / (last.s - first.s);
-                    places[lane] = unit * group.points();
-                }
-            }
-            let rate = L::load(&rates);
             calls.call(&mut VectorCall::Cell(&batch.load(start, filled)));
             for k in 0..stride {
                 sums[k] = zero;
             }
-            for q in 0..group.points() {
+            for visit in 0..group.points() * directions {
+                let (q, direction) = (visit / directions, visit % directions);
                 for k in 0..size {
                     at_point[k] = nothing;
                 }
+                batch.move_along(direction);
                 batch.point(q)?;
                 let (geometry, fields) = (batch.geometry(), batch.fields());
                 let basis = &batch.basis(side, element)[..nodes];
                 let further = &batch.further(side, element)[..nodes];
                 let target = &mut at_point[..];
                 calls.call(&mut VectorCall::Point { geometry, fields, basis, further, target, stride: 1 });
-                let Some(motion) = ends else {
+                let Some(motion) = moving else {
                     for k in 0..size {
                         sums[k] += at_point[k].slope;
                     }
                     continue;
                 };
-                let [part] = L::gather::<1>(&motion.fractions, &places);
+                let mut places = [0; WIDEST];
                 for lane in 0..L::WIDTH {
-                    places[lane] += 1;
+                    let unit = start + lane.min(filled - 1);
+                    places[lane] = (unit * group.points() + q) * vectors_each * D;
                 }
-                for k in 0..size {
-                    let Moving { value, slope } = at_point[k];
-                    let longer = rate * value;
-                    sums[k] = sums[k] + (one - part) * slope - longer;
-                    sums[size + k] = sums[size + k] + part * slope + longer;
+                for number in 0..vectors_each {
+                    let shares = L::gather::<D>(&motion.shares, &places);
+                    let along = shares[direction];
+                    // The weight changes once.
+                    let stretch = if direction == 0 { shares[D - 1] } else { zero };
+                    for lane in 0..L::WIDTH {
+                        places[lane] += D;
+                    }
+                    let sums = &mut sums[number * size..][..size];
+                    for k in 0..size {
+                        let Moving { value, slope } = at_point[k];
+                        sums[k] = along.multiply_add(slope, stretch.multiply_add(value, sums[k]));
+                    }
                 }
             }
             L::call(Transposition { source: &sums[..], filled, target: &mut vectors, stride });
