@@ -17,7 +17,7 @@ COUNTS = [
     ("#[inline(never)]", r"#\[inline\(never\)\]", False, 276),
     ("instantiate! blocks", r"^\s*instantiate!\(", False, 96),
 ]
-LINES = [("lines of Rust without tests", False, 165_000), ("lines of Rust", True, 232_000)]
+LINES = [("lines of Rust without tests", False, 166_500), ("lines of Rust", True, 233_500)]
 
 
 def sources():
