@@ -87,8 +87,6 @@ pub struct TwoBodies<const D: usize> {
     pub lame: [f64; 2],
     /// The loads, one after the other.
     pub loads: Vec<Load<D>>,
-    /// A typical pressure \[stress\].
-    pub pressure: f64,
 }
 
 /// The bodies after a load.

@@ -53,15 +53,15 @@ pub fn all() -> Vec<Uzawa> {
 }
 
 /// The iteration for a problem from a start, with the pressure that becomes the multiplier, and the Newton steps of each problem.
-fn iterate<'a>(
-    (problem, mut u): (impl Fn() -> Problem<'a, 2>, Field<2>),
+fn iterate(
+    (problem, mut u): (impl Fn(&Field<2>) -> Result<Solved<2>, NewtonError>, Field<2>),
     (assembler, multiplier): (&Assembler<2>, &History<f64, 2>),
     pressure: impl Fn(&Field<2>) -> Expression<2>,
     scale: f64,
 ) -> Result<(Solved<2>, Vec<usize>), Refusal> {
     let (mut newton, mut before) = (vec![], assembler.history_values(multiplier)?);
     while newton.len() < MOST {
-        let solved = problem().assembler(assembler).start(&u).solve()?;
+        let solved = problem(&u)?;
         newton.push(solved.iterations());
         assembler.update_history(&pressure(solved.field()), multiplier)?;
         multiplier.commit();
@@ -99,10 +99,10 @@ impl Formulation for Uzawa {
         };
         let pressure =
             |u: &Field<2>| if is_pair { law::pair_pressure(&data, u) } else { law::pressure(&data, u) };
-        let at = (|| case.problem(&form), case.first());
-        let (solved, newton) = iterate(at, (&assembler, &multiplier), pressure, case.pressure)?;
-        let pressures = case.pressures(&pressure(solved.field()))?;
-        Ok(Outcome::of(case, &solved, pressures)?.after(newton))
+        let solve = |u: &Field<2>| case.problem(&form).assembler(&assembler).start(u).solve();
+        let (solved, newton) =
+            iterate((solve, case.first()), (&assembler, &multiplier), pressure, case.pressure)?;
+        Ok(Outcome::of(case, &solved, case.pressures(&pressure(solved.field()))?)?.after(newton))
     }
 
     fn cover(&self, membrane: &Membrane) -> Result<Outcome, Refusal> {
@@ -111,10 +111,9 @@ impl Formulation for Uzawa {
         let multiplier = assembler.history(Entity::Cells, "all", rule, 0.0)?;
         let data = volume::data_from(membrane.data.clone()).multiplier(multiplier.clone());
         let form = volume::above(&data, &membrane.omega());
-        let (at, force) = ((|| membrane.problem(&form), Field::zero(&membrane.space)), |u: &Field<2>| {
-            volume::force(&data, u)
-        });
-        let (solved, newton) = iterate(at, (&assembler, &multiplier), force, membrane.pressure)?;
+        let solve = |u: &Field<2>| membrane.problem(&form).assembler(&assembler).start(u).solve();
+        let (start, force) = (Field::zero(&membrane.space), |u: &Field<2>| volume::force(&data, u));
+        let (solved, newton) = iterate((solve, start), (&assembler, &multiplier), force, membrane.pressure)?;
         Ok(membrane.outcome(&solved, membrane.pressures(&force(solved.field()))?).after(newton))
     }
 }

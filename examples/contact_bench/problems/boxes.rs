@@ -71,7 +71,6 @@ impl Boxes {
             surfaces: ["covered", "upper bottom"].map(str::to_owned),
             young: 1.0,
             lame: super::lame(1.0, 0.3),
-            pressure: 0.1,
         })
     }
 }

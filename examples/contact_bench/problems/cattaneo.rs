@@ -73,7 +73,6 @@ impl Cattaneo {
             young: YOUNG,
             lame: super::lame(YOUNG, POISSON),
             loads,
-            pressure: cut.hertz.peak,
         })
     }
 }

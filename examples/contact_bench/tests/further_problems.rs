@@ -97,6 +97,19 @@ fn a_half_ring_has_the_force_of_two_other_programs() {
     }
 }
 
+/// 64 facets along, most of them far from contact, where multipliers fall from node to node below the rounding of the system.
+#[test]
+fn multipliers_far_from_contact_are_found_on_a_finer_mesh() {
+    let formulations = "augmented,dual";
+    let asked =
+        ["--problems", "half_ring", "--degrees", "1", "--levels", "3", "--formulations", formulations];
+    let fine: Vec<Value> = rows(&asked).into_iter().filter(|row| row["level"] == 2).collect();
+    for name in ["F(2)", "F(10)"] {
+        let [multipliers, bounds] = [0, 1].map(|row| quantity(&fine[row], name));
+        assert!((multipliers / bounds - 1.0).abs() < 2e-3, "{name}: {multipliers} {bounds}");
+    }
+}
+
 #[test]
 fn rows_of_other_programs_are_in_the_table() {
     let directory = tempfile::tempdir().expect("a directory");

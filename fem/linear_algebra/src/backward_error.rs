@@ -261,10 +261,10 @@ impl<'a, E: Equations> Refinement<'a, E> {
             }
             let is_wrong = |row: &usize| rest[*row].abs() > ACCEPTED * sizes[*row];
             let wrong: Vec<usize> = (0..x.len()).filter(is_wrong).collect();
-            if sweep % PATIENCE == 0 {
+            if sweep.is_multiple_of(PATIENCE) {
                 let next = wrong.iter().map(|row| sizes[*row]).fold(0.0, f64::max);
-                // Also where a number is not finite.
-                if !(next <= 0.1 * largest) {
+                // Without a row of its own that is off, a number is not finite.
+                if wrong.is_empty() || !next.is_finite() || next > 0.1 * largest {
                     return Ok(false);
                 }
                 largest = next;
