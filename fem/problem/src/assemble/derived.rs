@@ -7,12 +7,12 @@ use std::sync::Arc;
 use forms_core::contract::{Entity, Pairing, Region, Requirements};
 
 pub(crate) use self::found::Found;
-use super::batch::BatchBuffers;
 use super::binding::{Binding, pair_error};
 use super::functional::chunks_of;
 use super::groups::{Group, Places};
 use super::{Assembler, AssemblyError};
 use crate::assemble::binding::entities::Entities;
+use crate::assemble::element_loops::point_values::PointBuffers;
 use crate::assemble::groups::facet_groups::facet_groups;
 use crate::assemble::groups::means::FurtherTables;
 use crate::assemble::groups::pair_groups::groups_of;
@@ -393,19 +393,20 @@ impl<const D: usize> Assembler<D> {
         expression: &Expression<D>,
         build: &mut dyn FnMut(&Binding<D>) -> Result<Vec<Group<D>>, AssemblyError>,
     ) -> Result<Found<D>, AssemblyError> {
-        let binding = Binding::new(expression, &self.mesh, &[])?;
+        let mut binding = Binding::new(expression, &self.mesh, &[])?;
+        binding.instructions = self.instructions;
         let groups = build(&binding)?;
         let components = expression.shape().iter().product();
         let mut found = Found { components, ..Found::default() };
         let receive = |found: &mut Found<D>, value: &[f64], weight: f64, position: &[f64; D]| {
             found.add(binding.name, value, weight, position)
         };
-        let (mut buffers, mut shapes) = (BatchBuffers::default(), vec![]);
+        let (mut buffers, mut shapes) = (PointBuffers::default(), vec![]);
         for group in &groups {
             // Memory is made for the sizes of the group before.
             let own: Vec<CellShape> = group.sides.iter().map(|side| side.shape).collect();
             if own != shapes {
-                (buffers, shapes) = (BatchBuffers::default(), own);
+                (buffers, shapes) = (PointBuffers::default(), own);
             }
             for term in expression.densities() {
                 let chunks = chunks_of(&binding, group, &term.kernel, self.threads, &mut buffers, &receive)?;
