@@ -1,6 +1,7 @@
 //! Derived fields: any function of a forms module at points, at quadrature points, or along facets.
 
 mod found;
+mod on_cells;
 
 use std::sync::Arc;
 
@@ -121,10 +122,10 @@ impl<const D: usize> Assembler<D> {
         degree: usize,
     ) -> Result<Found<D>, AssemblyError> {
         let form = expression.name();
-        if self.cut.is_some() || entity == Entity::Interface {
-            let (what, place) = ("a list of values at quadrature points", format!("\"{region}\""));
-            return Err(AssemblyError::Cut { form, place, source: CutError::Refused { what } });
+        if entity == Entity::Interface {
+            return Err(values_refused(form, region));
         }
+        self.expect_whole_cells(form, region)?;
         let missing = |source: MeshError| AssemblyError::Region { form, symbol: "derived field", source };
         let quadrature = |source| AssemblyError::Quadrature { form, source };
         let degree = self.history_degree(expression)?.unwrap_or(degree);
@@ -328,6 +329,11 @@ impl<const D: usize> Assembler<D> {
         Ok(Field::of_known(space, sums))
     }
 
+    /// Refuses cut bodies, which have points in parts of cells.
+    fn expect_whole_cells(&self, form: &'static str, region: &str) -> Result<(), AssemblyError> {
+        if self.cut.is_some() { Err(values_refused(form, region)) } else { Ok(()) }
+    }
+
     fn facets(
         &self,
         form: &'static str,
@@ -425,6 +431,11 @@ fn further<const D: usize>(expression: &Expression<D>) -> FurtherTables {
 /// The inputs of an expression's kernel.
 fn requirements<const D: usize>(expression: &Expression<D>) -> &'static Requirements {
     expression.densities().first().map_or(&Requirements::NONE, |term| term.kernel.constants().requirements)
+}
+
+fn values_refused(form: &'static str, region: &str) -> AssemblyError {
+    let (what, place) = ("a list of values at quadrature points", format!("\"{region}\""));
+    AssemblyError::Cut { form, place, source: CutError::Refused { what } }
 }
 
 fn place(region: &str) -> String {

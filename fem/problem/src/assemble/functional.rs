@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use forms_core::contract::{Requirements, Term};
+use forms_core::contract::Term;
 
 use super::binding::Binding;
-use super::element_loops::point_values::{PointBuffers, PointValues};
+use super::element_loops::point_values::PointBuffers;
 use super::groups::{Group, groups};
 use super::kernels::PointKernel;
 use super::{Assembler, AssemblyError};
@@ -203,9 +203,7 @@ pub(super) fn chunks_of<R: Default + Send, const D: usize>(
     buffers: &mut PointBuffers,
     receive: &Receive<R, D>,
 ) -> Result<Vec<R>, AssemblyError> {
-    let constants = kernel.constants();
-    let requirements = Requirements { position: true, ..*constants.requirements };
-    let task = PointValues { binding, group, requirements, components: constants.shape.iter().product() };
+    let task = kernel.at_points(binding, group);
     let (entities, chunks) = (group.entities(), group.entities().div_ceil(CHUNK));
     let of_part = |chunks: Range<usize>, buffers: &mut PointBuffers| {
         let mut results = Vec::with_capacity(chunks.len());

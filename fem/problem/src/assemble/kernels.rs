@@ -7,15 +7,17 @@ use std::sync::Arc;
 
 use forms_core::contract::{
     Adaptation, Backend, BilinearConstants, BilinearKernel, CombiningBackend, ExpressionConstants,
-    ExpressionKernel, LinearConstants, LinearKernel,
+    ExpressionKernel, LinearConstants, LinearKernel, Requirements,
 };
 
 use super::AssemblyError;
+use super::binding::Binding;
 use super::element_loops::matrices::ElementMatrices;
 use super::element_loops::moving_points::PointMotion;
 use super::element_loops::point_values::{PointBuffers, PointValues, ReceivePoint};
 use super::element_loops::sink::Deliver;
 use super::element_loops::vectors::ElementVectors;
+use super::groups::Group;
 use crate::lanes::InstructionSet;
 
 /// This backend: kernels run in the lanes of the machine's instruction set.
@@ -165,6 +167,17 @@ impl<const D: usize> PointKernel<D> {
     /// Constants of the kernel.
     pub fn constants(&self) -> ExpressionConstants {
         self.constants
+    }
+
+    /// The inputs of the values at a group's points.
+    pub(in crate::assemble) fn at_points<'a>(
+        &self,
+        binding: &'a Binding<'a, D>,
+        group: &'a Group<D>,
+    ) -> PointValues<'a, D> {
+        let ExpressionConstants { requirements, shape } = self.constants;
+        let requirements = Requirements { position: true, ..*requirements };
+        PointValues { binding, group, requirements, components: shape.iter().product() }
     }
 
     /// See [`PointValues::compute`].

@@ -22,6 +22,8 @@ pub(in crate::assemble) struct Pieces {
     /// `places[starts[n]..starts[n + 1]]` are those of node n among `nodes`, ascending.
     starts: Vec<usize>,
     places: Vec<usize>,
+    /// Number of cells at each node.
+    counts: Vec<u32>,
 }
 
 /// Some cells of one shape.
@@ -56,6 +58,7 @@ impl Pieces {
         let (mut pieces, mut numbers, mut nodes) = (vec![], vec![], vec![]);
         // Of each node, the last piece that has it, and its number there.
         let mut seen = vec![(u32::MAX, 0); space.node_count()];
+        let mut counts = vec![0; space.node_count()];
         for (number, block) in space.mesh().body_blocks().enumerate() {
             let at_once = (PIECE / space.element_of(block.shape).nodes()).max(1);
             for first in (0..block.cells.len()).step_by(at_once) {
@@ -63,6 +66,7 @@ impl Pieces {
                 let (of_numbers, of_nodes, piece) = (numbers.len(), nodes.len(), pieces.len() as u32);
                 for cell in cells.clone() {
                     for &node in space.cell_nodes(block.cells.start + cell) {
+                        counts[node as usize] += 1;
                         let own = &mut seen[node as usize];
                         if own.0 != piece {
                             *own = (piece, (nodes.len() - of_nodes) as u32);
@@ -76,12 +80,17 @@ impl Pieces {
             }
         }
         let (starts, places) = by_nodes(&nodes, space.node_count());
-        Pieces { pieces, numbers, nodes, starts, places }
+        Pieces { pieces, numbers, nodes, starts, places, counts }
     }
 
     /// Number of nodes of the space.
     pub(super) fn count(&self) -> usize {
         self.starts.len() - 1
+    }
+
+    /// Number of the pieces' cells at a node.
+    pub(super) fn cells_at(&self, node: usize) -> u32 {
+        self.counts[node]
     }
 
     /// The nodes that no cell of a body has.
