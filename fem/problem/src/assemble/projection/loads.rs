@@ -42,7 +42,7 @@ pub(super) fn systems(
     let columns = sums.iter_mut().map(|sums| &mut sums[..]);
     pieces.sums_of_columns(
         threads,
-        &mut Vec::new(),
+        (&mut Vec::new(), 2 * components),
         columns,
         |_, sum| sum,
         |piece, sums| {

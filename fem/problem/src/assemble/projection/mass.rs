@@ -210,22 +210,25 @@ impl<'a> MassByCells<'a> {
         room: &mut Vec<f64>,
         y: impl ExactSizeIterator<Item = &'y mut [f64]>,
     ) {
-        let columns = x.len();
+        let width = self.set.width();
+        // Numbers of a node fill registers where there are enough; of few vectors, those of several cells do.
+        let stride = if 2 * x.len() > width { x.len().next_multiple_of(width) } else { x.len() };
         let scale = |node: usize| scales.map_or(1.0, |scales| scales[node]);
         let mut y: Vec<&mut [f64]> = y.collect();
         let finish = |node: usize, sum: f64| sum * scale(node);
         let of_columns = y.iter_mut().map(|y| &mut **y);
-        self.pieces.sums_of_columns(threads, room, of_columns, finish, |piece, sums| {
+        self.pieces.sums_of_columns(threads, (room, stride), of_columns, finish, |piece, sums| {
             let block = &blocks[piece.block];
             let (common, nodes) = (common(block), block.nodes);
             let of_cells = &block.of_cells[piece.cells.start * common.per_cell(nodes)..];
             let CellsOfPiece { numbers, .. } = piece;
-            let mut own = Vec::with_capacity(piece.nodes.len() * columns);
-            for node in piece.nodes.iter().map(|node| *node as usize) {
-                own.extend(x.iter().map(|x| scale(node) * x.as_ref()[node]));
+            let mut own = vec![0.0; piece.nodes.len() * stride];
+            for (own, node) in own.chunks_exact_mut(stride).zip(piece.nodes) {
+                let (node, scale) = (*node as usize, scale(*node as usize));
+                own.iter_mut().zip(x).for_each(|(own, x)| *own = scale * x.as_ref()[node]);
             }
             let x = &own;
-            self.set.run_without_kernel(Products { common, nodes, columns, numbers, of_cells, x, sums });
+            self.set.run_without_kernel(Products { common, nodes, stride, numbers, of_cells, x, sums });
         });
         for (x, y) in x.iter().zip(y) {
             self.lone_nodes.iter().for_each(|node| y[*node] = x.as_ref()[*node]);
@@ -273,8 +276,8 @@ struct Products<'a> {
     common: &'a Common,
     /// Nodes of a cell.
     nodes: usize,
-    /// Number of vectors, whose entries at a node follow each other.
-    columns: usize,
+    /// Numbers at a node, one for each vector; those that fill up registers are zero.
+    stride: usize,
     /// Numbers of the cells' nodes.
     numbers: &'a [u32],
     /// Determinants, or weights of points, from the first of these cells on.
@@ -305,6 +308,40 @@ impl Products<'_> {
     /// Cells of N nodes, or of at most N nodes for [`MAXIMUM_NODES`].
     #[inline(always)]
     fn of<L: SimdLane, const N: usize>(self) {
+        if self.stride.is_multiple_of(L::WIDTH) {
+            self.vectors_in_lanes::<L, N>()
+        } else {
+            self.cells_in_lanes::<L, N>()
+        }
+    }
+
+    /// Several vectors in the lanes, one cell after the other: numbers of a node are read as they lie.
+    #[inline(always)]
+    fn vectors_in_lanes<L: SimdLane, const N: usize>(self) {
+        let n = if N == MAXIMUM_NODES { self.nodes } else { N };
+        let (mut x, mut sums) = ([L::splat(0.0); N], [L::splat(0.0); N]);
+        let per_cell = self.common.per_cell(n);
+        let mut own = vec![L::splat(0.0); per_cell];
+        for (cell, numbers) in self.numbers.chunks_exact(n).enumerate() {
+            for q in 0..per_cell {
+                own[q] = L::splat(self.of_cells[cell * per_cell + q]);
+            }
+            for vector in 0..self.stride / L::WIDTH {
+                for i in 0..n {
+                    x[i] = L::load(&self.x[numbers[i] as usize * self.stride + vector * L::WIDTH..]);
+                }
+                self.common.multiply(n, &own, &x, &mut sums);
+                for i in 0..n {
+                    let target = &mut self.sums[numbers[i] as usize * self.stride + vector * L::WIDTH..];
+                    (L::load(target) + sums[i]).store(target);
+                }
+            }
+        }
+    }
+
+    /// Several cells in the lanes, one vector after the other.
+    #[inline(always)]
+    fn cells_in_lanes<L: SimdLane, const N: usize>(self) {
         let n = if N == MAXIMUM_NODES { self.nodes } else { N };
         let (mut x, mut sums) = ([L::splat(0.0); N], [L::splat(0.0); N]);
         let (mut lanes, mut cell, per_cell) = ([0.0; WIDEST], 0, self.common.per_cell(n));
@@ -318,47 +355,57 @@ impl Products<'_> {
                 }
                 own[q] = L::load(&lanes);
             }
-            for column in 0..self.columns {
+            for column in 0..self.stride {
                 for i in 0..n {
                     for lane in 0..filled {
-                        lanes[lane] = self.x[numbers[lane * n + i] as usize * self.columns + column];
+                        lanes[lane] = self.x[numbers[lane * n + i] as usize * self.stride + column];
                     }
                     x[i] = L::load(&lanes);
                 }
-                match self.common {
-                    Common::Matrix(matrix) => {
-                        for i in 0..n {
-                            let row = &matrix[i * n..(i + 1) * n];
-                            let mut product = L::splat(0.0);
-                            for j in 0..n {
-                                product = x[j].multiply_add(L::splat(row[j]), product);
-                            }
-                            sums[i] = product * own[0];
-                        }
-                    }
-                    Common::Basis(basis) => {
-                        sums[..n].fill(L::splat(0.0));
-                        for q in 0..per_cell {
-                            let basis = &basis[q * n..(q + 1) * n];
-                            let mut value = L::splat(0.0);
-                            for i in 0..n {
-                                value = x[i].multiply_add(L::splat(basis[i]), value);
-                            }
-                            value = value * own[q];
-                            for i in 0..n {
-                                sums[i] = value.multiply_add(L::splat(basis[i]), sums[i]);
-                            }
-                        }
-                    }
-                }
+                self.common.multiply(n, &own, &x, &mut sums);
                 for i in 0..n {
                     sums[i].store(&mut lanes);
                     for lane in 0..filled {
-                        self.sums[numbers[lane * n + i] as usize * self.columns + column] += lanes[lane];
+                        self.sums[numbers[lane * n + i] as usize * self.stride + column] += lanes[lane];
                     }
                 }
             }
             cell += filled;
+        }
+    }
+}
+
+impl Common {
+    /// The products of cells' matrices, whose own numbers are given, with the values at n nodes.
+    #[inline(always)]
+    fn multiply<L: SimdLane, const N: usize>(&self, n: usize, own: &[L], x: &[L; N], sums: &mut [L; N]) {
+        match self {
+            Common::Matrix(matrix) => {
+                for i in 0..n {
+                    let row = &matrix[i * n..(i + 1) * n];
+                    let mut product = L::splat(0.0);
+                    for j in 0..n {
+                        product = x[j].multiply_add(L::splat(row[j]), product);
+                    }
+                    sums[i] = product * own[0];
+                }
+            }
+            Common::Basis(basis) => {
+                for i in 0..n {
+                    sums[i] = L::splat(0.0);
+                }
+                for q in 0..own.len() {
+                    let basis = &basis[q * n..(q + 1) * n];
+                    let mut value = L::splat(0.0);
+                    for i in 0..n {
+                        value = x[i].multiply_add(L::splat(basis[i]), value);
+                    }
+                    value = value * own[q];
+                    for i in 0..n {
+                        sums[i] = value.multiply_add(L::splat(basis[i]), sums[i]);
+                    }
+                }
+            }
         }
     }
 }

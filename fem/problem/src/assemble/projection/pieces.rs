@@ -120,31 +120,30 @@ impl Pieces {
         sums: &mut [f64],
         work: impl Fn(CellsOfPiece, &mut [f64]) + Send + Sync,
     ) {
-        self.sums_of_columns(threads, room, [sums].into_iter(), |_, sum| sum, work);
+        self.sums_of_columns(threads, (room, 1), [sums].into_iter(), |_, sum| sum, work);
     }
 
-    /// The same for several columns: `work` adds the numbers of all columns at a node one after the other. A sum at a node is finished by
-    /// `finish`.
+    /// The same for several columns: `work` adds the numbers of all columns at a node one after the other, where the first one of the next node
+    /// is `stride` numbers later. A sum at a node is finished by `finish`.
     pub(super) fn sums_of_columns<'s>(
         &self,
         threads: Threads,
-        room: &mut Vec<f64>,
+        (room, stride): (&mut Vec<f64>, usize),
         columns: impl ExactSizeIterator<Item = &'s mut [f64]>,
         finish: impl Fn(usize, f64) -> f64 + Send + Sync,
         work: impl Fn(CellsOfPiece, &mut [f64]) + Send + Sync,
     ) {
-        let count = columns.len();
-        room.resize(self.nodes.len() * count, 0.0);
+        room.resize(self.nodes.len() * stride, 0.0);
         let (mut parts, mut rest) = (vec![], &mut room[..]);
         for pieces in self.parts(threads) {
             let nodes: usize = pieces.iter().map(|piece| piece.nodes.len()).sum();
-            let (own, later) = rest.split_at_mut(nodes * count);
+            let (own, later) = rest.split_at_mut(nodes * stride);
             parts.push((pieces, own));
             rest = later;
         }
         threads.run(parts, |(pieces, mut sums): (&[Piece], &mut [f64])| {
             for piece in pieces {
-                let (own, later) = std::mem::take(&mut sums).split_at_mut(piece.nodes.len() * count);
+                let (own, later) = std::mem::take(&mut sums).split_at_mut(piece.nodes.len() * stride);
                 own.fill(0.0);
                 let seen = CellsOfPiece {
                     block: piece.block,
@@ -171,7 +170,7 @@ impl Pieces {
             for (column, sums) in columns {
                 for (node, sum) in (part * length..).zip(sums) {
                     let places = &self.places[self.starts[node]..self.starts[node + 1]];
-                    let total = places.iter().fold(0.0, |sum, place| sum + room[*place * count + column]);
+                    let total = places.iter().fold(0.0, |sum, place| sum + room[*place * stride + column]);
                     *sum = finish(node, total);
                 }
             }
