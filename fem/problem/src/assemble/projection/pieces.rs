@@ -11,6 +11,9 @@ use crate::threads::Threads;
 /// Nodes of cells in a piece, those that cells share counted for each of them.
 const PIECE: usize = 1 << 14;
 
+/// Nodes at which the sums of one column after the other are finished, so that the numbers of all of them are read from memory once.
+const TOGETHER: usize = 128;
+
 /// The cells of bodies, in pieces.
 #[derive(Debug)]
 pub(in crate::assemble) struct Pieces {
@@ -166,12 +169,16 @@ impl Pieces {
             }
         }
         let shares = shares.into_iter().enumerate().collect();
-        threads.run(shares, |(part, columns): (usize, Vec<(usize, &mut [f64])>)| {
-            for (column, sums) in columns {
-                for (node, sum) in (part * length..).zip(sums) {
-                    let places = &self.places[self.starts[node]..self.starts[node + 1]];
-                    let total = places.iter().fold(0.0, |sum, place| sum + room[*place * stride + column]);
-                    *sum = finish(node, total);
+        threads.run(shares, |(part, mut columns): (usize, Vec<(usize, &mut [f64])>)| {
+            for first in (0..length).step_by(TOGETHER) {
+                for (column, sums) in &mut columns {
+                    let some = first.min(sums.len())..(first + TOGETHER).min(sums.len());
+                    for (node, sum) in (part * length + first..).zip(&mut sums[some]) {
+                        let places = &self.places[self.starts[node]..self.starts[node + 1]];
+                        let total =
+                            places.iter().fold(0.0, |sum, place| sum + room[*place * stride + *column]);
+                        *sum = finish(node, total);
+                    }
                 }
             }
         });
