@@ -202,3 +202,85 @@ pub(super) fn blocks<const D: usize>(
     };
     mesh.body_blocks().map(of_block).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::CellShape;
+    use crate::mesh::annulus;
+
+    /// Cells in several pieces.
+    fn space(shape: CellShape) -> std::sync::Arc<Space<2>> {
+        Space::scalar(&annulus(20.0, 30.0, 16, 256, shape, 2).unwrap(), 2).unwrap()
+    }
+
+    #[test]
+    fn sums_are_those_of_each_point_with_the_same_bits_on_any_number_of_threads() {
+        for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
+            let space = space(shape);
+            let pieces = Pieces::new(&space);
+            let blocks = blocks(6, &Quadrature::Degree(6), &space).unwrap();
+            let points = blocks[0].points;
+            // Two components, and weights that differ.
+            let value = |cell: usize, q: usize| [(cell * points + q) as f64 * 0.37, (q as f64 + 0.5).sin()];
+            let weight = |cell: usize, q: usize| 1.0 + ((cell * 5 + q) as f64).cos();
+            let values = |_: usize, cells: Range<usize>, receive: Receive| {
+                for (cell, q) in cells.flat_map(|cell| (0..points).map(move |q| (cell, q))) {
+                    receive(&value(cell, q), weight(cell, q));
+                }
+                Ok(())
+            };
+            let found =
+                |set, threads| systems(&values, &blocks, 2, &pieces, (set, Threads::new(threads))).unwrap();
+            let rule = Quadrature::Degree(6).rule_on_cells(&space.mesh().shapes(), shape, 6).unwrap();
+            let basis = space.element_of(shape).tabulate(&rule.points);
+            let (mut loads, mut sizes) =
+                (vec![[0.0; 2]; space.node_count()], vec![[0.0; 2]; space.node_count()]);
+            for (cell, q) in (0..blocks[0].cells).flat_map(|cell| (0..points).map(move |q| (cell, q))) {
+                for (node, function) in space.cell_nodes(cell).iter().zip(&basis.value[q * basis.nodes..]) {
+                    for (component, value) in value(cell, q).iter().enumerate() {
+                        let term = function * weight(cell, q) * value;
+                        loads[*node as usize][component] += term;
+                        sizes[*node as usize][component] += term.abs();
+                    }
+                }
+            }
+            for set in InstructionSet::available() {
+                let one = found(set, 1);
+                for (component, (load, start)) in one.iter().enumerate() {
+                    for (node, load) in load.iter().enumerate() {
+                        let off = (load - loads[node][component]).abs();
+                        assert!(off <= 1e-14 * sizes[node][component], "{set}, node {node}: {off:e}");
+                    }
+                    assert!(start.iter().all(|start| start.is_finite()) && start.iter().any(|x| *x != 0.0));
+                }
+                for threads in [2, 3, 7, 16] {
+                    assert_eq!(found(set, threads), one, "{set}, {threads} threads");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_first_cell_that_fails_is_named() {
+        let space = space(CellShape::Quadrilateral);
+        let (pieces, blocks) = (Pieces::new(&space), blocks(6, &Quadrature::Degree(6), &space).unwrap());
+        let first = 700;
+        let values = |_: usize, cells: Range<usize>, receive: Receive| {
+            for cell in cells {
+                if cell >= first {
+                    return Err(AssemblyError::ValueNotFinite { form: "f", position: vec![cell as f64] });
+                }
+                (0..blocks[0].points).for_each(|_| receive(&[1.0], 1.0));
+            }
+            Ok(())
+        };
+        for threads in [1, 2, 3, 7, 16] {
+            let set = (InstructionSet::best(), Threads::new(threads));
+            match systems(&values, &blocks, 1, &pieces, set) {
+                Err(AssemblyError::ValueNotFinite { position, .. }) => assert_eq!(position, [first as f64]),
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+}
