@@ -117,7 +117,6 @@ where
             Self::element_vectors::<L>(),
             Self::matrices::<L>(),
             Self::moving_points::<L>(),
-            Self::point_values::<L>(),
         ]
     }
 }

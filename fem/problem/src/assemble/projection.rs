@@ -257,7 +257,6 @@ fn of_nodes<const D: usize>(joined: &Constraints<D>, components: usize) -> BTree
 }
 
 /// Refuses a space that a derived field does not fit.
-#[inline(never)]
 fn check_field<const D: usize>(expression: &Expression<D>, space: &Space<D>) -> Result<(), AssemblyError> {
     let form = expression.name();
     let expected: usize = expression.shape().iter().product();

@@ -48,7 +48,7 @@ impl<const D: usize> Assembler<D> {
 }
 
 impl<const D: usize> ValuesOnCells<'_, D> {
-    /// Calls `receive(value, quadrature weight times measure)` at the points of some cells of a block, cell by cell.
+    /// The values at the points of some cells of a block, cell by cell: `receive(value, quadrature weight times measure)` is called with each.
     ///
     /// # Errors
     /// A value that is not finite, or data that cannot be evaluated.

@@ -9,7 +9,6 @@ use crate::assemble::AssemblyError;
 use crate::assemble::batch::{Batch, BatchBuffers, Cells};
 use crate::assemble::binding::Binding;
 use crate::assemble::groups::Group;
-use crate::instantiate::instantiate;
 use crate::lanes::{InstructionSet, LaneWork, SharedWork, SimdLane, Transposition};
 
 /// Takes the value, weight and position of a quadrature point.
@@ -55,7 +54,7 @@ impl PointBuffers {
 }
 
 impl<const D: usize> PointValues<'_, D> {
-    /// Calls `receive(value, weight, position)` at every quadrature point of some of the group's entities, one after the other.
+    /// The values at every quadrature point of some of the group's entities: `receive(value, weight, position)` is called with each in turn.
     ///
     /// # Errors
     /// Errors of the form's data, or of `receive`.
@@ -71,7 +70,7 @@ impl<const D: usize> PointValues<'_, D> {
     }
 
     #[inline(never)]
-    fn compute_in_lanes<L: SimdLane>(
+    pub(super) fn compute_in_lanes<L: SimdLane>(
         &self,
         calls: &mut dyn ValueCalls<L, D>,
         buffers: &mut PointBuffers,
@@ -133,7 +132,7 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
 }
 
 /// A call for the cells of a batch.
-enum ValueCall<'a, L, const D: usize> {
+pub(super) enum ValueCall<'a, L, const D: usize> {
     /// Quantities that are constant on the cells, before the first point.
     Cell(&'a CellGeometry<L>),
     /// The value at a point.
@@ -141,7 +140,7 @@ enum ValueCall<'a, L, const D: usize> {
 }
 
 /// A kernel whose type is forgotten, and what it knows of the cells at hand.
-trait ValueCalls<L, const D: usize> {
+pub(super) trait ValueCalls<L, const D: usize> {
     fn call(&mut self, call: &mut ValueCall<L, D>);
 }
 
@@ -202,5 +201,3 @@ impl<K: ExpressionKernel<D>, const D: usize> LaneWork for Compute<'_, '_, '_, K,
         task.compute_in_lanes::<L>(&mut calls, buffers, range, receive)
     }
 }
-
-instantiate!(point_values in lanes: PointValues::<D>::compute_in_lanes::<L>);
