@@ -232,7 +232,7 @@ mod tests {
             };
             let found =
                 |set, threads| systems(&values, &blocks, 2, &pieces, (set, Threads::new(threads))).unwrap();
-            let rule = Quadrature::Degree(6).rule_on_cells(&space.mesh().shapes(), shape, 6).unwrap();
+            let rule = Quadrature::<2>::Degree(6).rule_on_cells(&space.mesh().shapes(), shape, 6).unwrap();
             let basis = space.element_of(shape).tabulate(&rule.points);
             let (mut loads, mut sizes) =
                 (vec![[0.0; 2]; space.node_count()], vec![[0.0; 2]; space.node_count()]);
