@@ -135,7 +135,7 @@ pub enum PairError {
         /// The middle of the own facet.
         position: Vec<f64>,
     },
-    /// Opposite facets in space of which one hides a part of the other.
+    /// An opposite facet in space that hides a part of another one.
     #[error(
         "an opposite facet hides a part of another one from the own facet at {position:?}, so that neither is cut into pieces: lower the \
          reach (`Pairing::within_reach`), let the pairing have one of them, or leave out `.at(PairQuadrature::Pieces)`"

@@ -17,6 +17,7 @@
 //! pieces, clip   an own facet in parts that face one opposite facet, in the plane and in space
 //! segments, cuts   the same on displaced surfaces, where cuts move with the surfaces, in the plane
 //! polygons   the same in space
+//! parts      the points of what sees one opposite facet
 //! segment_motion   derivatives of their cuts and points
 //! report    the numbers of a pairing's points
 //! known, surface_values   searches that were done, and the values that identify them
@@ -44,6 +45,7 @@ mod nearest_on_rays;
 mod newest;
 mod opposite;
 mod parabola;
+mod parts;
 mod pieces;
 mod points;
 mod polygons;

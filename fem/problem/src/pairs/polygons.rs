@@ -5,10 +5,10 @@
 
 use super::PairError;
 use super::found::Found;
+use super::parts::{PartPoint, continued_by};
 use super::rays::Rays;
 use super::search::{FACING, Search};
 use super::segment_motion::{FEET, Shares, foot, foot_matrix};
-use super::segments::{PartPoint, SegmentRoom, continued_by};
 use super::surface::{SurfaceFacet, dot, minus};
 use crate::lanes::SimdLane;
 use crate::quadrature::QuadratureRule;
@@ -180,12 +180,11 @@ impl<const D: usize> Search<'_, '_, D> {
     #[inline(always)]
     pub fn add_polygons_of<L: SimdLane>(
         &self,
-        own: &SurfaceFacet<D>,
+        (own, candidates): (&SurfaceFacet<D>, &[usize]),
         rule: &QuadratureRule<2>,
         found: &mut Found<D>,
-        room: &mut SegmentRoom,
+        (points, polygons): (&mut Vec<PartPoint>, &mut Polygons),
     ) -> Result<(), PairError> {
-        let SegmentRoom { candidates, points, polygons, .. } = room;
         let outline = own.parameters().iter().map(|s| Corner { s: *s, by: Default::default() });
         points.clear();
         add_points(&outline.collect::<Vec<_>>(), rule, points);

@@ -9,13 +9,14 @@
 use super::PairError;
 use super::candidates::RayBundle;
 use super::cuts::normals_through;
-use super::found::{Found, MovingUnit, PairPoint, Unit};
+use super::found::Found;
+use super::parts::PartPoint;
 use super::polygons::Polygons;
 use super::rays::Rays;
 use super::search::Search;
-use super::segment_motion::{Foot, Shares, add_slopes, foot};
+use super::segment_motion::{Shares, foot};
 use super::surface::SurfaceFacet;
-use super::tolerances::{CONTINUED, INSIDE};
+use super::tolerances::INSIDE;
 use crate::lanes::{SimdLane, WIDEST};
 
 /// Parts shorter than this part of their facet hold nothing.
@@ -36,31 +37,16 @@ struct Segment {
     ends: [SegmentEnd; 2],
 }
 
-/// A quadrature point of a part of an own facet.
-#[derive(Clone, Debug)]
-pub(super) struct PartPoint {
-    pub s: [f64; 2],
-    /// Weight on the own facet's reference cell.
-    pub weight: f64,
-    pub shares: Shares,
-}
-
 /// Room for the segments of one own facet.
 #[derive(Default)]
 pub(super) struct SegmentRoom {
-    pub candidates: Vec<usize>,
+    candidates: Vec<usize>,
     /// The nodes that were taken to the facet.
     nodes: Vec<u32>,
     ends: Vec<SegmentEnd>,
     segments: Vec<Segment>,
-    pub points: Vec<PartPoint>,
-    pub polygons: Polygons,
-}
-
-/// The tolerance by which opposite facets are continued: between the feet of its corners an edge does not follow its rays where the own facet in space is
-/// not affine.
-pub(super) fn continued_by<const D: usize>(own: &SurfaceFacet<D>) -> f64 {
-    if D == 3 && !own.affine { CONTINUED } else { INSIDE }
+    points: Vec<PartPoint>,
+    polygons: Polygons,
 }
 
 impl<const D: usize> Search<'_, '_, D> {
@@ -84,7 +70,8 @@ impl<const D: usize> Search<'_, '_, D> {
         let made = self.candidates.of(index, &beam, own.diameter, may_face, &mut room.candidates);
         found.remade.extend(made.map(|list| (index, list)));
         if D == 3 {
-            return self.add_polygons_of::<L>(own, rule, found, room);
+            let SegmentRoom { candidates, points, polygons, .. } = room;
+            return self.add_polygons_of::<L>((own, candidates), rule, found, (points, polygons));
         }
         for (s, weight) in rule.points.iter().zip(&rule.weights) {
             found.counts().measure += weight * own.at(s).element();
@@ -116,80 +103,6 @@ impl<const D: usize> Search<'_, '_, D> {
             self.add_part::<L>((own, *facet), reach, points, feet, found);
         }
         Ok(())
-    }
-
-    /// A unit of the points of a part that sees an opposite facet.
-    #[inline(always)]
-    pub fn add_part<L: SimdLane>(
-        &self,
-        (own, facet): (&SurfaceFacet<D>, usize),
-        reach: f64,
-        points: &[PartPoint],
-        feet: impl IntoIterator<Item = Option<Foot<D>>>,
-        found: &mut Found<D>,
-    ) {
-        let (opposite, continued) = (&self.opposite[facet], continued_by(own));
-        let (mut count, start) = (0, found.next_point());
-        let first_foot = found.feet.len();
-        found.feet.extend(feet);
-        let numbers = (found.feet.len() - first_foot) * (D - 1);
-        for batch in (0..points.len()).step_by(L::WIDTH) {
-            let filled = L::WIDTH.min(points.len() - batch);
-            let mut places = [[0.0; WIDEST]; 2];
-            for lane in 0..L::WIDTH {
-                for k in 0..2 {
-                    places[k][lane] = points[batch + lane.min(filled - 1)].s[k];
-                }
-            }
-            let s = [L::load(&places[0]), L::load(&places[1])];
-            let point = own.at(&s);
-            let rays = Rays { x: point.position, n: point.normal() };
-            let nearest = self.nearest_on_rays(own, &s, &rays, &[facet], reach, continued);
-            let [mut seen, mut rejected, mut gaps] = [[0.0; WIDEST]; 3];
-            let mut met = [[0.0; WIDEST]; 2];
-            let (one, zero) = (L::splat(1.0), L::splat(0.0));
-            L::select(nearest.found, one, zero).store(&mut seen);
-            L::select(nearest.rejected, one, zero).store(&mut rejected);
-            nearest.gap.store(&mut gaps);
-            let [mut x, mut n] = [[[0.0; WIDEST]; D]; 2];
-            for k in 0..2 {
-                nearest.s[k].store(&mut met[k]);
-            }
-            for k in 0..D {
-                rays.x[k].store(&mut x[k]);
-                rays.n[k].store(&mut n[k]);
-            }
-            for lane in 0..filled {
-                let PartPoint { s, weight, shares } = &points[batch + lane];
-                let counts = found.counts();
-                if seen[lane] == 0.0 {
-                    counts.open += 1;
-                    counts.rejected += usize::from(rejected[lane] != 0.0);
-                    continue;
-                }
-                let (mut position, mut toward) = ([0.0; D], [0.0; D]);
-                for k in 0..D {
-                    (position[k], toward[k]) = (x[k][lane], n[k][lane]);
-                }
-                let (gap, met) = (gaps[lane], [met[0][lane], met[1][lane]]);
-                counts.add_point(&position, gap, weight * own.at(s).element());
-                let reference = [own.reference(s), opposite.reference(&met)];
-                let rigid_normal = opposite.rigid_normal;
-                found.add_point(&PairPoint { reference, weight: *weight, gap, toward, rigid_normal });
-                add_slopes((own, s), (opposite, &met), gap, &mut found.slopes);
-                let shares = shares.iter().flat_map(|foot| &foot[..D - 1]).take(numbers);
-                found.shares.extend(shares.flat_map(|share| &share[..D]));
-                count += 1;
-            }
-        }
-        if count == 0 {
-            return found.feet.truncate(first_foot);
-        }
-        let place = self.mesh.walk_of_facet(&[own.facet]);
-        let feet = first_foot..found.feet.len();
-        let shares = found.shares.len() - count * numbers * D;
-        let segment = Some(MovingUnit { feet, shares });
-        found.units.push(Unit { place, facets: [own.facet, opposite.facet], count, start, segment });
     }
 
     /// The ends of the parts of an own facet, ascending.
