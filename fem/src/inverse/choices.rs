@@ -65,7 +65,7 @@ macro_rules! choices_of {
                 self
             }
 
-            /// Steps and adjoints on several processes, each of which assembles the tangents of its part of the cells. The linear solver has to
+            /// Steps and adjoints on several processes: each assembles the tangents of its part of the cells. The linear solver has to
             /// take matrices that are sums over the processes. All processes have the same states, gradients and Hessians.
             pub fn on(mut self, communicator: &'a dyn Communicator) -> Self {
                 self.equations.communicator = Some(communicator).filter(|all| all.size() > 1);

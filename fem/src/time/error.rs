@@ -101,7 +101,7 @@ pub enum StepFailure {
     /// Lumped masses of related unknowns.
     #[error("masses are lumped where unknowns are free or prescribed; here some are given by others")]
     LumpedRelations,
-    /// Lumped masses on several processes, each of which has a part of the mass matrix.
+    /// Lumped masses on several processes: each has a part of the mass matrix.
     #[error("masses are not lumped on several processes: take `Mass::Consistent`, or one process")]
     LumpedOnProcesses,
     /// A prescribed value that moves in an explicit step.

@@ -195,7 +195,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         self
     }
 
-    /// Steps on several processes, each of which assembles the integrals over its part of the cells. The linear solver has to take
+    /// Steps on several processes: each assembles the integrals over its part of the cells. The linear solver has to take
     /// matrices that are sums over the processes. All processes have the same states, and take the same steps. Affine forms are assembled in each step,
     /// and masses cannot be lumped.
     pub fn on(mut self, communicator: &'a dyn Communicator) -> Self {
