@@ -175,9 +175,7 @@ impl<K: ExpressionKernel<D>, L: SimdLane, const D: usize> SharedWork<L>
             ValueCall::Point { geometry, fields, target } => {
                 let Some(cell) = cell else { unreachable!("a cell comes before its points") };
                 let value = kernel.evaluate(cell, geometry, fields);
-                for component in 0..target.len() {
-                    target[component] = value.as_ref()[component];
-                }
+                target.copy_from_slice(&value.as_ref()[..target.len()]);
             }
         }
     }
