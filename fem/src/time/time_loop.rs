@@ -52,6 +52,9 @@ pub struct TimeLoop<'a, const D: usize> {
     kept: Option<StepMatrix>,
 }
 
+/// The unknowns of affine equations, their residual, and the cost, which is not counted on several processes.
+type AffineStep<const D: usize> = (Vec<Field<D>>, Vec<f64>, Option<StepCost>);
+
 type FormOfStep<'a, const D: usize> = Box<dyn Fn(&[Step<D>]) -> Form<D> + 'a>;
 
 /// With coefficients that are promised to be constant, every n steps the equations are assembled at the solution.
@@ -473,7 +476,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         form: &Form<D>,
         weights: &[[f64; 3]],
         constraints: &[Constraints<D>],
-    ) -> Result<(Vec<Field<D>>, Vec<f64>, Option<StepCost>), StepFailure> {
+    ) -> Result<AffineStep<D>, StepFailure> {
         let of_second_rate = weights.iter().all(|weights| weights[0] == 0.0);
         if self.communicator.is_some() {
             if of_second_rate && self.mass == Mass::Lumped {
