@@ -82,9 +82,14 @@ fn lines<const D: usize>(
         let tests = [&space];
         let pattern = assembler.pattern(&form, &tests, &tests)?;
         let mut matrix = BlockMatrix::zero(pattern.sparsity());
-        let search = least(states.len(), |k| Ok(drop(assembler.pairs_at(&pairing, 0, &states[k])?)))?;
-        let residual =
-            least(states.len(), |k| Ok(drop(assembler.residual(&form, &[&states[k]], &tests)?)))?;
+        let search = least(states.len(), |k| {
+            assembler.pairs_at(&pairing, 0, &states[k])?;
+            Ok(())
+        })?;
+        let residual = least(states.len(), |k| {
+            assembler.residual(&form, &[&states[k]], &tests)?;
+            Ok(())
+        })?;
         let tangent = least(states.len(), |k| {
             Ok(assembler.assemble_tangent(&form, &[&states[k]], &tests, Parts::ALL, &pattern, &mut matrix)?)
         })?;
