@@ -7,17 +7,16 @@ use std::sync::Arc;
 
 use forms_core::contract::{
     Adaptation, Backend, BilinearConstants, BilinearKernel, CombiningBackend, ExpressionConstants,
-    ExpressionKernel, LinearConstants, LinearKernel, Requirements,
+    ExpressionKernel, LinearConstants, LinearKernel,
 };
 
 use super::AssemblyError;
-use super::binding::Binding;
+use super::batch::Batch;
 use super::element_loops::matrices::ElementMatrices;
 use super::element_loops::moving_points::PointMotion;
-use super::element_loops::point_values::{PointBuffers, PointValues, ReceivePoint};
 use super::element_loops::sink::Deliver;
 use super::element_loops::vectors::ElementVectors;
-use super::groups::Group;
+use super::functional::{ReceivePoint, each_point};
 use crate::lanes::InstructionSet;
 
 /// This backend: kernels run in the lanes of the machine's instruction set.
@@ -169,31 +168,20 @@ impl<const D: usize> PointKernel<D> {
         self.constants
     }
 
-    /// The inputs of the values at a group's points.
-    pub(in crate::assemble) fn at_points<'a>(
-        &self,
-        binding: &'a Binding<'a, D>,
-        group: &'a Group<D>,
-    ) -> PointValues<'a, D> {
-        let ExpressionConstants { requirements, shape } = self.constants;
-        let requirements = Requirements { position: true, ..*requirements };
-        PointValues { binding, group, requirements, components: shape.iter().product() }
-    }
-
-    /// See [`PointValues::compute`].
+    /// See [`each_point`].
     pub(in crate::assemble) fn each_point(
         &self,
-        task: &PointValues<D>,
-        buffers: &mut PointBuffers,
+        batch: &mut Batch<f64, D>,
+        points: usize,
         entities: Range<usize>,
         receive: &mut ReceivePoint<D>,
     ) -> Result<(), AssemblyError> {
-        let (factor, set) = (self.factor, task.binding.instructions);
+        let factor = self.factor;
         if factor == 1.0 {
-            return self.calls.compute(task, set, buffers, entities, receive);
+            return self.calls.each_point(batch, points, entities, receive);
         }
         let mut scaled = Vec::new();
-        self.calls.compute(task, set, buffers, entities, &mut |value, weight, position| {
+        self.calls.each_point(batch, points, entities, &mut |value, weight, position| {
             scaled.clear();
             scaled.extend(value.iter().map(|value| factor * value));
             receive(&scaled, weight, position)
@@ -277,25 +265,23 @@ impl<K: BilinearKernel<D>, const D: usize> MatrixCalls<D> for K {
 }
 
 trait PointCalls<const D: usize>: Send + Sync {
-    fn compute(
+    fn each_point(
         &self,
-        task: &PointValues<D>,
-        set: InstructionSet,
-        buffers: &mut PointBuffers,
+        batch: &mut Batch<f64, D>,
+        points: usize,
         entities: Range<usize>,
         receive: &mut ReceivePoint<D>,
     ) -> Result<(), AssemblyError>;
 }
 
 impl<K: ExpressionKernel<D>, const D: usize> PointCalls<D> for K {
-    fn compute(
+    fn each_point(
         &self,
-        task: &PointValues<D>,
-        set: InstructionSet,
-        buffers: &mut PointBuffers,
+        batch: &mut Batch<f64, D>,
+        points: usize,
         entities: Range<usize>,
         receive: &mut ReceivePoint<D>,
     ) -> Result<(), AssemblyError> {
-        task.compute(self, set, buffers, entities, receive)
+        each_point(batch, points, entities, self, receive)
     }
 }

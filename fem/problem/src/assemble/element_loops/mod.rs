@@ -10,7 +10,6 @@ pub(super) mod sum_factorisation;
 
 pub(super) mod matrices;
 pub(super) mod moving_points;
-pub(super) mod point_values;
 pub(super) mod vectors;
 
 pub(super) use bilinear_calls::{BilinearCalls, Factors};
