@@ -38,8 +38,8 @@ struct Call {
 
 /// The calls of a stack within the library, the innermost first, up to `Problem::solve`. Closures count as their function.
 fn calls(stack: &str) -> Vec<Call> {
-    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../");
-    let root = std::fs::canonicalize(root).unwrap().display().to_string();
+    let root = std::fs::canonicalize(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).unwrap();
+    let root = format!("{}/", root.display());
     let mut found: Vec<Call> = vec![];
     let mut lines = stack.lines().peekable();
     while let Some(line) = lines.next() {
@@ -52,8 +52,7 @@ fn calls(stack: &str) -> Vec<Call> {
             },
             None => name.rsplit_once("::").map_or("", |(module, _)| module).to_owned(),
         };
-        let of_library =
-            file.contains("forms_problem") || file.starts_with("fem/") || file.starts_with("/fem/");
+        let of_library = file.contains("forms_problem") || file.starts_with("fem/");
         if of_library && !name.contains("closure") {
             found.push(Call { function: name.to_owned(), file });
         }

@@ -10,6 +10,7 @@ mod against_scikit_fem_nitsche;
 mod against_scikit_fem_p_laplacian;
 mod against_scikit_fem_poisson;
 mod against_scikit_fem_stokes;
+#[cfg(target_os = "linux")]
 mod calls_of_an_entry;
 mod closed_forms;
 mod convergence;

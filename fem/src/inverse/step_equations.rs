@@ -11,7 +11,7 @@ use crate::instantiate::instantiate;
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::{
     Communicator, Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, SolverReport, StepMemory,
-    Transpose, solve_linear, solve_linear_transposed, solve_owned,
+    Transpose, on_part_of_cells, solve_linear, solve_linear_transposed, solve_owned,
 };
 use crate::space::Space;
 
@@ -21,8 +21,6 @@ pub(super) struct StepEquations<'a, const D: usize> {
     pub options: NewtonOptions,
     /// The processes that solve each step together, if there are several.
     pub communicator: Option<&'a dyn Communicator>,
-    /// The assembler of this process's cells.
-    own: Option<Assembler<D>>,
     spaces: Vec<Arc<Space<D>>>,
     solver: LentSolver<'a>,
     pattern: Option<Arc<BlockPattern<D>>>,
@@ -49,7 +47,6 @@ impl<'a, const D: usize> StepEquations<'a, D> {
             assembler: Assembler::new(spaces[0].mesh()),
             options: NewtonOptions::default(),
             communicator: None,
-            own: None,
             spaces: spaces.iter().map(|space| Arc::clone(space)).collect(),
             solver: LentSolver::default(),
             pattern: None,
@@ -89,17 +86,9 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     }
 
     /// The assembler of tangents: on several processes of this one's part of the cells. Vectors and functionals are assembled whole on each.
-    fn of_tangents(&mut self) -> Result<Assembler<D>, HistoryFailure> {
+    fn of_tangents(&self) -> Result<Assembler<D>, HistoryFailure> {
         let Some(communicator) = self.communicator else { return Ok(self.assembler.clone()) };
-        if self.own.is_none() {
-            let mesh = self.spaces[0].mesh();
-            let part = &mesh.cell_order().cells()[communicator.part(mesh.cell_count())];
-            let own = self.assembler.clone().on_owned_cells(part).map_err(|source| {
-                AssemblyError::Region { form: "a history", symbol: "this process's cells", source }
-            })?;
-            self.own = Some(own);
-        }
-        Ok(self.own.clone().unwrap_or_else(|| self.assembler.clone()))
+        Ok(on_part_of_cells(&self.assembler, self.spaces[0].mesh(), communicator, "a history")?)
     }
 
     /// The places of a tangent's entries at a state: those that are known, unless pairs of displaced surfaces have left them.

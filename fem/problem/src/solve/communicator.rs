@@ -4,7 +4,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 
 use super::ActivePoints;
-use crate::assemble::AssemblyError;
+use crate::assemble::{Assembler, AssemblyError};
 use crate::mesh::Mesh;
 
 /// The processes that assemble the integrals of a problem together, each over its own cells. All make the same calls in the
@@ -97,6 +97,22 @@ impl Fingerprint {
     pub fn finish(&self) -> u64 {
         self.0.finish()
     }
+}
+
+/// An assembler of this process's part of the cells, in the mesh's order of cells.
+///
+/// # Errors
+/// [`AssemblyError::Region`]: cells that do not exist.
+#[doc(hidden)]
+pub fn on_part_of_cells<const D: usize>(
+    assembler: &Assembler<D>,
+    mesh: &Mesh<D>,
+    communicator: &dyn Communicator,
+    form: &'static str,
+) -> Result<Assembler<D>, AssemblyError> {
+    let part = &mesh.cell_order().cells()[communicator.part(mesh.cell_count())];
+    let own = assembler.clone().on_owned_cells(part);
+    own.map_err(|source| AssemblyError::Region { form, symbol: "this process's cells", source })
 }
 
 /// A result of this process, if all have one; else an error on all, so that none waits for another for ever.

@@ -36,7 +36,7 @@ pub mod solver_report;
 pub mod tangent_solver;
 
 pub use crate::assemble::Terms;
-pub use communicator::{CommunicationError, Communicator};
+pub use communicator::{CommunicationError, Communicator, on_part_of_cells};
 pub use condensed_solver::CondensedSolver;
 pub use continuation::{
     Branch, BranchEnd, BranchEvent, BranchPoint, Continuation, ContinuationError, ContinuationFailure,

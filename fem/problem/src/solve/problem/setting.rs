@@ -7,6 +7,7 @@ use super::Problem;
 use crate::assemble::AssemblyError;
 use crate::constraints::Constraints;
 use crate::contract::Form;
+use crate::solve::communicator::on_part_of_cells;
 use crate::space::Space;
 
 /// A number of commits that no form has.
@@ -89,15 +90,9 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         if self.system.assembler.has_owned_cells() {
             return Ok(());
         }
-        let mesh = self.system.spaces[0].mesh().clone();
-        let part = &mesh.cell_order().cells()[communicator.part(mesh.cell_count())];
-        let whole = self.system.assembler.clone().into_owned();
-        let form = self.system.form.name();
-        let own = whole.on_owned_cells(part).map_err(|source| AssemblyError::Region {
-            form,
-            symbol: "this process's cells",
-            source,
-        })?;
+        let system = &self.system;
+        let (assembler, mesh, form) = (&*system.assembler, system.spaces[0].mesh(), system.form.name());
+        let own = on_part_of_cells(assembler, mesh, communicator, form)?;
         self.system.assembler = Cow::Owned(own);
         Ok(())
     }
