@@ -1,18 +1,19 @@
 //! Derived fields: any function of a forms module at points, at quadrature points, or along facets.
 
 mod found;
+mod on_cells;
 
 use std::sync::Arc;
 
 use forms_core::contract::{Entity, Pairing, Region, Requirements};
 
 pub(crate) use self::found::Found;
-use super::batch::BatchBuffers;
 use super::binding::{Binding, pair_error};
 use super::functional::chunks_of;
 use super::groups::{Group, Places};
 use super::{Assembler, AssemblyError};
 use crate::assemble::binding::entities::Entities;
+use crate::assemble::element_loops::point_values::PointBuffers;
 use crate::assemble::groups::facet_groups::facet_groups;
 use crate::assemble::groups::means::FurtherTables;
 use crate::assemble::groups::pair_groups::groups_of;
@@ -121,10 +122,10 @@ impl<const D: usize> Assembler<D> {
         degree: usize,
     ) -> Result<Found<D>, AssemblyError> {
         let form = expression.name();
-        if self.cut.is_some() || entity == Entity::Interface {
-            let (what, place) = ("a list of values at quadrature points", format!("\"{region}\""));
-            return Err(AssemblyError::Cut { form, place, source: CutError::Refused { what } });
+        if entity == Entity::Interface {
+            return Err(values_refused(form, region));
         }
+        self.expect_whole_cells(form, region)?;
         let missing = |source: MeshError| AssemblyError::Region { form, symbol: "derived field", source };
         let quadrature = |source| AssemblyError::Quadrature { form, source };
         let degree = self.history_degree(expression)?.unwrap_or(degree);
@@ -328,6 +329,11 @@ impl<const D: usize> Assembler<D> {
         Ok(Field::of_known(space, sums))
     }
 
+    /// Refuses cut bodies, which have points in parts of cells.
+    fn expect_whole_cells(&self, form: &'static str, region: &str) -> Result<(), AssemblyError> {
+        if self.cut.is_some() { Err(values_refused(form, region)) } else { Ok(()) }
+    }
+
     fn facets(
         &self,
         form: &'static str,
@@ -393,19 +399,20 @@ impl<const D: usize> Assembler<D> {
         expression: &Expression<D>,
         build: &mut dyn FnMut(&Binding<D>) -> Result<Vec<Group<D>>, AssemblyError>,
     ) -> Result<Found<D>, AssemblyError> {
-        let binding = Binding::new(expression, &self.mesh, &[])?;
+        let mut binding = Binding::new(expression, &self.mesh, &[])?;
+        binding.instructions = self.instructions;
         let groups = build(&binding)?;
         let components = expression.shape().iter().product();
         let mut found = Found { components, ..Found::default() };
         let receive = |found: &mut Found<D>, value: &[f64], weight: f64, position: &[f64; D]| {
             found.add(binding.name, value, weight, position)
         };
-        let (mut buffers, mut shapes) = (BatchBuffers::default(), vec![]);
+        let (mut buffers, mut shapes) = (PointBuffers::default(), vec![]);
         for group in &groups {
             // Memory is made for the sizes of the group before.
             let own: Vec<CellShape> = group.sides.iter().map(|side| side.shape).collect();
             if own != shapes {
-                (buffers, shapes) = (BatchBuffers::default(), own);
+                (buffers, shapes) = (PointBuffers::default(), own);
             }
             for term in expression.densities() {
                 let chunks = chunks_of(&binding, group, &term.kernel, self.threads, &mut buffers, &receive)?;
@@ -424,6 +431,11 @@ fn further<const D: usize>(expression: &Expression<D>) -> FurtherTables {
 /// The inputs of an expression's kernel.
 fn requirements<const D: usize>(expression: &Expression<D>) -> &'static Requirements {
     expression.densities().first().map_or(&Requirements::NONE, |term| term.kernel.constants().requirements)
+}
+
+fn values_refused(form: &'static str, region: &str) -> AssemblyError {
+    let (what, place) = ("a list of values at quadrature points", format!("\"{region}\""));
+    AssemblyError::Cut { form, place, source: CutError::Refused { what } }
 }
 
 fn place(region: &str) -> String {

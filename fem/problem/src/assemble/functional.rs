@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use forms_core::contract::{ExpressionKernel, Requirements, Term};
+use forms_core::contract::Term;
 
-use super::batch::{Batch, BatchBuffers, Cells};
 use super::binding::Binding;
+use super::element_loops::point_values::PointBuffers;
 use super::groups::{Group, groups};
 use super::kernels::PointKernel;
 use super::{Assembler, AssemblyError};
@@ -187,7 +187,7 @@ impl<const D: usize> PointWalk<'_, D> {
     ) -> Result<Vec<R>, AssemblyError> {
         let (requirements, mut results) = (kernel.constants().requirements, Vec::new());
         for group in groups(self.binding, integral, self.quadrature, &self.degrees, requirements, &[])? {
-            let mut buffers = BatchBuffers::default();
+            let mut buffers = PointBuffers::default();
             results.extend(chunks_of(self.binding, &group, kernel, self.threads, &mut buffers, receive)?);
         }
         Ok(results)
@@ -200,20 +200,18 @@ pub(super) fn chunks_of<R: Default + Send, const D: usize>(
     group: &Group<D>,
     kernel: &PointKernel<D>,
     threads: Threads,
-    buffers: &mut BatchBuffers<f64, D>,
+    buffers: &mut PointBuffers,
     receive: &Receive<R, D>,
 ) -> Result<Vec<R>, AssemblyError> {
-    let located = Requirements { position: true, ..*kernel.constants().requirements };
+    let task = kernel.at_points(binding, group);
     let (entities, chunks) = (group.entities(), group.entities().div_ceil(CHUNK));
-    let of_part = |chunks: Range<usize>, buffers: &mut BatchBuffers<f64, D>| {
-        let mut batch =
-            Batch::<f64, D>::new(binding, group, Cells::Mesh(binding.mesh), located, &[], buffers)?;
+    let of_part = |chunks: Range<usize>, buffers: &mut PointBuffers| {
         let mut results = Vec::with_capacity(chunks.len());
         for chunk in chunks {
             let range = chunk * CHUNK..entities.min((chunk + 1) * CHUNK);
             let mut result = R::default();
             let mut receive = |value: &[f64], weight, x: &[f64; D]| receive(&mut result, value, weight, x);
-            kernel.each_point(&mut batch, group.points(), range, &mut receive)?;
+            kernel.each_point(&task, buffers, range, &mut receive)?;
             results.push(result);
         }
         Ok(results)
@@ -222,7 +220,7 @@ pub(super) fn chunks_of<R: Default + Send, const D: usize>(
     if parts.len() <= 1 {
         return of_part(parts.pop().unwrap_or_default(), buffers);
     }
-    let done = threads.run(parts, |chunks| of_part(chunks, &mut BatchBuffers::default()));
+    let done = threads.run(parts, |chunks| of_part(chunks, &mut PointBuffers::default()));
     let mut results = Vec::with_capacity(chunks);
     for part in done {
         results.extend(part?);
@@ -245,31 +243,5 @@ pub(super) fn entities_of_parts(entities: usize, threads: usize) -> Vec<f64> {
 /// Takes a chunk's result so far, and the value, weight and position of a quadrature point.
 pub(super) type Receive<'a, R, const D: usize> =
     dyn Fn(&mut R, &[f64], f64, &[f64; D]) -> Result<(), AssemblyError> + Sync + 'a;
-
-/// Takes the value, weight and position of a quadrature point.
-pub(super) type ReceivePoint<'a, const D: usize> =
-    dyn FnMut(&[f64], f64, &[f64; D]) -> Result<(), AssemblyError> + 'a;
-
-/// Calls `receive(value, weight, position)` at every quadrature point of some of a group's entities, one after the
-/// other.
-pub(super) fn each_point<K: ExpressionKernel<D>, const D: usize>(
-    batch: &mut Batch<f64, D>,
-    points: usize,
-    range: Range<usize>,
-    kernel: &K,
-    receive: &mut ReceivePoint<D>,
-) -> Result<(), AssemblyError> {
-    let count: usize = K::SHAPE.iter().product();
-    for entity in range.clone() {
-        let cell = kernel.cell(&batch.load(entity, 1));
-        for q in 0..points {
-            batch.point(q)?;
-            let geometry = batch.geometry();
-            let value = kernel.evaluate(&cell, geometry, batch.fields());
-            receive(&value.as_ref()[..count], geometry.weight, &geometry.position)?;
-        }
-    }
-    batch.check_weights(range)
-}
 
 instantiate!(functional: Assembler::<D>::sum_of, Assembler::<D>::active_set_of, Assembler::<D>::switch_places);

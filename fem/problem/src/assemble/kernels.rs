@@ -7,16 +7,17 @@ use std::sync::Arc;
 
 use forms_core::contract::{
     Adaptation, Backend, BilinearConstants, BilinearKernel, CombiningBackend, ExpressionConstants,
-    ExpressionKernel, LinearConstants, LinearKernel,
+    ExpressionKernel, LinearConstants, LinearKernel, Requirements,
 };
 
 use super::AssemblyError;
-use super::batch::Batch;
+use super::binding::Binding;
 use super::element_loops::matrices::ElementMatrices;
 use super::element_loops::moving_points::PointMotion;
+use super::element_loops::point_values::{PointBuffers, PointValues, ReceivePoint};
 use super::element_loops::sink::Deliver;
 use super::element_loops::vectors::ElementVectors;
-use super::functional::{ReceivePoint, each_point};
+use super::groups::Group;
 use crate::lanes::InstructionSet;
 
 /// This backend: kernels run in the lanes of the machine's instruction set.
@@ -168,20 +169,31 @@ impl<const D: usize> PointKernel<D> {
         self.constants
     }
 
-    /// See [`each_point`].
+    /// The inputs of the values at a group's points.
+    pub(in crate::assemble) fn at_points<'a>(
+        &self,
+        binding: &'a Binding<'a, D>,
+        group: &'a Group<D>,
+    ) -> PointValues<'a, D> {
+        let ExpressionConstants { requirements, shape } = self.constants;
+        let requirements = Requirements { position: true, ..*requirements };
+        PointValues { binding, group, requirements, components: shape.iter().product() }
+    }
+
+    /// See [`PointValues::compute`].
     pub(in crate::assemble) fn each_point(
         &self,
-        batch: &mut Batch<f64, D>,
-        points: usize,
+        task: &PointValues<D>,
+        buffers: &mut PointBuffers,
         entities: Range<usize>,
         receive: &mut ReceivePoint<D>,
     ) -> Result<(), AssemblyError> {
-        let factor = self.factor;
+        let (factor, set) = (self.factor, task.binding.instructions);
         if factor == 1.0 {
-            return self.calls.each_point(batch, points, entities, receive);
+            return self.calls.compute(task, set, buffers, entities, receive);
         }
         let mut scaled = Vec::new();
-        self.calls.each_point(batch, points, entities, &mut |value, weight, position| {
+        self.calls.compute(task, set, buffers, entities, &mut |value, weight, position| {
             scaled.clear();
             scaled.extend(value.iter().map(|value| factor * value));
             receive(&scaled, weight, position)
@@ -265,23 +277,25 @@ impl<K: BilinearKernel<D>, const D: usize> MatrixCalls<D> for K {
 }
 
 trait PointCalls<const D: usize>: Send + Sync {
-    fn each_point(
+    fn compute(
         &self,
-        batch: &mut Batch<f64, D>,
-        points: usize,
+        task: &PointValues<D>,
+        set: InstructionSet,
+        buffers: &mut PointBuffers,
         entities: Range<usize>,
         receive: &mut ReceivePoint<D>,
     ) -> Result<(), AssemblyError>;
 }
 
 impl<K: ExpressionKernel<D>, const D: usize> PointCalls<D> for K {
-    fn each_point(
+    fn compute(
         &self,
-        batch: &mut Batch<f64, D>,
-        points: usize,
+        task: &PointValues<D>,
+        set: InstructionSet,
+        buffers: &mut PointBuffers,
         entities: Range<usize>,
         receive: &mut ReceivePoint<D>,
     ) -> Result<(), AssemblyError> {
-        each_point(batch, points, entities, self, receive)
+        task.compute(self, set, buffers, entities, receive)
     }
 }

@@ -8,13 +8,10 @@ mod start;
 mod together;
 
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 
-use crate::contract::Expression;
-use forms_core::contract::Entity;
-
-use self::loads::{Systems, systems};
+use self::loads::{Block, Receive, Systems, ValuesOfCells, blocks, systems};
 use self::mass::MassByCells;
 pub(super) use self::pieces::Pieces;
 pub(super) use self::solve::cells_of_parts;
@@ -22,6 +19,7 @@ use self::solve::{by_cells, by_factor, by_matrix};
 use super::groups::degrees::degree_on_all_cells;
 use super::{Assembler, AssemblyError};
 use crate::constraints::{Constraints, Relation};
+use crate::contract::Expression;
 use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
 use crate::instantiate::instantiate;
@@ -103,13 +101,10 @@ impl<const D: usize> Assembler<D> {
         (expression, space): (&Expression<D>, &Arc<Space<D>>),
         pieces: &Pieces,
     ) -> Result<Systems, AssemblyError> {
-        let name = expression.name();
-        let degree = self.degree_of_mass(space);
-        let found =
-            self.found_at_quadrature_points(expression, Entity::Cells, crate::mesh::EVERYWHERE, degree)?;
-        let degree = self.history_degree(expression)?.unwrap_or(degree);
-        let known = ValuesAtPoints { name, degree, values: &found.values, weights: &found.weights };
-        self.systems(&known, space, pieces)
+        let degree = self.history_degree(expression)?.unwrap_or_else(|| self.degree_of_mass(space));
+        let values = self.values_on_cells(expression, degree)?;
+        let blocks = self.blocks(expression.name(), degree, space)?;
+        self.systems(&blocks, space, pieces, &|block, cells, receive| values.at_cells(block, cells, receive))
     }
 
     /// The degree of the rule that is exact for a space's mass matrix on all cells.
@@ -131,20 +126,41 @@ impl<const D: usize> Assembler<D> {
     {
         check_space(known.name, space)?;
         let pieces = Pieces::new(space);
-        let systems = self.systems(known, space, &pieces)?;
+        let blocks = self.blocks(known.name, known.degree, space)?;
+        let (mut starts, components) = (vec![0], space.components());
+        starts.extend(blocks.iter().scan(0, |sum, block| {
+            *sum += block.cells * block.points;
+            Some(*sum)
+        }));
+        let at_cells = |block: usize, cells: Range<usize>, receive: Receive| {
+            let point = |cell: usize| starts[block] + cell * blocks[block].points;
+            let points = point(cells.start)..point(cells.end);
+            let values = known.values[points.start * components..].chunks(components);
+            values.zip(&known.weights[points]).for_each(|(value, weight)| receive(value, *weight));
+            Ok(())
+        };
+        let systems = self.systems(&blocks, space, &pieces, &at_cells)?;
         let found = self.solutions(known.name, space, &pieces, systems)?;
         Ok(Field::of_known(space, interleaved(space.node_count(), found)))
     }
 
+    fn blocks(
+        &self,
+        form: &'static str,
+        degree: usize,
+        space: &Space<D>,
+    ) -> Result<Vec<Block>, AssemblyError> {
+        blocks(degree, &self.quadrature, space).map_err(|source| AssemblyError::Quadrature { form, source })
+    }
+
     fn systems(
         &self,
-        known: &ValuesAtPoints,
+        blocks: &[Block],
         space: &Space<D>,
         pieces: &Pieces,
+        values: &ValuesOfCells,
     ) -> Result<Systems, AssemblyError> {
-        let form = known.name;
-        systems(known, &self.quadrature, space, pieces, self.threads)
-            .map_err(|source| AssemblyError::Quadrature { form, source })
+        systems(values, blocks, space.components(), pieces, (self.instructions, self.threads))
     }
 
     /// The solutions of systems with a space's scalar mass matrix.
@@ -241,7 +257,6 @@ fn of_nodes<const D: usize>(joined: &Constraints<D>, components: usize) -> BTree
 }
 
 /// Refuses a space that a derived field does not fit.
-#[inline(never)]
 fn check_field<const D: usize>(expression: &Expression<D>, space: &Space<D>) -> Result<(), AssemblyError> {
     let form = expression.name();
     let expected: usize = expression.shape().iter().product();

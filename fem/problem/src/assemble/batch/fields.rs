@@ -317,6 +317,11 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         let mut values = vec![0.0; count];
         let mut lanes = vec![[0.0; WIDEST]; count];
         for lane in 0..L::WIDTH {
+            // Lanes without a cell of their own repeat the last one's.
+            if lane >= self.filled {
+                lanes.iter_mut().for_each(|lanes| lanes[lane] = lanes[self.filled - 1]);
+                continue;
+            }
             let x: [f64; D] = std::array::from_fn(|axis| position[axis][lane]);
             function(&x, &mut values);
             if !values.iter().all(|value| value.is_finite()) {

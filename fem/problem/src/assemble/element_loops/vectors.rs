@@ -8,6 +8,8 @@ use std::ops::Range;
 use forms_core::contract::{Basis, Further, LinearConstants, LinearKernel};
 
 use super::linear_calls::{LinearCalls, VectorCall, VectorCalls};
+#[cfg(not(test))]
+use super::point_values::PointValues;
 use crate::assemble::AssemblyError;
 use crate::assemble::batch::{ArgumentBasis, Batch, BatchBuffers, Cells};
 use crate::assemble::binding::Binding;
@@ -224,4 +226,5 @@ instantiate!(
     element_vectors in lanes:
     ElementVectors::<D>::compute_in_order::<L>,
     ElementVectors::<D>::compute_in_lanes::<L>,
+    PointValues::<D>::compute_in_lanes::<L>,
 );

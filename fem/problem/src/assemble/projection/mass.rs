@@ -4,16 +4,15 @@
 //! weights W; on affine cells the determinant times the reference cell's matrix. A product reads some numbers per cell, where
 //! a matrix of all nodes has a dozen entries for each of them.
 
-// Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
-#![allow(clippy::needless_range_loop)]
+mod products;
 
 use std::cell::RefCell;
 use std::ops::Range;
 
+use self::products::{Common, Products};
 use super::pieces::{CellsOfPiece, Pieces};
 use super::start::{reference_mass, scaled_inverse};
-use crate::element::MAXIMUM_NODES;
-use crate::lanes::{Checked, InstructionSet, LaneWork, SimdLane, WIDEST};
+use crate::lanes::{Checked, InstructionSet};
 use crate::linear_algebra::equations::Equations;
 use crate::linear_algebra::{Entries, LinearAlgebraError, LinearOperator, OperatorError};
 use crate::mesh::Mesh;
@@ -55,33 +54,6 @@ struct BlockMass {
     sizes: Common,
     /// Determinants, or weights of points, cell by cell.
     of_cells: Vec<f64>,
-}
-
-/// Numbers that all cells of a shape share.
-#[derive(Debug)]
-enum Common {
-    /// The reference cell's matrix; a cell has its determinant.
-    Matrix(Vec<f64>),
-    /// The basis at the points, point after point; a cell has the weights of its points.
-    Basis(Vec<f64>),
-}
-
-impl Common {
-    fn sizes(&self) -> Self {
-        let absolute = |values: &[f64]| values.iter().map(|value| value.abs()).collect();
-        match self {
-            Common::Matrix(values) => Common::Matrix(absolute(values)),
-            Common::Basis(values) => Common::Basis(absolute(values)),
-        }
-    }
-
-    /// Numbers that a cell has of its own.
-    fn per_cell(&self, nodes: usize) -> usize {
-        match self {
-            Common::Matrix(_) => 1,
-            Common::Basis(values) => values.len() / nodes,
-        }
-    }
 }
 
 impl<'a> MassByCells<'a> {
@@ -210,22 +182,25 @@ impl<'a> MassByCells<'a> {
         room: &mut Vec<f64>,
         y: impl ExactSizeIterator<Item = &'y mut [f64]>,
     ) {
-        let columns = x.len();
+        let width = self.set.width();
+        // Numbers of a node fill registers where there are enough; of few vectors, those of several cells do.
+        let stride = if 2 * x.len() > width { x.len().next_multiple_of(width) } else { x.len() };
         let scale = |node: usize| scales.map_or(1.0, |scales| scales[node]);
         let mut y: Vec<&mut [f64]> = y.collect();
         let finish = |node: usize, sum: f64| sum * scale(node);
         let of_columns = y.iter_mut().map(|y| &mut **y);
-        self.pieces.sums_of_columns(threads, room, of_columns, finish, |piece, sums| {
+        self.pieces.sums_of_columns(threads, (room, stride), of_columns, finish, |piece, sums| {
             let block = &blocks[piece.block];
             let (common, nodes) = (common(block), block.nodes);
             let of_cells = &block.of_cells[piece.cells.start * common.per_cell(nodes)..];
             let CellsOfPiece { numbers, .. } = piece;
-            let mut own = Vec::with_capacity(piece.nodes.len() * columns);
-            for node in piece.nodes.iter().map(|node| *node as usize) {
-                own.extend(x.iter().map(|x| scale(node) * x.as_ref()[node]));
+            let mut own = vec![0.0; piece.nodes.len() * stride];
+            for (own, node) in own.chunks_exact_mut(stride).zip(piece.nodes) {
+                let (node, scale) = (*node as usize, scale(*node as usize));
+                own.iter_mut().zip(x).for_each(|(own, x)| *own = scale * x.as_ref()[node]);
             }
             let x = &own;
-            self.set.run_without_kernel(Products { common, nodes, columns, numbers, of_cells, x, sums });
+            self.set.run_without_kernel(Products { common, nodes, stride, numbers, of_cells, x, sums });
         });
         for (x, y) in x.iter().zip(y) {
             self.lone_nodes.iter().for_each(|node| y[*node] = x.as_ref()[*node]);
@@ -266,101 +241,6 @@ fn weights<const D: usize>(
         }
     }
     found
-}
-
-/// The products of a piece's cells with the entries of vectors at its nodes.
-struct Products<'a> {
-    common: &'a Common,
-    /// Nodes of a cell.
-    nodes: usize,
-    /// Number of vectors, whose entries at a node follow each other.
-    columns: usize,
-    /// Numbers of the cells' nodes.
-    numbers: &'a [u32],
-    /// Determinants, or weights of points, from the first of these cells on.
-    of_cells: &'a [f64],
-    x: &'a [f64],
-    /// Sums to which products are added.
-    sums: &'a mut [f64],
-}
-
-impl LaneWork for Products<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: SimdLane>(self) {
-        // The compiler keeps what it can count in registers: straight cells of degree 1 and 2.
-        match (self.nodes, self.common) {
-            (3, Common::Matrix(_)) => self.of::<L, 3>(),
-            (4, Common::Matrix(_)) => self.of::<L, 4>(),
-            (6, Common::Matrix(_)) => self.of::<L, 6>(),
-            (9, _) => self.of::<L, 9>(),
-            (10, Common::Matrix(_)) => self.of::<L, 10>(),
-            _ => self.of::<L, MAXIMUM_NODES>(),
-        }
-    }
-}
-
-impl Products<'_> {
-    /// Cells of N nodes, or of at most N nodes for [`MAXIMUM_NODES`].
-    #[inline(always)]
-    fn of<L: SimdLane, const N: usize>(self) {
-        let n = if N == MAXIMUM_NODES { self.nodes } else { N };
-        let (mut x, mut sums) = ([L::splat(0.0); N], [L::splat(0.0); N]);
-        let (mut lanes, mut cell, per_cell) = ([0.0; WIDEST], 0, self.common.per_cell(n));
-        // The cells' own numbers, one cell per lane.
-        let mut own = vec![L::splat(0.0); per_cell];
-        for numbers in self.numbers.chunks(n * L::WIDTH) {
-            let filled = numbers.len() / n;
-            for q in 0..per_cell {
-                for lane in 0..filled {
-                    lanes[lane] = self.of_cells[(cell + lane) * per_cell + q];
-                }
-                own[q] = L::load(&lanes);
-            }
-            for column in 0..self.columns {
-                for i in 0..n {
-                    for lane in 0..filled {
-                        lanes[lane] = self.x[numbers[lane * n + i] as usize * self.columns + column];
-                    }
-                    x[i] = L::load(&lanes);
-                }
-                match self.common {
-                    Common::Matrix(matrix) => {
-                        for i in 0..n {
-                            let row = &matrix[i * n..(i + 1) * n];
-                            let mut product = L::splat(0.0);
-                            for j in 0..n {
-                                product = x[j].multiply_add(L::splat(row[j]), product);
-                            }
-                            sums[i] = product * own[0];
-                        }
-                    }
-                    Common::Basis(basis) => {
-                        sums[..n].fill(L::splat(0.0));
-                        for q in 0..per_cell {
-                            let basis = &basis[q * n..(q + 1) * n];
-                            let mut value = L::splat(0.0);
-                            for i in 0..n {
-                                value = x[i].multiply_add(L::splat(basis[i]), value);
-                            }
-                            value = value * own[q];
-                            for i in 0..n {
-                                sums[i] = value.multiply_add(L::splat(basis[i]), sums[i]);
-                            }
-                        }
-                    }
-                }
-                for i in 0..n {
-                    sums[i].store(&mut lanes);
-                    for lane in 0..filled {
-                        self.sums[numbers[lane * n + i] as usize * self.columns + column] += lanes[lane];
-                    }
-                }
-            }
-            cell += filled;
-        }
-    }
 }
 
 /// A mass matrix as Krylov methods see it.

@@ -11,6 +11,9 @@ use crate::threads::Threads;
 /// Nodes of cells in a piece, those that cells share counted for each of them.
 const PIECE: usize = 1 << 14;
 
+/// Nodes at which the sums of one column after the other are finished, so that the numbers of all of them are read from memory once.
+const TOGETHER: usize = 128;
+
 /// The cells of bodies, in pieces.
 #[derive(Debug)]
 pub(in crate::assemble) struct Pieces {
@@ -22,6 +25,8 @@ pub(in crate::assemble) struct Pieces {
     /// `places[starts[n]..starts[n + 1]]` are those of node n among `nodes`, ascending.
     starts: Vec<usize>,
     places: Vec<usize>,
+    /// Number of cells at each node.
+    counts: Vec<u32>,
 }
 
 /// Some cells of one shape.
@@ -56,6 +61,7 @@ impl Pieces {
         let (mut pieces, mut numbers, mut nodes) = (vec![], vec![], vec![]);
         // Of each node, the last piece that has it, and its number there.
         let mut seen = vec![(u32::MAX, 0); space.node_count()];
+        let mut counts = vec![0; space.node_count()];
         for (number, block) in space.mesh().body_blocks().enumerate() {
             let at_once = (PIECE / space.element_of(block.shape).nodes()).max(1);
             for first in (0..block.cells.len()).step_by(at_once) {
@@ -63,6 +69,7 @@ impl Pieces {
                 let (of_numbers, of_nodes, piece) = (numbers.len(), nodes.len(), pieces.len() as u32);
                 for cell in cells.clone() {
                     for &node in space.cell_nodes(block.cells.start + cell) {
+                        counts[node as usize] += 1;
                         let own = &mut seen[node as usize];
                         if own.0 != piece {
                             *own = (piece, (nodes.len() - of_nodes) as u32);
@@ -76,12 +83,17 @@ impl Pieces {
             }
         }
         let (starts, places) = by_nodes(&nodes, space.node_count());
-        Pieces { pieces, numbers, nodes, starts, places }
+        Pieces { pieces, numbers, nodes, starts, places, counts }
     }
 
     /// Number of nodes of the space.
     pub(super) fn count(&self) -> usize {
         self.starts.len() - 1
+    }
+
+    /// Number of the pieces' cells at a node.
+    pub(super) fn cells_at(&self, node: usize) -> u32 {
+        self.counts[node]
     }
 
     /// The nodes that no cell of a body has.
@@ -111,31 +123,30 @@ impl Pieces {
         sums: &mut [f64],
         work: impl Fn(CellsOfPiece, &mut [f64]) + Send + Sync,
     ) {
-        self.sums_of_columns(threads, room, [sums].into_iter(), |_, sum| sum, work);
+        self.sums_of_columns(threads, (room, 1), [sums].into_iter(), |_, sum| sum, work);
     }
 
-    /// The same for several columns: `work` adds the numbers of all columns at a node one after the other. A sum at a node is finished by
-    /// `finish`.
+    /// The same for several columns: `work` adds the numbers of all columns at a node one after the other, where the first one of the next node
+    /// is `stride` numbers later. A sum at a node is finished by `finish`.
     pub(super) fn sums_of_columns<'s>(
         &self,
         threads: Threads,
-        room: &mut Vec<f64>,
+        (room, stride): (&mut Vec<f64>, usize),
         columns: impl ExactSizeIterator<Item = &'s mut [f64]>,
         finish: impl Fn(usize, f64) -> f64 + Send + Sync,
         work: impl Fn(CellsOfPiece, &mut [f64]) + Send + Sync,
     ) {
-        let count = columns.len();
-        room.resize(self.nodes.len() * count, 0.0);
+        room.resize(self.nodes.len() * stride, 0.0);
         let (mut parts, mut rest) = (vec![], &mut room[..]);
         for pieces in self.parts(threads) {
             let nodes: usize = pieces.iter().map(|piece| piece.nodes.len()).sum();
-            let (own, later) = rest.split_at_mut(nodes * count);
+            let (own, later) = rest.split_at_mut(nodes * stride);
             parts.push((pieces, own));
             rest = later;
         }
         threads.run(parts, |(pieces, mut sums): (&[Piece], &mut [f64])| {
             for piece in pieces {
-                let (own, later) = std::mem::take(&mut sums).split_at_mut(piece.nodes.len() * count);
+                let (own, later) = std::mem::take(&mut sums).split_at_mut(piece.nodes.len() * stride);
                 own.fill(0.0);
                 let seen = CellsOfPiece {
                     block: piece.block,
@@ -158,12 +169,16 @@ impl Pieces {
             }
         }
         let shares = shares.into_iter().enumerate().collect();
-        threads.run(shares, |(part, columns): (usize, Vec<(usize, &mut [f64])>)| {
-            for (column, sums) in columns {
-                for (node, sum) in (part * length..).zip(sums) {
-                    let places = &self.places[self.starts[node]..self.starts[node + 1]];
-                    let total = places.iter().fold(0.0, |sum, place| sum + room[*place * count + column]);
-                    *sum = finish(node, total);
+        threads.run(shares, |(part, mut columns): (usize, Vec<(usize, &mut [f64])>)| {
+            for first in (0..length).step_by(TOGETHER) {
+                for (column, sums) in &mut columns {
+                    let some = first.min(sums.len())..(first + TOGETHER).min(sums.len());
+                    for (node, sum) in (part * length + first..).zip(&mut sums[some]) {
+                        let places = &self.places[self.starts[node]..self.starts[node + 1]];
+                        let total =
+                            places.iter().fold(0.0, |sum, place| sum + room[*place * stride + *column]);
+                        *sum = finish(node, total);
+                    }
                 }
             }
         });

@@ -107,11 +107,13 @@ mod tests {
             for space in [Space::scalar(&mesh, 2).unwrap(), Space::discontinuous_scalar(&mesh, 1).unwrap()] {
                 let (degree, nodes) = (2 * space.degree() + 3, space.node_count());
                 let matrix = mass_matrix(&Assembler::new(&mesh), &space, degree).unwrap();
-                // A rough function, a smooth one, and nothing.
+                // Rough functions, smooth ones, and nothing: more than half as many as there are lanes.
                 let functions = [
                     (0..nodes).map(|node| (node as f64 * 0.7).sin()).collect(),
                     space.positions.iter().map(|x| 1e3 * (0.1 * x[0]).exp()).collect(),
                     vec![0.0; nodes],
+                    space.positions.iter().map(|x| x[0] * x[1]).collect(),
+                    (0..nodes).map(|node| (node % 7) as f64 - 2.5).collect(),
                 ];
                 let systems: Systems = functions
                     .iter()

@@ -35,6 +35,19 @@ where
                         );
                     }
                 }
+                // As many vectors as fill half of the lanes, one more, and more than there are lanes.
+                for count in [set.width().div_ceil(2), set.width() / 2 + 1, set.width() + 1] {
+                    let multiple = |k: usize| x.iter().map(|x| (k + 1) as f64 * x).collect();
+                    let several: Vec<Vec<f64>> = (0..count).map(multiple).collect();
+                    let mut images = several.clone();
+                    mass.products(Threads::new(3), &several, &mut vec![], &mut images);
+                    for (k, image) in images.iter().enumerate() {
+                        for (found, wanted) in image.iter().zip(&wanted) {
+                            let off = (found - (k + 1) as f64 * wanted).abs();
+                            assert!(off < 1e-13 * (k + 1) as f64 * size, "{set}, {count}: {found}, {wanted}");
+                        }
+                    }
+                }
                 let (sums, sizes) = mass.on(Threads::ONE).products(&x)?;
                 assert_eq!(sums, found);
                 // The sizes of a row's terms, by cells, are no less than by the matrix.

@@ -67,7 +67,7 @@ impl FreeEquations<'_> {
         correction: &[f64],
     ) -> Result<Option<f64>, NewtonFailure> {
         let mut rest = vec![0.0; correction.len()];
-        let (mut part, mut may_be_zero) = (None, true);
+        let mut part = None;
         for (component, _) in unsettled {
             let (change, most) = (component.largest(correction), component.largest(&self.iterates.u));
             let (range, in_field) =
@@ -87,14 +87,17 @@ impl FreeEquations<'_> {
             };
             if change > LARGEST_ROUNDING * scale && change > zero * in_field {
                 part = Some(change / most.max(f64::MIN_POSITIVE));
-                may_be_zero &= is_left_over;
-                component.unknowns().for_each(|unknown| rest[unknown] = correction[unknown].abs());
+                let own = |unknown: usize| if is_left_over { 0.0 } else { self.iterates.u[unknown].abs() };
+                component
+                    .unknowns()
+                    .for_each(|unknown| rest[unknown] = correction[unknown].abs().max(own(unknown)));
             }
         }
-        if part.is_none() || !may_be_zero {
+        if part.is_none() {
             return Ok(part);
         }
-        // A solution that is zero, under forces that balance, has no other scale than these forces.
+        // A solution that is zero, under forces that balance, has no other scale than these forces. What is left of it may be larger than
+        // the corrections by chance, and has to be as small then.
         let made = self.products(&rest)?.sizes;
         let terms = self.problem.sizes_of_terms(&self.iterates.u, Terms::OfCellsByComponent)?;
         let Some(terms) = terms else { return Ok(part) };
