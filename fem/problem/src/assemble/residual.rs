@@ -10,8 +10,8 @@ use super::element_loops::vectors::ElementVectors;
 use super::groups::groups;
 use super::kernels::VectorKernel;
 use super::scatter::VectorScatter;
+use super::scatter::group_nodes::{GroupNodes, Reading, places_on_facet};
 use super::{Assembler, AssemblyError, Parts};
-use crate::assemble::scatter::group_nodes::GroupNodes;
 use crate::contract::{Form, Function};
 use crate::field::{Field, FieldView, views};
 use crate::instantiate::instantiate;
@@ -241,6 +241,13 @@ impl<const D: usize> VectorSum<'_, D> {
             let tests = GroupNodes::new(space, &group.sides[side]);
             let scatter = VectorScatter { tests, components, nodes: task.nodes() };
             let (added, length) = (self.added, components * task.nodes());
+            // A node with a part in the vector may have entries that cancel to zero.
+            let [reading, _] = Reading::of_arguments(constants.requirements);
+            let places = match added {
+                Added::Vectors | Added::Sizes(Terms::OfRows) => vec![],
+                Added::Sizes(_) => places_on_facet(&group, side, space, reading)
+                    .unwrap_or_else(|| (0..task.nodes()).collect()),
+            };
             let values = &mut self.vector[offset..offset + space.unknowns()];
             let partition = scatter.tests.partition(self.threads);
             let parts = scatter.parts(&partition, values);
@@ -255,12 +262,11 @@ impl<const D: usize> VectorSum<'_, D> {
                             &sizes
                         }
                         Added::Sizes(terms) => {
-                            let stride = if terms == Terms::OfCells { 1 } else { components };
                             sizes.clear();
                             for vector in vectors.chunks_exact(length) {
                                 let first = sizes.len();
                                 sizes.resize(first + length, 0.0_f64);
-                                spread_largest(vector, stride, &mut sizes[first..]);
+                                spread_largest(vector, terms, components, &places, &mut sizes[first..]);
                             }
                             &sizes
                         }
@@ -278,14 +284,15 @@ impl<const D: usize> VectorSum<'_, D> {
     }
 }
 
-/// Writes the largest amount of every `stride`-th entry of a vector into those of its places that are not zero: at a facet the nodes away
-/// from it have no part in the vector.
-fn spread_largest(vector: &[f64], stride: usize, sizes: &mut [f64]) {
-    for first in 0..stride {
-        let own = || vector.iter().skip(first).step_by(stride);
-        let most = own().fold(0.0, |most: f64, value| most.max(value.abs()));
-        let places = sizes.iter_mut().skip(first).step_by(stride).zip(own());
-        places.filter(|(_, value)| **value != 0.0).for_each(|(size, _)| *size = most);
+/// Writes the largest amount of a vector, or of each component, at the places of nodes that have a part in it. Components that are zero
+/// at all nodes have none.
+fn spread_largest(vector: &[f64], terms: Terms, components: usize, places: &[usize], sizes: &mut [f64]) {
+    let most = vector.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+    for component in 0..components {
+        let own = vector.iter().skip(component).step_by(components);
+        let largest = own.fold(0.0, |most: f64, value| most.max(value.abs()));
+        let size = if terms == Terms::OfCells && largest > 0.0 { most } else { largest };
+        places.iter().for_each(|place| sizes[place * components + component] = size);
     }
 }
 

@@ -91,9 +91,19 @@ pub(in crate::assemble) fn seen_places<const D: usize>(
     space: &Space<D>,
     reading: Reading,
 ) -> Option<Vec<usize>> {
-    let pairs = group.pairs()?;
-    let rigid = side == 1 && !pairs.group.rigid_normals.is_empty();
+    group.pairs()?;
+    places_on_facet(group, side, space, reading)
+}
+
+/// The places, among a cell's nodes, of those that a kernel sees on the facets of a group. None where all count.
+pub(in crate::assemble) fn places_on_facet<const D: usize>(
+    group: &Group<D>,
+    side: usize,
+    space: &Space<D>,
+    reading: Reading,
+) -> Option<Vec<usize>> {
     let (shape, (local, _)) = (group.sides[side].shape, group.sides[side].facet?);
+    let rigid = side == 1 && group.pairs().is_some_and(|pairs| !pairs.group.rigid_normals.is_empty());
     if rigid || reading == Reading::Derivatives || space.facet_region().is_some() {
         return None;
     }
