@@ -1,7 +1,7 @@
 //! Newton's criterion: each field by its own residual, and an answer that does not depend on how bad the start was.
 
 use forms_fem::prelude::*;
-use forms_fem::solve::LuSolver;
+use forms_fem::solve::{LuSolver, NonlinearProblem, Terms};
 
 #[forms(dimension = 2)]
 mod fields {
@@ -35,6 +35,13 @@ mod fields {
     }
     pub fn loaded(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
         prestressed(u, v) - integral(Omega, 1e-6 * stiffness * v)
+    }
+
+    pub fn stretched(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, (1 + pow(u, 2)) * dot([1, 0], grad(v)))
+    }
+    pub fn on_top(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Top, (1 + pow(u, 2)) * v)
     }
 
     pub fn reaction(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
@@ -150,5 +157,28 @@ fn a_body_under_stresses_of_its_own_stays_at_rest() {
         let moved = solved.field().values().iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
         assert!(moved > 1e-3 * linear, "prestress {prestress:e}: moved by {moved:e}");
         assert!(solved.iterations() <= 8);
+    }
+}
+
+/// The x-entries of an edge along x cancel in its cells, exactly or but for rounding, as it happens. Its row is made of the stresses in
+/// them nevertheless; a facet's forces are in the rows of its nodes only.
+#[test]
+fn entries_that_cancel_are_no_small_terms() {
+    let mesh = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Triangle, 1).unwrap();
+    let space = Space::scalar(&mesh, 2).unwrap();
+    let data = fields::data().stiffness(1.0).conductivity(1.0).expansion(0.0);
+    let model = fields::Model { data, regions: fields::Regions::default().omega("all").top("top") };
+    let zero = vec![0.0; space.unknowns()];
+    for terms in [Terms::OfCells, Terms::OfCellsByComponent] {
+        let stretched = model.stretched();
+        let sizes = Problem::new(&stretched, &space).sizes_of_terms(&zero, terms).unwrap().unwrap();
+        // 4/3 of a cell's area times |∇λ|.
+        assert!(sizes.iter().all(|size| *size > 0.3 && *size < 4.1), "{sizes:?}");
+        let on_top = model.on_top();
+        let sizes = Problem::new(&on_top, &space).sizes_of_terms(&zero, terms).unwrap().unwrap();
+        for (position, size) in space.positions().iter().zip(&sizes) {
+            let is_on_top = position[1] == 1.0;
+            assert!(if is_on_top { *size > 0.3 } else { *size == 0.0 }, "{position:?}: {size}");
+        }
     }
 }
