@@ -18,6 +18,7 @@ use super::kernels::VectorKernel;
 use super::scatter::group_nodes::{Reading, seen_places};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::contract::Function;
+use crate::element::CellShape;
 use crate::element::lagrange::MAXIMUM_NODES;
 use crate::field::FieldView;
 use crate::instantiate::instantiate;
@@ -47,7 +48,12 @@ struct Rates<const D: usize> {
     /// Of each column and coordinate.
     rates: Vec<[f64; D]>,
     coordinates: usize,
+    /// The places of facets' nodes in their cells: of a shape and local number, and of cells that are carried.
+    places: Vec<(Seen, Vec<usize>)>,
 }
+
+/// The shape of a cell, the local number of its facet, whether it is carried.
+type Seen = (CellShape, u8, bool);
 
 impl<const D: usize> Rates<D> {
     fn take(&mut self, feet: &[Option<Foot<D>>], own: Facet, space: &Space<D>) {
@@ -75,22 +81,26 @@ impl<const D: usize> Rates<D> {
         of_node: impl Fn(usize, f64, &[f64; D]) -> [f64; D],
     ) {
         let (mut value, mut gradient) = ([0.0; MAXIMUM_NODES], [[0.0; D]; MAXIMUM_NODES]);
-        let element = space.traces_of(space.mesh.cell_shape(facet.cell as usize));
+        let shape = space.mesh.cell_shape(facet.cell as usize);
+        let element = space.traces_of(shape);
         element.evaluate(reference, &mut value, &mut gradient);
         let nodes = space.nodes_at(facet.cell, Some(facet.local));
-        let places: Vec<usize> = match space.mesh.carries(facet.cell) {
-            true => (0..nodes.len()).collect(),
-            false => element.facet_nodes(usize::from(facet.local)),
-        };
-        for place in places {
-            let column = self.columns.iter().position(|known| *known == nodes[place]).unwrap_or_else(|| {
-                self.columns.push(nodes[place]);
-                self.rates.resize(self.columns.len() * self.coordinates, [0.0; D]);
-                self.columns.len() - 1
+        let Rates { columns, rates, coordinates, places } = self;
+        let seen = (shape, facet.local, space.mesh.carries(facet.cell));
+        let known = places.iter().position(|(known, _)| *known == seen).unwrap_or_else(|| {
+            let of_facet = || element.facet_nodes(usize::from(facet.local));
+            places.push((seen, if seen.2 { (0..nodes.len()).collect() } else { of_facet() }));
+            places.len() - 1
+        });
+        for &place in &places[known].1 {
+            let column = columns.iter().position(|known| *known == nodes[place]).unwrap_or_else(|| {
+                columns.push(nodes[place]);
+                rates.resize(columns.len() * *coordinates, [0.0; D]);
+                columns.len() - 1
             });
             for axis in 0..D - 1 {
                 let rate = of_node(axis, value[place], &gradient[place]);
-                let known = &mut self.rates[column * self.coordinates + foot * (D - 1) + axis];
+                let known = &mut rates[column * *coordinates + foot * (D - 1) + axis];
                 (0..D).for_each(|k| known[k] += rate[k]);
             }
         }
@@ -136,7 +146,6 @@ impl<const D: usize> Assembler<D> {
         (parts, left_out): (Parts, &[usize]),
         vector: &mut [f64],
     ) -> Result<(), AssemblyError> {
-        let mut rates = Rates::default();
         for term in form.motion() {
             let (integral, requirements) = (term.integral, term.kernel.constants().requirements);
             let region = &form.inputs().regions[integral.region];
@@ -151,6 +160,7 @@ impl<const D: usize> Assembler<D> {
             let before: usize = tests[..integral.test].iter().map(|space| space.unknowns()).sum();
             let vector = &mut vector[before..][..test.unknowns()];
             let arguments = [(Role::Test(integral.test), &**test)];
+            let mut rates = Rates::default();
             for group in groups(&binding, integral, &self.quadrature, &degrees, requirements, &arguments)? {
                 let Some(pairs) = group.pairs() else { continue };
                 let motion = Motion { assembler: self, binding: &binding, term, element };
@@ -202,6 +212,7 @@ impl<const D: usize> Motion<'_, D> {
         let blocks = pattern.sparsity().pair(integral.test, trial).clone();
         let rows = pattern.sparsity().pair_rows(integral.test, trial);
         let [height, width] = [constants.components, D];
+        let mut rates = Rates::default();
         for group in groups(binding, integral, quadrature, &degrees, constants.requirements, &arguments)? {
             let side = group.side(form, integral.test_side)?;
             let Some(pairs) = group.pairs() else { continue };
@@ -213,7 +224,6 @@ impl<const D: usize> Motion<'_, D> {
             let (values, zeros) = matrix.values_and_zero_rows();
             let (values, zeros) = (&mut values[blocks.values()], &mut zeros[rows.clone()]);
             let (size, motion) = (nodes * height, &pairs.group.motion);
-            let mut rates = Rates::default();
             for (unit, facets) in pairs.group.facets.iter().enumerate() {
                 let at = test.nodes_at(group.sides[side].cells[unit], local);
                 rates.take(motion.feet_of(unit, group.entities()), facets[0], trials);
