@@ -273,7 +273,7 @@ fn gradients_by_adjoint_states_are_those_of_differences() {
         let slope = dot(&gradient, motion.values());
         let at = |t: f64| {
             along(&motion, &[&u], t, |assembler, fields| {
-                assembler.functional(&model.criterion(&solved(&fields[0]))).unwrap()
+                assembler.functional(&model.criterion(solved(&fields[0]))).unwrap()
             })
         };
         let off = (difference(2e-4, at) - slope).abs() / slope.abs();
