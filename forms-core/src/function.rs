@@ -35,6 +35,7 @@ pub struct Function<const D: usize, B: Backend<D>> {
     switches: Vec<Term<B::Expression>>,
     density: Vec<Term<B::Expression>>,
     action: Vec<Term<B::Linear>>,
+    motion: Vec<Term<B::Linear>>,
     means: Vec<Term<B::Linear>>,
     means_by_unknowns: Vec<Term<B::Bilinear>>,
     residual_by_means: Vec<Term<B::Bilinear>>,
@@ -57,6 +58,7 @@ impl<const D: usize, B: Backend<D>> Function<D, B> {
             switches: I::switches::<B>(constants),
             density: I::density::<B>(constants),
             action: I::action::<B>(constants),
+            motion: I::motion::<B>(constants),
             means: I::means::<B>(constants),
             means_by_unknowns: I::means_by_unknowns::<B>(constants),
             residual_by_means: I::residual_by_means::<B>(constants),
@@ -145,6 +147,13 @@ impl<const D: usize, B: Backend<D>> Function<D, B> {
     /// direction as a field, and the unknowns only where the tangent depends on them.
     pub fn action(&self) -> &[Term<B::Linear>] {
         &self.action
+    }
+
+    /// The motion of points in derivatives by the shape, or by a state that displaces contact pairs, in the direction of a test function T: the
+    /// terms are ∫ e T·e₁ with the integrand e that was differentiated. Where points depend on the displacement, the residual has Σ e ∂w/∂T
+    /// and the motion of the points in e besides its other terms, which hold them.
+    pub fn motion(&self) -> &[Term<B::Linear>] {
+        &self.motion
     }
 
     /// The means over own facets that the integrals read, by [`Means::number`](crate::form::Means::number): terms that are linear in the

@@ -69,6 +69,10 @@ pub trait Integrals<const D: usize>: 'static {
     fn action<B: Backend<D>>(_: Constants<'_>) -> Vec<Term<B::Linear>> {
         vec![]
     }
+    /// Integrands times the first component of what displaces their points, whose derivative along that motion completes the residual.
+    fn motion<B: Backend<D>>(_: Constants<'_>) -> Vec<Term<B::Linear>> {
+        vec![]
+    }
     /// The means over own facets that other integrals read, times the functions with [`Role::MeanTest`](crate::form::Role::MeanTest).
     fn means<B: Backend<D>>(_: Constants<'_>) -> Vec<Term<B::Linear>> {
         vec![]

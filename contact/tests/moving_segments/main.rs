@@ -5,6 +5,7 @@ mod errors;
 mod histories;
 mod patch;
 mod rings;
+mod shape;
 mod space;
 mod tangent;
 mod wobble;

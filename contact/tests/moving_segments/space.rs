@@ -42,7 +42,7 @@ fn layer_and_block(corner: [f64; 2], shape: CellShape) -> Mesh<3> {
 }
 
 /// Bent plates, the upper one smaller.
-fn plates(cells: [usize; 2], shape: CellShape) -> Mesh<3> {
+pub fn plates(cells: [usize; 2], shape: CellShape) -> Mesh<3> {
     let wave = |x: f64, y: f64| 0.12 * (1.7 * x).sin() + 0.07 * (2.3 * y + x).sin();
     let plate = |count: usize, low: f64, side: f64, rise: f64| {
         structured([count, count - 1, 1], shape, 1, |[s, t, r]: [f64; 3]| {

@@ -139,6 +139,7 @@ impl<const D: usize, B: CombiningBackend<D>> Combination<D, B> {
             switches: vec![],
             density: vec![],
             action: vec![],
+            motion: vec![],
             means: vec![],
             means_by_unknowns: vec![],
             residual_by_means: vec![],
@@ -177,6 +178,7 @@ impl<const D: usize, B: CombiningBackend<D>> Combination<D, B> {
         own.residual.extend(addend.residual.iter().map(linear));
         own.joined_residual.extend(addend.joined_residual.iter().map(linear));
         own.action.extend(addend.action.iter().map(linear));
+        own.motion.extend(addend.motion.iter().map(linear));
         let bilinear = |term: &Term<B::Bilinear>, adaptation: Adaptation| Term {
             integral: adaptation.integral(term.integral),
             kernel: B::adapt_bilinear(&term.kernel, adaptation),

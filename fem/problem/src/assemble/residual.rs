@@ -104,7 +104,9 @@ impl<const D: usize> Assembler<D> {
             true => form.joined_residual().filter(is_asked).collect(),
             false => form.residual().iter().filter(is_asked).collect(),
         };
-        self.sum_of_terms(binding, tests, &terms, Added::Vectors)
+        let mut sum = self.sum_of_terms(binding, tests, &terms, Added::Vectors)?;
+        self.add_motion_of_integrands(form, (unknowns, tests), (parts, left_out), &mut sum)?;
+        Ok(sum)
     }
 
     /// The residual of the constant and linear integrals where the unknowns are zero. Those that are proved to vanish there are not
@@ -122,7 +124,9 @@ impl<const D: usize> Assembler<D> {
         let terms = form.residual().iter();
         let terms: Vec<_> =
             terms.filter(|term| parts.contain(term.integral.dependence) && !term.integral.vanishes).collect();
-        self.sum_of_terms(binding, tests, &terms, Added::Vectors)
+        let mut sum = self.sum_of_terms(binding, tests, &terms, Added::Vectors)?;
+        self.add_motion_of_integrands(form, (&unknowns, tests), (parts, &[]), &mut sum)?;
+        Ok(sum)
     }
 
     /// The size of the terms that are summed in each entry of the residual: contributions of cells and facets, each integral by

@@ -1,4 +1,5 @@
-//! The part of a tangent that moves the points of moving segments: Σ over coordinates c of the feet of opposite nodes of ∂R/∂c ⊗ ∂c/∂u.
+//! The part of a tangent that moves the points of moving segments: Σ over coordinates c of the feet of opposite nodes of ∂R/∂c ⊗ ∂c/∂u; of
+//! derivatives by the shape and by states, that of their integrand J is ∂J/∂c ∂c/∂T.
 //!
 //! `element_loops/moving_points.rs` has the first factor and `pairs/segment_motion.rs` the second one, which has entries for the nodes of the own
 //! facet and those of the facet that has the node.
@@ -17,6 +18,7 @@ use super::kernels::VectorKernel;
 use super::scatter::group_nodes::{Reading, seen_places};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::contract::Function;
+use crate::element::CellShape;
 use crate::element::lagrange::MAXIMUM_NODES;
 use crate::field::FieldView;
 use crate::instantiate::instantiate;
@@ -46,7 +48,12 @@ struct Rates<const D: usize> {
     /// Of each column and coordinate.
     rates: Vec<[f64; D]>,
     coordinates: usize,
+    /// The places of facets' nodes in their cells: of a shape and local number, and of cells that are carried.
+    places: Vec<(Seen, Vec<usize>)>,
 }
+
+/// The shape of a cell, the local number of its facet, whether it is carried.
+type Seen = (CellShape, u8, bool);
 
 impl<const D: usize> Rates<D> {
     fn take(&mut self, feet: &[Option<Foot<D>>], own: Facet, space: &Space<D>) {
@@ -74,22 +81,26 @@ impl<const D: usize> Rates<D> {
         of_node: impl Fn(usize, f64, &[f64; D]) -> [f64; D],
     ) {
         let (mut value, mut gradient) = ([0.0; MAXIMUM_NODES], [[0.0; D]; MAXIMUM_NODES]);
-        let element = space.traces_of(space.mesh.cell_shape(facet.cell as usize));
+        let shape = space.mesh.cell_shape(facet.cell as usize);
+        let element = space.traces_of(shape);
         element.evaluate(reference, &mut value, &mut gradient);
         let nodes = space.nodes_at(facet.cell, Some(facet.local));
-        let places: Vec<usize> = match space.mesh.carries(facet.cell) {
-            true => (0..nodes.len()).collect(),
-            false => element.facet_nodes(usize::from(facet.local)),
-        };
-        for place in places {
-            let column = self.columns.iter().position(|known| *known == nodes[place]).unwrap_or_else(|| {
-                self.columns.push(nodes[place]);
-                self.rates.resize(self.columns.len() * self.coordinates, [0.0; D]);
-                self.columns.len() - 1
+        let Rates { columns, rates, coordinates, places } = self;
+        let seen = (shape, facet.local, space.mesh.carries(facet.cell));
+        let known = places.iter().position(|(known, _)| *known == seen).unwrap_or_else(|| {
+            let of_facet = || element.facet_nodes(usize::from(facet.local));
+            places.push((seen, if seen.2 { (0..nodes.len()).collect() } else { of_facet() }));
+            places.len() - 1
+        });
+        for &place in &places[known].1 {
+            let column = columns.iter().position(|known| *known == nodes[place]).unwrap_or_else(|| {
+                columns.push(nodes[place]);
+                rates.resize(columns.len() * *coordinates, [0.0; D]);
+                columns.len() - 1
             });
             for axis in 0..D - 1 {
                 let rate = of_node(axis, value[place], &gradient[place]);
-                let known = &mut self.rates[column * self.coordinates + foot * (D - 1) + axis];
+                let known = &mut rates[column * *coordinates + foot * (D - 1) + axis];
                 (0..D).for_each(|k| known[k] += rate[k]);
             }
         }
@@ -116,8 +127,54 @@ impl<const D: usize> Assembler<D> {
             let element = binding.element(tests[term.integral.test]);
             for field in displacing {
                 if let Role::Unknown(trial) = binding.fields[*field].role {
-                    let motion = Motion { assembler: self, binding: &binding, term, element, trial };
-                    motion.add((unknowns[trial].space, tests), pattern, matrix)?;
+                    let motion = Motion { assembler: self, binding: &binding, term, element };
+                    motion.add((trial, unknowns[trial].space, tests), pattern, matrix)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The motion of points, added to the residual of a form that is a derivative by the shape, or by a state that displaces surfaces.
+    ///
+    /// # Errors
+    /// As [`Assembler::add_motion_of_segments`].
+    pub(super) fn add_motion_of_integrands(
+        &self,
+        form: &Function<D>,
+        (unknowns, tests): (&[FieldView<D>], &[&Arc<Space<D>>]),
+        (parts, left_out): (Parts, &[usize]),
+        vector: &mut [f64],
+    ) -> Result<(), AssemblyError> {
+        for term in form.motion() {
+            let (integral, requirements) = (term.integral, term.kernel.constants().requirements);
+            let region = &form.inputs().regions[integral.region];
+            let asked = parts.contain(integral.dependence) && !left_out.contains(&integral.test);
+            if !asked || !region.is_on_moving_segments(integral.displacement) {
+                continue;
+            }
+            let mut binding = self.bind(form, unknowns)?;
+            let test = tests[integral.test];
+            let element = binding.element(test);
+            let degrees = binding.degrees(tests);
+            let before: usize = tests[..integral.test].iter().map(|space| space.unknowns()).sum();
+            let vector = &mut vector[before..][..test.unknowns()];
+            let arguments = [(Role::Test(integral.test), &**test)];
+            let mut rates = Rates::default();
+            for group in groups(&binding, integral, &self.quadrature, &degrees, requirements, &arguments)? {
+                let Some(pairs) = group.pairs() else { continue };
+                let motion = Motion { assembler: self, binding: &binding, term, element };
+                let numbers = motion.vectors_by_feet(&group, 0, PointMotion::OfIntegrand)?;
+                for (unit, facets) in pairs.group.facets.iter().enumerate() {
+                    rates.take(pairs.group.motion.feet_of(unit, group.entities()), facets[0], test);
+                    let coordinates = rates.coordinates;
+                    for (column, rates) in rates.columns.iter().zip(rates.rates.chunks_exact(coordinates)) {
+                        let entries = &mut vector[*column as usize * D..][..D];
+                        for (coordinate, rate) in rates.iter().enumerate() {
+                            let by_foot = numbers[(unit * coordinates + coordinate) * D];
+                            (0..D).for_each(|k| entries[k] += by_foot * rate[k]);
+                        }
+                    }
                 }
             }
         }
@@ -125,24 +182,23 @@ impl<const D: usize> Assembler<D> {
     }
 }
 
-/// One term's segments and an unknown that moves them.
+/// One term's segments, whose points move.
 struct Motion<'a, const D: usize> {
     assembler: &'a Assembler<D>,
     binding: &'a Binding<'a, D>,
     term: &'a Term<VectorKernel<D>>,
     /// That of the test function.
     element: usize,
-    trial: usize,
 }
 
 impl<const D: usize> Motion<'_, D> {
     fn add(
         &self,
-        (trials, tests): (&Arc<Space<D>>, &[&Arc<Space<D>>]),
+        (trial, trials, tests): (usize, &Arc<Space<D>>, &[&Arc<Space<D>>]),
         pattern: &BlockPattern<D>,
         matrix: &mut BlockMatrix,
     ) -> Result<(), AssemblyError> {
-        let Motion { assembler, binding, term, element, trial } = *self;
+        let Motion { assembler, binding, term, element } = *self;
         let (integral, constants) = (term.integral, term.kernel.constants());
         let (test, form) = (tests[integral.test], binding.name);
         let missing = || AssemblyError::Pattern {
@@ -156,10 +212,11 @@ impl<const D: usize> Motion<'_, D> {
         let blocks = pattern.sparsity().pair(integral.test, trial).clone();
         let rows = pattern.sparsity().pair_rows(integral.test, trial);
         let [height, width] = [constants.components, D];
+        let mut rates = Rates::default();
         for group in groups(binding, integral, quadrature, &degrees, constants.requirements, &arguments)? {
             let side = group.side(form, integral.test_side)?;
             let Some(pairs) = group.pairs() else { continue };
-            let vectors = self.vectors_by_feet(&group, side, element)?;
+            let vectors = self.vectors_by_feet(&group, side, PointMotion::ByFeet)?;
             let [reading, _] = Reading::of_arguments(constants.requirements);
             let nodes = group.sides[side].elements[element].nodes;
             let seen = seen_places(&group, side, test, reading).unwrap_or_else(|| (0..nodes).collect());
@@ -167,7 +224,6 @@ impl<const D: usize> Motion<'_, D> {
             let (values, zeros) = matrix.values_and_zero_rows();
             let (values, zeros) = (&mut values[blocks.values()], &mut zeros[rows.clone()]);
             let (size, motion) = (nodes * height, &pairs.group.motion);
-            let mut rates = Rates::default();
             for (unit, facets) in pairs.group.facets.iter().enumerate() {
                 let at = test.nodes_at(group.sides[side].cells[unit], local);
                 rates.take(motion.feet_of(unit, group.entities()), facets[0], trials);
@@ -197,9 +253,9 @@ impl<const D: usize> Motion<'_, D> {
         &self,
         group: &Group<D>,
         side: usize,
-        element: usize,
+        motion: PointMotion,
     ) -> Result<Vec<f64>, AssemblyError> {
-        let Motion { assembler, binding, term, .. } = *self;
+        let Motion { assembler, binding, term, element } = *self;
         let cells = Cells::Mesh(binding.mesh);
         let task = ElementVectors { binding, group, cells, side, element };
         let count = group.entities();
@@ -207,7 +263,7 @@ impl<const D: usize> Motion<'_, D> {
         let parts = (0..threads).map(|part| part * count / threads..(part + 1) * count / threads).collect();
         let found = assembler.threads.run(parts, |units: Range<usize>| {
             let mut vectors: Vec<f64> = Vec::new();
-            let moving = (PointMotion::ByFeet, units);
+            let moving = (motion, units);
             term.kernel.compute_moving(&task, assembler.instructions, moving, &mut |_, some| {
                 vectors.extend_from_slice(some);
                 Ok(())
@@ -232,4 +288,5 @@ impl<const D: usize> Motion<'_, D> {
     }
 }
 
-instantiate!(segment_tangent: has_segments::<D>, Assembler::<D>::add_motion_of_segments);
+instantiate!(segment_tangent: has_segments::<D>, Assembler::<D>::add_motion_of_segments,
+    Assembler::<D>::add_motion_of_integrands);

@@ -165,8 +165,9 @@ pub enum PairError {
     /// A derivative by a displacement that moves points, which it holds.
     #[error(
         "the points of moving segments move with the surfaces, and this derivative by what displaces them holds them: it is not that of what is \
-         assembled. Take the transposed tangent of the residual (as `LoadHistory` does), write an energy as a form \
-         (`derivative(energy(u), u, v)` of the unknown u), or leave out `.at(PairQuadrature::Pieces)`"
+         assembled. Differentiate by the shape or a state, once, in the direction of a test function, in a form that does not depend on unknowns; take \
+         the transposed tangent of the residual (as `LoadHistory` does); write an energy as a form (`derivative(energy(u), u, v)` of the unknown \
+         u); or leave out `.at(PairQuadrature::Pieces)`"
     )]
     HeldPoints,
     /// Means over own facets where the points of these facets move.

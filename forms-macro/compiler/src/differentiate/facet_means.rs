@@ -133,7 +133,7 @@ impl FacetMeans {
                 means: Some(Means { number, degree: list.degree }),
                 density,
             };
-            parts.push(ResidualPart { term, tangent });
+            parts.push(ResidualPart { term, tangent, moves: false });
         }
         parts
     }

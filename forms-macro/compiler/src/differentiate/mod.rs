@@ -54,6 +54,8 @@ pub struct ResidualPart {
     pub term: Term,
     /// Its derivative in the direction of each trial function (field index), where not zero.
     pub tangent: Vec<(usize, Tensor)>,
+    /// It is integrated along the motion of its points, which another part holds.
+    pub moves: bool,
 }
 
 /// Carries out all derivatives of a function.
@@ -126,7 +128,13 @@ pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: 
     trials.extend(means.varying());
     let mut sources = HashMap::<Tensor, Vec<Source>>::new();
     for term in terms {
-        let found = if from_energy { vec![] } else { lowering.sources(term.density) };
+        let mut found = if from_energy { vec![] } else { lowering.sources(term.density) };
+        let by = term.displacement.as_deref().filter(|_| term.means.is_none() && !found.is_empty());
+        if let Some(density) = by.and_then(|by| lowering.carried(term.density, by, &fields)) {
+            found.iter_mut().for_each(|source| source.moves = true);
+            let tangent = vec![];
+            residual.push(ResidualPart { term: term.with(density), tangent, moves: true });
+        }
         let lowered = lowering.lower(term.density);
         let lowered = means.replace(&mut lowering, &term, lowered);
         for part in lowering.parts(lowered) {
@@ -134,7 +142,7 @@ pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: 
             if !found.is_empty() {
                 sources.entry(part).or_default().extend(found.iter().cloned());
             }
-            residual.push(ResidualPart { term: term.with(part), tangent });
+            residual.push(ResidualPart { term: term.with(part), tangent, moves: false });
         }
     }
     let density = density

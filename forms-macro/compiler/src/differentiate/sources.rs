@@ -3,7 +3,7 @@
 //! would not be its adjoint where the integrand has a kink.
 
 use super::lowering::Lowering;
-use crate::tensor::{Operator, Tensor, Variable};
+use crate::tensor::{FieldInfo, FieldRole, Operator, Side, Tensor, Variable};
 
 /// One integrand, free of derivatives still to be taken.
 #[derive(Clone, Debug)]
@@ -13,6 +13,17 @@ pub struct Source {
     pub directions: Vec<(usize, usize)>,
     /// It was differentiated by the shape of the domain.
     pub by_shape: bool,
+    /// An integral of its own has the motion of its points, where the direction moves them.
+    pub moves: bool,
+}
+
+/// Whether a derivative moves the contact pairs that some fields displace.
+fn displaces(variable: Variable, by: &[usize]) -> bool {
+    match variable {
+        Variable::Shape(_) => true,
+        Variable::Field(varied) => by.contains(&varied),
+        _ => false,
+    }
 }
 
 impl Lowering<'_> {
@@ -57,10 +68,62 @@ impl Lowering<'_> {
                     density,
                     directions: vec![],
                     by_shape: false,
+                    moves: false,
                 }));
                 false
             }
         }
+    }
+
+    /// The density whose motion of points completes derivatives by what displaces contact pairs: of each the integrand times the first
+    /// component of its direction, a test function. `None` where there is no such density.
+    pub(super) fn carried(&mut self, density: Tensor, by: &[usize], fields: &[FieldInfo]) -> Option<Tensor> {
+        let node = self.arena.node(density).clone();
+        match node.operator {
+            Operator::Add(a, b) => {
+                let (a, b) = (self.carried(a, by, fields)?, self.carried(b, by, fields)?);
+                Some(self.arena.push(Operator::Add(a, b), vec![], node.span))
+            }
+            Operator::Negate(a) => {
+                let a = self.carried(a, by, fields)?;
+                Some(self.arena.push(Operator::Negate(a), vec![], node.span))
+            }
+            Operator::Scale(a, factor) | Operator::Scale(factor, a) if self.is_parameter(factor) => {
+                let a = self.carried(a, by, fields)?;
+                Some(self.arena.push(Operator::Scale(factor, a), vec![], node.span))
+            }
+            Operator::Divide(a, divisor) if self.is_parameter(divisor) => {
+                let a = self.carried(a, by, fields)?;
+                Some(self.arena.push(Operator::Divide(a, divisor), vec![], node.span))
+            }
+            Operator::Gateaux { expression, variable, direction } if displaces(variable, by) => {
+                let Operator::Field { field, order: 0 } = self.arena.node(direction).operator else {
+                    return None;
+                };
+                let FieldInfo { role: FieldRole::Test(_), shape, .. } = &fields[field] else { return None };
+                if *shape != [self.dimension] || self.moves_points(expression, by, fields) {
+                    return None;
+                }
+                let integrand = self.lower(expression);
+                let side = Operator::Restrict(Side::This, direction);
+                let side = self.arena.push(side, shape.clone(), node.span);
+                let first = self.arena.push(Operator::Component(side, vec![0]), vec![], node.span);
+                Some(self.arena.push(Operator::Scale(first, integrand), vec![], node.span))
+            }
+            _ if self.moves_points(density, by, &[]) => None,
+            _ => Some(self.arena.push(Operator::Zero, vec![], node.span)),
+        }
+    }
+
+    /// Whether an expression has derivatives by what displaces pairs, or reads unknowns, on which its derivative depends once more.
+    fn moves_points(&self, expression: Tensor, by: &[usize], fields: &[FieldInfo]) -> bool {
+        self.arena.reachable(&[expression]).into_iter().any(|node| match self.arena.node(node).operator {
+            Operator::Gateaux { variable, .. } => displaces(variable, by),
+            Operator::Field { field, .. } => {
+                fields.get(field).is_some_and(|field| matches!(field.role, FieldRole::Unknown(_)))
+            }
+            _ => false,
+        })
     }
 
     fn varies(&self, density: Tensor, variable: Variable) -> bool {

@@ -80,6 +80,7 @@ struct Lists {
     tangent: Vec<TokenStream>,
     joined_tangent: Vec<TokenStream>,
     action: Vec<TokenStream>,
+    motion: Vec<TokenStream>,
     means: Vec<TokenStream>,
     means_by_unknowns: Vec<TokenStream>,
     residual_by_means: Vec<TokenStream>,
@@ -119,13 +120,14 @@ impl Lists {
             (&mut lists.residual, &optimised.residual, "Residual"),
             (&mut lists.joined_residual, &optimised.joined, "Joined"),
             (&mut lists.action, &optimised.action, "Action"),
+            (&mut lists.motion, &optimised.motion, "Motion"),
         ] {
             for (index, integral) in integrals.iter().enumerate() {
                 let kernel = format_ident!("{prefix}{index}");
                 let displaced = integral.description.displacement.iter().flatten();
                 let unknown = |field: &usize| matches!(writer.fields[*field].role, FieldRole::Unknown(_));
                 // Products without a matrix are derivatives already.
-                let slides = prefix != "Action" && displaced.into_iter().any(unknown);
+                let slides = prefix == "Motion" || (prefix != "Action" && displaced.into_iter().any(unknown));
                 let motion = match (slides, writer.points) {
                     (true, _) => Motion::Slides,
                     (false, Points::MovedByLevelSet) if prefix == "Residual" => Motion::ByLevelSet,
@@ -191,6 +193,7 @@ impl Lists {
                 dependence: Dependence::Constant,
                 vanishes: false,
                 holds_points: false,
+                moves: false,
                 degree: Degree::constant(0),
             };
             let description = describe(&description, &[0], [NO_ARGUMENT; 2], false, 0);
@@ -208,6 +211,7 @@ impl Lists {
             ("tangent", "Bilinear", self.tangent),
             ("joined_tangent", "Bilinear", self.joined_tangent),
             ("action", "Linear", self.action),
+            ("motion", "Linear", self.motion),
             ("means", "Linear", self.means),
             ("means_by_unknowns", "Bilinear", self.means_by_unknowns),
             ("residual_by_means", "Bilinear", self.residual_by_means),

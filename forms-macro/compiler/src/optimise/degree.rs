@@ -138,11 +138,12 @@ impl<'a> Degrees<'a> {
         })
     }
 
-    /// Whether a density is a derivative of an integral over contact pairs by the fields that displace them, or by the shape.
+    /// Whether a density is a derivative of an integral over contact pairs by the fields that displace them, or by the shape, without the
+    /// motion of their points.
     pub fn is_by_displacement(&self, density: Tensor, displacement: &[usize]) -> bool {
         let sources = self.sources.get(&density).into_iter().flatten();
         let by = |source: &Source| source.directions.iter().any(|(varied, _)| displacement.contains(varied));
-        sources.into_iter().any(|source| source.by_shape || by(source))
+        sources.into_iter().any(|source| !source.moves && (source.by_shape || by(source)))
     }
 
     pub fn of(&mut self, tensor: Tensor) -> Degree {

@@ -42,6 +42,7 @@ pub(super) fn densities(
                 dependence: Dependence::Nonlinear,
                 vanishes: false,
                 holds_points,
+                moves: false,
                 degree,
             },
             components: vec![density],

@@ -45,8 +45,8 @@ impl Group {
     }
 }
 
-/// Region, displacement, degree of means, dependence on the unknowns.
-type Key = (usize, Option<Vec<usize>>, Option<usize>, Dependence);
+/// Region, displacement, degree of means, dependence on the unknowns, whether points move.
+type Key = (usize, Option<Vec<usize>>, Option<usize>, Dependence, bool);
 
 /// The parts of a residual by region, displacement, means and dependence on the unknowns.
 pub(super) fn group(
@@ -104,12 +104,13 @@ pub(super) fn group(
             nonlinear_means.extend(list_of_means(fields, scalariser.graph, density).then_some(means.number));
         }
         let degree = degrees.of_integrand(*tensor);
-        // A residual at held points is one as well, and its tangent moves them.
-        let by_state = displacement.as_ref().filter(|_| !slides);
-        let holds_points = by_state.is_some_and(|by| degrees.is_by_displacement(*tensor, by));
+        // A residual at held points is one as well, and its tangent moves them. By the shape it does not.
+        let by = |by: &Vec<usize>| degrees.is_by_displacement(*tensor, if slides { &[] } else { by });
+        let holds_points = displacement.as_ref().is_some_and(by);
         let zero = scalariser.graph.number(0.0);
         let means = means.map(|means| means.degree);
-        let key = (*region, displacement.clone(), means, dependence);
+        let moves = part.moves;
+        let key = (*region, displacement.clone(), means, dependence, moves);
         let group = groups.get_or_insert_with(key, || Group {
             description: Description {
                 region: *region,
@@ -118,6 +119,7 @@ pub(super) fn group(
                 dependence,
                 vanishes: false,
                 holds_points: false,
+                moves,
                 degree: Degree::constant(0),
             },
             parts: vec![],

@@ -49,6 +49,8 @@ pub struct Optimised {
     pub joined_tangent: Vec<BilinearIntegral>,
     /// The tangent applied to a direction: the trial functions are fields as others are.
     pub action: Vec<LinearIntegral>,
+    /// Integrals along the motion of their points.
+    pub motion: Vec<LinearIntegral>,
     pub switches: Vec<ExpressionIntegral>,
     pub density: Vec<ExpressionIntegral>,
     pub value: Option<(Vec<Scalar>, Vec<usize>)>,
@@ -77,6 +79,8 @@ pub struct Description {
     pub vanishes: bool,
     /// As `Requirements::holds_points` of the contract.
     pub holds_points: bool,
+    /// It is integrated along the motion of its points.
+    pub moves: bool,
     pub degree: Degree,
 }
 
@@ -158,6 +162,7 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
         graph: Graph::default(),
         value,
         residual: vec![],
+        motion: vec![],
         joined: vec![],
         tangent: vec![],
         joined_tangent: vec![],
@@ -177,7 +182,10 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
         let (residual, tangent) = checked(split, graph)?;
         let action = action(group, graph, &setting);
         planned.action.extend(checked(action, graph)?);
-        planned.residual.extend(residual);
+        match group.description.moves {
+            true => planned.motion.extend(residual),
+            false => planned.residual.extend(residual),
+        }
         planned.tangent.extend(tangent);
     }
     for group in &wholes {

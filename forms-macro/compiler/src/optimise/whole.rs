@@ -15,7 +15,7 @@ pub(super) fn groups(groups: &[Group], fields: &[FieldInfo], graph: &mut Graph) 
     }
     let mut regions: SortedMap<_, Vec<&Group>> = SortedMap::new();
     // Means are made for one integral after the other.
-    for group in groups.iter().filter(|group| group.description.means.is_none()) {
+    for group in groups.iter().filter(|group| group.description.means.is_none() && !group.description.moves) {
         let super::Description { region, displacement, .. } = &group.description;
         regions.get_or_default((*region, displacement)).push(group);
     }

@@ -12,7 +12,7 @@
 
 use std::ops::Range;
 
-use forms_core::contract::{LinearConstants, LinearKernel};
+use forms_core::contract::{Basis, Further, Lane, LinearConstants, LinearKernel};
 
 use super::linear_calls::{LinearCalls, VectorCall, VectorCalls};
 use super::sink::Deliver;
@@ -30,6 +30,8 @@ pub enum PointMotion {
     OfRecords,
     /// Those of moving segments by the feet of their nodes: one vector per coordinate of each foot.
     ByFeet,
+    /// The same of the integrand: its test function is 1 in each component.
+    OfIntegrand,
 }
 
 impl<const D: usize> ElementVectors<'_, D> {
@@ -97,19 +99,22 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
         let ElementVectors { group, side, element, .. } = *task;
         let moving = match (motion, group.pairs()) {
             (PointMotion::OfRecords, _) => None,
-            (PointMotion::ByFeet, Some(pairs)) => Some(&pairs.group.motion),
+            (_, Some(pairs)) => Some(&pairs.group.motion),
             // No segments, no feet.
-            (PointMotion::ByFeet, None) => return Ok(()),
+            (_, None) => return Ok(()),
         };
         let vectors_each = moving.map_or(1, |motion| motion.coordinates(group.entities()));
         let directions = if moving.is_some() { D - 1 } else { 1 };
-        let (nodes, zero) = (task.nodes(), L::splat(0.0));
+        let of_integrand = motion == PointMotion::OfIntegrand;
+        let (nodes, zero) = (if of_integrand { 1 } else { task.nodes() }, L::splat(0.0));
+        let unit = Basis { value: Moving::splat(1.0), gradient: [Moving::splat(0.0); D] };
         let size = nodes * kernel.components;
         let requirements = *kernel.requirements;
         let [reading, _] = Reading::of_arguments(&requirements);
-        let arguments = [ArgumentBasis { side, element, reading, mean: requirements.test_mean }];
+        let own = [ArgumentBasis { side, element, reading, mean: requirements.test_mean }];
+        let arguments = if of_integrand { &[][..] } else { &own };
         let mut buffers = BatchBuffers::<Moving<L>, D>::default();
-        let mut batch = Batch::new(task.binding, group, task.cells, requirements, &arguments, &mut buffers)?;
+        let mut batch = Batch::new(task.binding, group, task.cells, requirements, arguments, &mut buffers)?;
         let nothing = Moving { value: zero, slope: zero };
         let stride = vectors_each * size;
         let (mut at_point, mut sums) = (vec![nothing; size], vec![zero; stride]);
@@ -129,8 +134,10 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
                 batch.move_along(direction);
                 batch.point(q)?;
                 let (geometry, fields) = (batch.geometry(), batch.fields());
-                let basis = &batch.basis(side, element)[..nodes];
-                let further = &batch.further(side, element)[..nodes];
+                let (basis, further) = match of_integrand {
+                    true => (&[unit][..], &[Further::none()][..]),
+                    false => (&batch.basis(side, element)[..nodes], &batch.further(side, element)[..nodes]),
+                };
                 let target = &mut at_point[..];
                 calls.call(&mut VectorCall::Point { geometry, fields, basis, further, target, stride: 1 });
                 let Some(motion) = moving else {
