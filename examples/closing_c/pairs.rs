@@ -1,0 +1,50 @@
+//! The same bodies with contact pairs: the arm and the cells of the design that are the body's, by Nitsche's method.
+
+use std::error::Error;
+
+use forms_contact::laws::sliding_bodies as law;
+use forms_fem::prelude::*;
+
+use crate::design::{Closing, LAMBDA, LOWER, MU, UPPER, WAY, end, held};
+
+/// The force on the arm's end and the displacements in the last step, with the part of the mesh on which they are.
+pub struct Solved {
+    pub force: f64,
+    pub u: Field<2>,
+}
+
+/// The bodies of the arm and of the cells that are solid, closed in the given number of steps.
+pub fn solve(c: &Closing, solid: &dyn Fn(&[f64; 2]) -> bool, steps: usize) -> Result<Solved, Box<dyn Error>> {
+    let mut mesh = c.mesh().clone();
+    mesh.name_cells("body", |x| x[1] > UPPER || solid(x))?;
+    let mut mesh = mesh.part("body")?.mesh;
+    mesh.name_facets("upper", "boundary", |x| (x[1] - UPPER).abs() < 1e-9)?;
+    mesh.name_facets("lower", "boundary", |x| (x[1] - LOWER).abs() < 1e-9)?;
+
+    let space = Space::vector(&mesh, 2)?;
+    let touch = Pairing::between("lower", "upper").within_reach(UPPER - LOWER + WAY);
+    let data = law::data().lambda(LAMBDA).mu(MU).gamma0(20.0 * (LAMBDA + 2.0 * MU)).friction(0.0);
+    let model =
+        law::Model { data, regions: law::Regions::default().omega("all").gamma_n("top").touch(touch) };
+    let form = model.direct();
+    let mut force = 0.0;
+    let path = LoadSteps::uniform(steps, WAY).advance(
+        Field::zero(&space),
+        |step: &Increment<'_, Field<2>>| -> Result<_, Box<dyn Error>> {
+            let held = held(&space, step.factor)?;
+            let solved = Problem::new(&form, &space)
+                .constrained(&held)
+                .quadrature(Quadrature::Degree(5))
+                .options(NewtonOptions {
+                    prescribed_values: PrescribedValues::ByTangent,
+                    line_search: LineSearch::OnResidual,
+                    ..NewtonOptions::default()
+                })
+                .increment(step)
+                .solve()?;
+            force = -solved.residual[2 * end(&space) + 1];
+            Ok(solved.into_field())
+        },
+    );
+    Ok(Solved { force, u: path.map_err(|error| error.to_string())?.state })
+}
