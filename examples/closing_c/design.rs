@@ -4,26 +4,50 @@ use std::error::Error;
 
 use forms_contact::laws::third_medium::medium;
 use forms_examples::density_filter::{Filter, Filtered};
-use forms_fem::constraints::ConstraintsError;
 use forms_fem::element::Elements;
 use forms_fem::inverse::{ControlError, ControlValues, Controls, LoadHistory};
 use forms_fem::prelude::*;
 use forms_fem::space::Scope;
 
+/// A pad that moves down and presses the arm, so that no step of Newton's method begins with crushed cells.
+#[forms(dimension = 2)]
+pub mod pad {
+    pub struct Data {
+        /// Stiffness \[stress per length\].
+        pub spring: Param,
+        /// Its way down \[length\].
+        pub way: Param,
+    }
+    #[facets]
+    pub struct End;
+
+    fn pressure(u: Vector) -> Scalar {
+        spring * (way + u[1])
+    }
+    pub fn pressing(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        integral(End, pressure(u) * v[1])
+    }
+    pub fn force(u: Unknown<Vector>) -> Energy {
+        integral(End, pressure(u))
+    }
+}
+
 #[forms(dimension = 2)]
 pub mod closing {
+    pub use super::pad::End;
+    use super::pad::{force, pressing};
     pub use forms_contact::laws::third_medium::{Medium, Omega};
     use forms_contact::laws::third_medium::{medium_density, second_gradients, volume_ratio};
     use forms_contact::operators::neo_hookean::energy_density;
 
-    #[includes(forms_contact::laws::third_medium::Data)]
+    #[includes(forms_contact::laws::third_medium::Data, super::pad::Data)]
     pub struct Data {
         /// ρ̃, smooth densities.
         pub smooth: Given<Scalar>,
         /// β, of the projection.
         pub sharpness: Param,
-        /// The motion along which the criterion takes the internal force.
-        pub lift: Given<Vector>,
+        /// Of the force in the criterion.
+        pub factor: Param,
     }
     /// The cells of the densities.
     #[cells]
@@ -50,11 +74,11 @@ pub mod closing {
 
     #[controls(smooth, criterion = reaction)]
     pub fn balance(u: Unknown<Vector>, v: Test<Vector>) -> Form {
-        derivative(stored(u), u, v)
+        derivative(stored(u), u, v) + pressing(u, v)
     }
 
     pub fn reaction(u: Unknown<Vector>) -> Energy {
-        derivative(stored(u), u, lift)
+        factor * force(u)
     }
 
     pub fn volume(u: Unknown<Vector>) -> Functional {
@@ -72,6 +96,8 @@ pub mod closing {
 pub const LAMBDA: f64 = 5.0 / 3.0;
 pub const MU: f64 = 5.0 / 14.0;
 const SOFTNESS: f64 = 5e-6;
+/// The pad's stiffness.
+pub const SPRING: f64 = 1.0;
 /// The way of the arm's end, and the heights of the lower and of the upper surface.
 pub const WAY: f64 = 0.15;
 pub const LOWER: f64 = 0.3125;
@@ -84,6 +110,7 @@ pub struct Closing {
     pub displacements: Arc<Space<2>>,
     pub smooth: Arc<Space<2>>,
     pub cells: Arc<Space<2>>,
+    pub held: Constraints<2>,
     pub assembler: Assembler<2>,
     pub filter: Filter,
     pub steps: usize,
@@ -99,11 +126,16 @@ impl Closing {
         mesh.name_cells("arm", |x| x[1] > UPPER)?;
         mesh.name_cells("gap", |x| x[1] > LOWER && x[1] < UPPER)?;
         mesh.name_cells("design", |x| x[1] < LOWER)?;
+        mesh.name_facets("end", "top", |x| x[0] > 0.75)?;
         let on_design = |degree: usize, scope: Scope| {
             Space::of(&mesh, Elements::Lagrange(degree), scope.within("design"), &[])
         };
+        let displacements = Space::vector(&mesh, 2)?;
+        let mut held = Constraints::new(&displacements);
+        held.fix("left", |_| [0.0; 2])?;
         Ok(Closing {
-            displacements: Space::vector(&mesh, 2)?,
+            displacements,
+            held,
             smooth: on_design(1, Scope::Nodes)?,
             cells: on_design(0, Scope::Cell)?,
             assembler: Assembler::new(&mesh).with_quadrature(Quadrature::Degree(5)),
@@ -124,25 +156,27 @@ impl Closing {
     }
 
     /// The forms with smooth densities; the criterion counts by a factor.
-    pub fn model(&self, smooth: &Field<2>, factor: f64) -> Result<closing::Model<2>, ControlError> {
+    pub fn model(&self, smooth: &Field<2>, way: f64, factor: f64) -> Result<closing::Model<2>, ControlError> {
         let soft = medium(LAMBDA, MU, SOFTNESS, 1.0);
-        let mut lift = vec![0.0; self.displacements.unknowns()];
-        lift[2 * end(&self.displacements) + 1] = factor / self.unit;
         let data = closing::data()
             .lambda(LAMBDA)
             .mu(MU)
             .medium_lambda(soft.lambda)
             .medium_mu(soft.mu)
             .curvature_stiffness(soft.curvature_stiffness)
+            .spring(SPRING)
+            .way(way)
             .smooth(smooth)
             .sharpness(self.sharpness)
-            .lift(&Field::from_values(&self.displacements, lift)?);
-        let regions = closing::Regions::default().omega("arm").medium("gap").design("design");
+            .factor(-factor / self.unit);
+        let regions = closing::Regions::default().omega("arm").medium("gap").design("design").end("end");
         Ok(closing::Model { data, regions })
     }
 
     fn model_at(&self, at: &ControlValues<2>) -> Result<closing::Model<2>, ControlError> {
-        self.model(&at.field("smooth")?, if at.step() + 1 == self.steps { 1.0 } else { 0.0 })
+        let step = at.step() + 1;
+        let factor = if step == self.steps { 1.0 } else { 0.0 };
+        self.model(&at.field("smooth")?, WAY * step as f64 / self.steps as f64, factor)
     }
 
     /// The steps of the arm's end, with minus the last force on it as the criterion.
@@ -153,14 +187,8 @@ impl Closing {
             .criterion(|at| Ok(self.model_at(at)?.reaction()))
             .keep_positive(|at| Ok(self.model_at(at)?.volume()))
             .assembler(&self.assembler)
-            .constrained_at(move |step| {
-                held(&self.displacements, WAY * (step + 1) as f64 / self.steps as f64)
-            })
-            .options(NewtonOptions {
-                prescribed_values: PrescribedValues::ByTangent,
-                relative_tolerance: 1e-12,
-                ..NewtonOptions::default()
-            })
+            .constrained(&self.held)
+            .options(NewtonOptions { relative_tolerance: 1e-12, ..NewtonOptions::default() })
     }
 
     /// The history behind the filter, from densities.
@@ -181,21 +209,8 @@ impl Closing {
             .sensitivities(|at, s, p| {
                 Ok(self.filter.of(Given::field(&at.field("density")?)).smoothing_sensitivities(s, p))
             })
-            .criterion(|_| Ok(self.model(&Field::zero(&self.smooth), 1.0)?.area()))
+            .criterion(|_| Ok(self.model(&Field::zero(&self.smooth), WAY, 1.0)?.area()))
             .assembler(&self.assembler)
             .constrained(&Constraints::new(&self.smooth))
     }
-}
-
-/// The node of the arm's end that is pressed.
-pub fn end(space: &Space<2>) -> usize {
-    space.nearest_node(&[1.0, 0.5]).unwrap_or(0)
-}
-
-/// The body clamped at the left, and the arm's end moved down.
-pub fn held(space: &Arc<Space<2>>, way: f64) -> Result<Constraints<2>, ConstraintsError> {
-    let mut held = Constraints::new(space);
-    held.fix("left", |_| [0.0; 2])?;
-    held.fix_node(end(space), 1, -way)?;
-    Ok(held)
 }

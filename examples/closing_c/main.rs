@@ -94,7 +94,8 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let counts: Vec<usize> = std::env::args().skip(1).map(|count| count.parse()).collect::<Result<_, _>>()?;
     let across = counts.first().copied().unwrap_or(16);
     let iterations = counts.get(1).copied().unwrap_or(40);
-    let mut c = Closing::new(across, 5)?;
+    let steps = counts.get(2).copied().unwrap_or(3);
+    let mut c = Closing::new(across, steps)?;
     let even = |c: &Closing, density: f64| Field::interpolate(&c.cells, |_| density);
     out.line(format!("{} unknowns, {} densities", c.displacements.unknowns(), c.cells.unknowns()));
 

@@ -5,7 +5,7 @@ use std::error::Error;
 use forms_contact::laws::sliding_bodies as law;
 use forms_fem::prelude::*;
 
-use crate::design::{Closing, LAMBDA, LOWER, MU, UPPER, WAY, end, held};
+use crate::design::{Closing, LAMBDA, LOWER, MU, SPRING, UPPER, WAY, pad};
 
 /// The force on the arm's end and the displacements in the last step, with the part of the mesh on which they are.
 pub struct Solved {
@@ -26,23 +26,23 @@ pub fn solve(c: &Closing, solid: &dyn Fn(&[f64; 2]) -> bool, steps: usize) -> Re
     let data = law::data().lambda(LAMBDA).mu(MU).gamma0(20.0 * (LAMBDA + 2.0 * MU)).friction(0.0);
     let model =
         law::Model { data, regions: law::Regions::default().omega("all").gamma_n("top").touch(touch) };
-    let form = model.direct();
+    let direct = model.direct();
+    let mut held = Constraints::new(&space);
+    held.fix("left", |_| [0.0; 2])?;
     let mut force = 0.0;
     let path = LoadSteps::uniform(steps, WAY).advance(
         Field::zero(&space),
         |step: &Increment<'_, Field<2>>| -> Result<_, Box<dyn Error>> {
-            let held = held(&space, step.factor)?;
+            let data = pad::data().spring(SPRING).way(step.factor);
+            let pad = pad::Model { data, regions: pad::Regions::default().end("end") };
+            let form = &direct + &pad.pressing();
             let solved = Problem::new(&form, &space)
                 .constrained(&held)
                 .quadrature(Quadrature::Degree(5))
-                .options(NewtonOptions {
-                    prescribed_values: PrescribedValues::ByTangent,
-                    line_search: LineSearch::OnResidual,
-                    ..NewtonOptions::default()
-                })
+                .options(NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() })
                 .increment(step)
                 .solve()?;
-            force = -solved.residual[2 * end(&space) + 1];
+            force = solved.assembler().energy(&pad.force(), &[solved.field()])?;
             Ok(solved.into_field())
         },
     );
