@@ -98,10 +98,12 @@ pub const MU: f64 = 5.0 / 14.0;
 const SOFTNESS: f64 = 5e-6;
 /// The pad's stiffness.
 pub const SPRING: f64 = 1.0;
-/// The way of the arm's end, and the heights of the lower and of the upper surface.
+/// The way of the pad, and the heights of the lower and of the upper surface.
 pub const WAY: f64 = 0.15;
 pub const LOWER: f64 = 0.3125;
 pub const UPPER: f64 = 0.375;
+/// Steps of the pad, which lead Newton's method to the last one.
+const STEPS: usize = 3;
 /// Length over which densities are smoothed.
 const RADIUS: f64 = 0.02;
 
@@ -113,7 +115,6 @@ pub struct Closing {
     pub held: Constraints<2>,
     pub assembler: Assembler<2>,
     pub filter: Filter,
-    pub steps: usize,
     /// β.
     pub sharpness: f64,
     /// Unit of the criterion \[force per thickness\].
@@ -121,7 +122,10 @@ pub struct Closing {
 }
 
 impl Closing {
-    pub fn new(across: usize, steps: usize) -> Result<Closing, Box<dyn Error>> {
+    pub fn new(across: usize) -> Result<Closing, Box<dyn Error>> {
+        if across == 0 || !across.is_multiple_of(8) {
+            return Err(format!("{across} cells across: it must be a multiple of eight").into());
+        }
         let mut mesh = rectangle([0.0; 2], [1.0, 0.5], [2 * across, across], CellShape::Quadrilateral, 1)?;
         mesh.name_cells("arm", |x| x[1] > UPPER)?;
         mesh.name_cells("gap", |x| x[1] > LOWER && x[1] < UPPER)?;
@@ -140,7 +144,6 @@ impl Closing {
             cells: on_design(0, Scope::Cell)?,
             assembler: Assembler::new(&mesh).with_quadrature(Quadrature::Degree(5)),
             filter: Filter { radius: RADIUS, region: "design" },
-            steps,
             sharpness: 2.0,
             unit: 1.0,
         })
@@ -175,13 +178,13 @@ impl Closing {
 
     fn model_at(&self, at: &ControlValues<2>) -> Result<closing::Model<2>, ControlError> {
         let step = at.step() + 1;
-        let factor = if step == self.steps { 1.0 } else { 0.0 };
-        self.model(&at.field("smooth")?, WAY * step as f64 / self.steps as f64, factor)
+        let factor = if step == STEPS { 1.0 } else { 0.0 };
+        self.model(&at.field("smooth")?, WAY * step as f64 / STEPS as f64, factor)
     }
 
-    /// The steps of the arm's end, with minus the last force on it as the criterion.
+    /// The steps of the pad, with minus its last force as the criterion.
     pub fn history(&self, smooth: &Field<2>) -> LoadHistory<'_, 2> {
-        LoadHistory::new(&self.displacements, self.steps, Controls::new().field("smooth", smooth))
+        LoadHistory::new(&self.displacements, STEPS, Controls::new().field("smooth", smooth))
             .step(|at| Ok(self.model_at(at)?.balance()))
             .sensitivities(|at, u, p| Ok(self.model_at(at)?.balance_sensitivities(u, p)))
             .criterion(|at| Ok(self.model_at(at)?.reaction()))
@@ -202,7 +205,7 @@ impl Closing {
         )
     }
 
-    /// The body's area in the design behind the filter, relative to the design's.
+    /// The body's area in the design, behind the filter.
     pub fn area(&self, density: &Field<2>) -> LoadHistory<'_, 2> {
         LoadHistory::new(&self.smooth, 1, Controls::new().field("density", density))
             .step(|at| Ok(self.filter.of(Given::field(&at.field("density")?)).smoothing()))

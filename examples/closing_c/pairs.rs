@@ -7,16 +7,19 @@ use forms_fem::prelude::*;
 
 use crate::design::{Closing, LAMBDA, LOWER, MU, SPRING, UPPER, WAY, pad};
 
-/// The force on the arm's end and the displacements in the last step, with the part of the mesh on which they are.
-pub struct Solved {
+/// The force on the pad, in the unit of the criterion, and the displacements in the last step.
+pub struct Pressed {
     pub force: f64,
     pub u: Field<2>,
 }
 
-/// The bodies of the arm and of the cells that are solid, closed in the given number of steps.
-pub fn solve(c: &Closing, solid: &dyn Fn(&[f64; 2]) -> bool, steps: usize) -> Result<Solved, Box<dyn Error>> {
+/// Steps of the pad.
+const STEPS: usize = 6;
+
+/// The arm and the whole cells that are solid.
+pub fn with_pairs(c: &Closing, solid: &dyn Fn(&[f64; 2]) -> bool) -> Result<Pressed, Box<dyn Error>> {
     let mut mesh = c.mesh().clone();
-    mesh.name_cells("body", |x| x[1] > UPPER || solid(x))?;
+    mesh.name_cells("body", |x| x[1] > UPPER || (x[1] < LOWER && solid(x)))?;
     let mut mesh = mesh.part("body")?.mesh;
     mesh.name_facets("upper", "boundary", |x| (x[1] - UPPER).abs() < 1e-9)?;
     mesh.name_facets("lower", "boundary", |x| (x[1] - LOWER).abs() < 1e-9)?;
@@ -30,7 +33,7 @@ pub fn solve(c: &Closing, solid: &dyn Fn(&[f64; 2]) -> bool, steps: usize) -> Re
     let mut held = Constraints::new(&space);
     held.fix("left", |_| [0.0; 2])?;
     let mut force = 0.0;
-    let path = LoadSteps::uniform(steps, WAY).advance(
+    let path = LoadSteps::uniform(STEPS, WAY).advance(
         Field::zero(&space),
         |step: &Increment<'_, Field<2>>| -> Result<_, Box<dyn Error>> {
             let data = pad::data().spring(SPRING).way(step.factor);
@@ -46,5 +49,6 @@ pub fn solve(c: &Closing, solid: &dyn Fn(&[f64; 2]) -> bool, steps: usize) -> Re
             Ok(solved.into_field())
         },
     );
-    Ok(Solved { force, u: path.map_err(|error| error.to_string())?.state })
+    let u = path.map_err(|error| error.to_string())?.state;
+    Ok(Pressed { force: force / c.unit, u })
 }
