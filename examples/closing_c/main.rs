@@ -169,8 +169,9 @@ fn draw(
     let iterations: Vec<f64> = (0..forces.len()).map(|iteration| iteration as f64).collect();
     let plot = LinePlot::new()
         .x_axis("iteration", Scale::Linear)
-        .y_axis("force, of the arm alone 1", Scale::Linear)
-        .size(200.0, 130.0)
+        .y_axis("force", Scale::Linear)
+        .title("force, over that of the arm alone")
+        .size(200.0, 140.0)
         .grid()
         .curve(Curve::new("", &iterations, forces).without_markers());
     Ok(panel.picture(&plot)?.draw()?.write_png("out/closing_c.png")?)
