@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --bin gallery` runs them one after the other and puts their pictures into `docs/pictures`;
 //! `-- --list` says which program makes which, `-- NAME ...` makes only some.
-//! Pictures of the tutorials are reduced to at most 150 kB, about the width of a page of the book.
+//! Pictures of the tutorials and of `closing_c` are reduced to at most 150 kB, about the width of a page of the book.
 
 use std::error::Error;
 use std::ffi::OsString;
@@ -43,7 +43,7 @@ macro_rules! tutorial {
     };
 }
 
-const MAKERS: [Maker; 40] = [
+const MAKERS: [Maker; 41] = [
     tutorial!("01_poisson", "01"),
     tutorial!("02_elasticity", "02"),
     tutorial!("03_neo_hookean", "03"),
@@ -110,6 +110,7 @@ const MAKERS: [Maker; 40] = [
             ("out/topology_compliance.png", "topology_compliance.png"),
         ],
     },
+    Maker { arguments: &["--bin", "closing_c"], pictures: &[("out/closing_c.png", "closing_c.png")] },
     Maker {
         arguments: &["--bin", "rigid_punch"],
         pictures: &[
@@ -345,14 +346,18 @@ fn make(maker: &Maker, root: &Path) -> Result<(), Box<dyn Error>> {
     for (from, to) in maker.pictures {
         let from: PathBuf = root.join(from);
         let bytes = std::fs::read(&from).map_err(|error| format!("{}: {error}", from.display()))?;
-        let bytes = if to.starts_with("tutorial_") { reduced(&bytes)? } else { bytes };
+        let is_reduced = REDUCED.iter().any(|name| to.starts_with(name));
+        let bytes = if is_reduced { reduced(&bytes)? } else { bytes };
         let to = root.join("docs").join("pictures").join(to);
         write_whole(to, |file| std::io::Write::write_all(file, &bytes))?;
     }
     Ok(())
 }
 
-/// Most bytes of a tutorial's picture.
+/// Names of the pictures that are reduced.
+const REDUCED: [&str; 2] = ["tutorial_", "closing_c"];
+
+/// Most bytes of them.
 const MOST_BYTES: usize = 150_000;
 
 /// A PNG file of RGB at half of its resolution, or a third and so on if that has too many bytes.

@@ -7,13 +7,13 @@
 use std::error::Error;
 use std::process::ExitCode;
 
+use forms_examples::density_filter::{Filter, Filtered};
 use forms_fem::inverse::{
-    Bounds, Controls, HistoryError, HistoryFailure, Inequality, LoadHistory, MovingAsymptotes, ReducedProblem,
+    Bounds, Controls, HistoryError, Inequality, LoadHistory, MovingAsymptotes, ReducedProblem,
 };
 use forms_fem::output::picture::{Curve, FieldMap, LinePlot, Picture, Scale, Shown};
 use forms_fem::output::{StandardOutput, program};
 use forms_fem::prelude::*;
-use forms_fem::verification::Sample;
 
 #[forms(dimension = 2)]
 mod cantilever {
@@ -42,98 +42,11 @@ mod cantilever {
     }
 }
 
-#[forms(dimension = 2)]
-mod filter {
-    pub struct Data {
-        /// Length over which densities are smoothed.
-        pub radius: Param,
-        /// ρ, of each cell.
-        pub density: Given<Scalar>,
-    }
-    #[cells]
-    pub struct Omega;
-
-    #[controls(density)]
-    pub fn smoothing(s: Unknown<Scalar>, w: Test<Scalar>) -> Form {
-        integral(Omega, sqr(radius) * dot(grad(s), grad(w)) + (s - density) * w)
-    }
-}
-
 /// Half the height of the part of the end on which the force acts, and the filter's length.
 const HALF_LOAD: f64 = 0.1;
 const RADIUS: f64 = 0.02;
 /// The part of the area that may be used.
 const PART: f64 = 0.5;
-
-/// J(ρ) = J(ρ̃(ρ)): a reduced problem of smooth densities behind the filter.
-struct Filtered<'a> {
-    behind: LoadHistory<'a, 2>,
-    smooth: Arc<Space<2>>,
-    cells: Arc<Space<2>>,
-    assembler: Assembler<2>,
-    solver: TangentSolver,
-}
-
-impl<'a> Filtered<'a> {
-    fn new(
-        behind: LoadHistory<'a, 2>,
-        [smooth, cells]: [&Arc<Space<2>>; 2],
-        assembler: &Assembler<2>,
-    ) -> Result<Self, Box<dyn Error>> {
-        let mut solver = TangentSolver::default();
-        let form = smoothing(Given::constant(0.0)).smoothing();
-        solver.set_matrix(assembler.tangent(&form, &[&Field::zero(smooth)], &[smooth])?)?;
-        let [smooth, cells] = [smooth, cells].map(Arc::clone);
-        Ok(Filtered { behind, smooth, cells, assembler: assembler.clone(), solver })
-    }
-
-    /// x with A x = −load, of the filter's symmetric matrix A.
-    fn solve(&mut self, load: &[f64]) -> Result<Field<2>, HistoryFailure> {
-        let load: Vec<f64> = load.iter().map(|load| -load).collect();
-        Ok(Field::from_values(&self.smooth, self.solver.solve(&load, 0.0)?.solution)?)
-    }
-
-    /// ρ̃.
-    fn smoothed(&mut self, densities: &[f64]) -> Result<Field<2>, HistoryFailure> {
-        let densities = Field::from_values(&self.cells, densities.to_vec())?;
-        let form = smoothing(Given::field(&densities)).smoothing();
-        let load = self.assembler.residual(&form, &[&Field::zero(&self.smooth)], &[&self.smooth])?;
-        self.solve(&load)
-    }
-
-    fn pulled_back(&mut self, smooth: &Field<2>, slope: &[f64]) -> Result<Vec<f64>, HistoryFailure> {
-        let adjoint = self.solve(slope)?;
-        let rates = smoothing(Given::constant(0.0)).smoothing_sensitivities(smooth, &adjoint);
-        Ok(self.assembler.residual(&rates, &[], &[&self.cells])?)
-    }
-}
-
-fn smoothing(density: Given<f64, 2>) -> filter::Model<2> {
-    filter::Model::new(filter::data().radius(RADIUS).density(density))
-}
-
-fn at_start(why: HistoryFailure) -> HistoryError {
-    HistoryError { step: 0, why }
-}
-
-impl ReducedProblem for Filtered<'_> {
-    type Error = HistoryError;
-
-    fn start(&self) -> Vec<f64> {
-        vec![PART; self.cells.unknowns()]
-    }
-
-    fn sample(&mut self, m: &[f64]) -> Result<Sample, HistoryError> {
-        let smooth = self.smoothed(m).map_err(at_start)?;
-        self.behind.sample(smooth.values())
-    }
-
-    fn value_and_gradient(&mut self, m: &[f64]) -> Result<(f64, Vec<f64>), HistoryError> {
-        let smooth = self.smoothed(m).map_err(at_start)?;
-        let (value, slope) = self.behind.value_and_gradient(smooth.values())?;
-        Ok((value, self.pulled_back(&smooth, &slope).map_err(at_start)?))
-    }
-}
 
 fn model(density: Field<2>) -> cantilever::Model<2> {
     let pull = 1.0 / (2.0 * HALF_LOAD);
@@ -164,7 +77,9 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         .criterion(|at| Ok(model(at.field("density")?).compliance()))
         .assembler(&assembler)
         .constrained(&held);
-    let mut problem = Filtered::new(behind, [&smooth, &cells], &assembler)?;
+    let filter = Filter { radius: RADIUS, region: "all" };
+    let even = Field::interpolate(&cells, |_| PART)?;
+    let mut problem = Filtered::new(behind, filter, &smooth, &even, &assembler)?;
 
     // All cells have one area: the mean of ρ is the part of the area that is used.
     let count = cells.unknowns();

@@ -8,6 +8,7 @@ pub mod die_forces;
 pub use forms_program::{command_line, memory};
 
 pub mod anisotropic_elasticity;
+pub mod density_filter;
 pub mod ghost_penalty;
 pub mod interior_penalty;
 pub mod mooney_rivlin;

@@ -260,3 +260,66 @@ fn what_does_not_fit_is_named() {
     assert!(Observations::new(&space).at_point(&[2.0, 0.0], &[0.0], 1.0).is_err());
     assert!(Observations::new(&space).at_point(&[0.5; 2], &[0.0; 2], 1.0).is_err());
 }
+
+/// A block under a load that turns cells inside out in whole steps of Newton's method.
+#[forms(dimension = 2)]
+mod pressed {
+    pub struct Data {
+        pub load: Param,
+        pub part: Param,
+        /// 1 in the step that counts.
+        pub counts: Param,
+    }
+    #[cells]
+    pub struct Omega;
+    #[facets]
+    pub struct Top;
+
+    #[controls(load, criterion = sinking)]
+    pub fn balance(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        let F = I + grad(u);
+        let P = F - inv(transpose(F)) + ln(det(F)) * inv(transpose(F));
+        integral(Omega, inner(P, grad(v))) + integral(Top, part * load * v[1])
+    }
+    pub fn sinking(u: Unknown<Vector>) -> Energy {
+        integral(Top, counts * u[1])
+    }
+    pub fn volume(u: Unknown<Vector>) -> Functional {
+        integral(Omega, det(I + grad(u)))
+    }
+}
+
+/// Steps that lead to the last one have no past and no `by_before`; J is kept positive. The block's height s obeys s − 1/s + ln(s)/s = −load.
+#[test]
+fn load_steps_without_a_past_keep_a_functional_positive() {
+    let mesh = rectangle([0.0; 2], [1.0; 2], [2; 2], CellShape::Quadrilateral, 1).unwrap();
+    let space = Space::vector(&mesh, 1).unwrap();
+    let mut held = Constraints::new(&space);
+    held.fix_component("bottom", 1, |_| 0.0).unwrap();
+    held.fix_component("left", 0, |_| 0.0).unwrap();
+    held.fix_component("right", 0, |_| 0.0).unwrap();
+    let model = |at: &ControlValues<2>| -> Result<_, ControlError> {
+        let [part, counts] = [[0.5, 0.0], [1.0, 1.0]][at.step()];
+        let data = pressed::data().load(at.number("load")?).part(part).counts(counts);
+        Ok(pressed::Model { data, regions: pressed::Regions::default() })
+    };
+    let history = || {
+        LoadHistory::new(&space, 2, Controls::new().number("load", 6.0))
+            .step(|at| Ok(model(at)?.balance()))
+            .sensitivities(|at, u, p| Ok(model(at)?.balance_sensitivities(u, p)))
+            .criterion(|at| Ok(model(at)?.sinking()))
+            .constrained(&held)
+            .assembler(&Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4)))
+    };
+    assert!(history().value(&[6.0]).is_err());
+    let mut kept = history().keep_positive(|at| Ok(model(at)?.volume()));
+    let (value, gradient) = kept.value_and_gradient(&[6.0]).unwrap();
+    let s = 1.0 + value;
+    assert!((s - 1.0 / s + s.ln() / s + 6.0).abs() < 1e-9, "{s}");
+    let slope = -1.0 / (1.0 + (2.0 - s.ln()) / (s * s));
+    assert!((gradient[0] / slope - 1.0).abs() < 1e-8, "{gradient:?}, {slope}");
+    // A step that asks for the state before has a past.
+    let asks = history().step(|at| at.before().and(Ok(model(at)?.balance())));
+    let error = asks.keep_positive(|at| Ok(model(at)?.volume())).gradient(&[6.0]).map(|_| ()).unwrap_err();
+    assert!(error.to_string().contains("no test function `by_before`"), "{error}");
+}

@@ -2,6 +2,7 @@
 
 mod adaptive;
 mod bounds;
+mod closing_c;
 mod convergence;
 mod half_ring;
 mod interrupted;

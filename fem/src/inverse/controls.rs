@@ -1,5 +1,6 @@
 //! Controls: the named numbers and fields that the data of a history's forms are made of.
 
+use std::cell::Cell;
 use std::sync::Arc;
 
 use thiserror::Error;
@@ -318,12 +319,16 @@ impl<const D: usize> Controls<D> {
 pub struct ControlValues<'a, const D: usize> {
     controls: &'a Controls<D>,
     step: usize,
-    /// Of each unknown.
-    before: Option<&'a [Field<D>]>,
+    /// Of each unknown, and whether it was asked for.
+    before: Option<(&'a [Field<D>], &'a Cell<bool>)>,
 }
 
 impl<'a, const D: usize> ControlValues<'a, D> {
-    pub(super) fn new(controls: &'a Controls<D>, step: usize, before: Option<&'a [Field<D>]>) -> Self {
+    pub(super) fn new(
+        controls: &'a Controls<D>,
+        step: usize,
+        before: Option<(&'a [Field<D>], &'a Cell<bool>)>,
+    ) -> Self {
         ControlValues { controls, step, before }
     }
 
@@ -345,7 +350,9 @@ impl<'a, const D: usize> ControlValues<'a, D> {
     /// # Errors
     /// As [`ControlValues::before`].
     pub fn before_of_all(&self) -> Result<&'a [Field<D>], ControlError> {
-        self.before.ok_or(ControlError::NoBefore)
+        let (before, is_read) = self.before.ok_or(ControlError::NoBefore)?;
+        is_read.set(true);
+        Ok(before)
     }
 
     /// The value of a number at this step.

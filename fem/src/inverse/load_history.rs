@@ -2,6 +2,7 @@
 
 mod second_order;
 
+use std::cell::Cell;
 use std::sync::Arc;
 
 use self::second_order::{ADJOINT, STATE, SecondSensitivitiesAt};
@@ -22,7 +23,7 @@ use super::sweep::{Gradient, gradient_stored, value_of};
 use super::tangent_state::{Changing, CurvedCriterion};
 use crate::assemble::Assembler;
 use crate::constraints::{Constraints, ConstraintsError};
-use crate::contract::{Energy, Form};
+use crate::contract::{Energy, Form, Functional};
 use crate::field::{Field, FieldView, fields_on};
 use crate::instantiate::instantiate;
 use crate::solve::{Communicator, LinearSolver, NewtonOptions, PerUnknown, SolverReport};
@@ -35,7 +36,8 @@ use crate::verification::Sample;
 ///
 /// The rates are a form without unknowns, a function of state, adjoint state and state before: the derivative of R(u, before, m; p), and
 /// of what the criterion reads of the controls, by the state before, tested with `by_before`, and by each control `name`, tested with
-/// `by_name`. The gradient is exact for the equations as they are discretised, to the accuracy to which they are solved. Where a
+/// `by_name`. Where no step asks for [`ControlValues::before`], nothing is tested with `by_before`: then steps only lead Newton's method to
+/// the last one. The gradient is exact for the equations as they are discretised, to the accuracy to which they are solved. Where a
 /// switch of the form changes (contact opens, friction begins to slip) J has a kink, and this is its slope on one side. So it is where
 /// a point of a sliding pair comes to another facet, finds an opposite surface or loses it.
 ///
@@ -54,13 +56,18 @@ pub struct LoadHistory<'a, const D: usize> {
     step: Option<FormAt<'a, D>>,
     sensitivities: Option<SensitivitiesAt<'a, D>>,
     second_sensitivities: Option<SecondSensitivitiesAt<'a, D>>,
+    positive: Vec<PositiveAt<'a, D>>,
     criterion: Criterion<'a, D>,
     constraints: Conditions<'a, usize, D>,
     equations: StepEquations<'a, D>,
     storage: Storage,
+    /// Whether a step asked for the state before it.
+    before_is_read: Cell<bool>,
 }
 
 type FormAt<'a, const D: usize> = Box<dyn Fn(&ControlValues<D>) -> Result<Form<D>, ControlError> + 'a>;
+type PositiveAt<'a, const D: usize> =
+    Box<dyn Fn(&ControlValues<D>) -> Result<Functional<D>, ControlError> + 'a>;
 type SensitivitiesAt<'a, const D: usize> =
     Box<dyn Fn(&ControlValues<D>, &[Field<D>], &[Field<D>]) -> Result<Form<D>, ControlError> + 'a>;
 
@@ -84,10 +91,12 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
             step: None,
             sensitivities: None,
             second_sensitivities: None,
+            positive: vec![],
             criterion: Criterion::none(),
             constraints: Conditions::none(),
             equations: StepEquations::new(spaces),
             storage: Storage::ALL,
+            before_is_read: Cell::new(false),
         }
     }
 
@@ -97,6 +106,16 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         form: impl Fn(&ControlValues<D>) -> Result<F, ControlError> + 'a,
     ) -> Self {
         self.step = Some(Box::new(move |at| Ok(form(at)?.into())));
+        self
+    }
+
+    /// A functional whose integrand each step of Newton's method keeps positive, as
+    /// [`Problem::keep_positive`](crate::solve::Problem::keep_positive) does: J = det F of a soft medium, a gap under a barrier.
+    pub fn keep_positive(
+        mut self,
+        functional: impl Fn(&ControlValues<D>) -> Result<Functional<D>, ControlError> + 'a,
+    ) -> Self {
+        self.positive.push(Box::new(functional));
         self
     }
 
@@ -155,12 +174,13 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         }
         self.criterion.check(&self.unknowns_on(), self.steps)?;
         self.equations.forget();
+        self.before_is_read.set(false);
         Ok(self.controls.set_values(m)?)
     }
 
-    /// Whether a step may depend on the state before it.
+    /// Whether a step depends on the state before it, and that is no constant.
     fn remembers(&self) -> bool {
-        self.steps > 1 || self.controls.start_name(Start::Value).is_some()
+        self.before_is_read.get() && (self.steps > 1 || self.controls.start_name(Start::Value).is_some())
     }
 
     /// The form of a step from a state.
@@ -189,8 +209,10 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
     #[inline(never)]
     fn try_advance(&mut self, step: usize, before: &[f64]) -> Result<Vec<f64>, HistoryFailure> {
         let before = self.fields(before)?;
-        let form = self.form(&ControlValues::new(&self.controls, step, Some(&before)))?;
-        let constraints = self.conditions(step)?;
+        let at = ControlValues::new(&self.controls, step, Some((&before, &self.before_is_read)));
+        let (form, constraints) = (self.form(&at)?, self.conditions(step)?);
+        self.equations.positive =
+            self.positive.iter().map(|functional| functional(&at)).collect::<Result<_, _>>()?;
         let states = self.equations.solve(Solution::Step(step), form, &constraints, &before)?;
         Ok(states.iter().flat_map(Field::values).copied().collect())
     }
@@ -206,7 +228,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         let (before, after) = (self.fields(before)?, self.fields(after)?);
         let at = ControlValues::new(&self.controls, step, None);
         self.criterion.add_slope(&at, &self.equations.assembler, &after, &mut slope)?;
-        let at = ControlValues::new(&self.controls, step, Some(&before));
+        let at = ControlValues::new(&self.controls, step, Some((&before, &self.before_is_read)));
         let (form, constraints) = (self.form(&at)?, self.conditions(step)?);
         let adjoint = self.equations.adjoint(Solution::Step(step), &form, &constraints, &after, &slope)?;
         let rates = self.sensitivities.as_ref().ok_or(HistoryFailure::Missing("sensitivities"))?(
@@ -270,7 +292,8 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
     ) -> Result<Option<Vec<u32>>, HistoryError> {
         let found = || -> Result<Option<Vec<u32>>, HistoryFailure> {
             let (before, after) = (self.fields(before)?, self.fields(after)?);
-            let form = self.form(&ControlValues::new(&self.controls, step, Some(&before)))?;
+            let form =
+                self.form(&ControlValues::new(&self.controls, step, Some((&before, &self.before_is_read))))?;
             let at: Vec<FieldView<D>> = after.iter().map(Field::view).collect();
             let assembler = &self.equations.assembler;
             let mut switches = assembler.active_set_of(&form, &at)?;

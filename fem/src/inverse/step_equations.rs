@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::error::HistoryFailure;
 use crate::assemble::{Assembler, AssemblyError, BlockPattern, Outline, Parts, ValuesBefore};
 use crate::constraints::Constraints;
-use crate::contract::{Form, Source};
+use crate::contract::{Form, Functional, Source};
 use crate::field::{Field, FieldView, fields_on};
 use crate::instantiate::instantiate;
 use crate::linear_algebra::BlockMatrix;
@@ -19,6 +19,8 @@ use crate::space::Space;
 pub(super) struct StepEquations<'a, const D: usize> {
     pub assembler: Assembler<D>,
     pub options: NewtonOptions,
+    /// Functionals whose integrands the next solution keeps positive.
+    pub positive: Vec<Functional<D>>,
     /// The processes that solve each step together, if there are several.
     pub communicator: Option<&'a dyn Communicator>,
     spaces: Vec<Arc<Space<D>>>,
@@ -46,6 +48,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         StepEquations {
             assembler: Assembler::new(spaces[0].mesh()),
             options: NewtonOptions::default(),
+            positive: vec![],
             communicator: None,
             spaces: spaces.iter().map(|space| Arc::clone(space)).collect(),
             solver: LentSolver::default(),
@@ -121,8 +124,9 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         let (assembler, options) = (&self.of_tangents()?, self.options.clone());
         let constraints = &constraints.iter().collect::<Vec<_>>();
         let start = &start.iter().collect::<Vec<_>>();
-        let (pattern, communicator) = (Some(&pattern), self.communicator);
-        let owned = OwnedForm { form, assembler, pattern, communicator, constraints, start, options };
+        let (pattern, communicator, positive) = (Some(&pattern), self.communicator, self.positive.clone());
+        let owned =
+            OwnedForm { form, assembler, pattern, communicator, constraints, start, positive, options };
         self.tangent_of = None;
         let solution = solve_owned(owned, self.solver.get(), &mut self.memory)?.fields;
         // Of an affine form it is the tangent wherever; Newton's method has that of an iterate.
@@ -157,6 +161,10 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         solution: &[Field<D>],
         slope: &[f64],
     ) -> Result<Vec<Field<D>>, HistoryFailure> {
+        if slope.iter().all(|rate| *rate == 0.0) {
+            // Nothing depends on this step, as on one that only leads to the next.
+            return Ok(self.spaces.iter().map(Field::zero).collect());
+        }
         self.linearised(number, form, constraints, solution, slope, Transpose::Yes)
     }
 

@@ -539,6 +539,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
             communicator: self.communicator,
             constraints: &constraints.iter().collect::<Vec<_>>(),
             start: &start.iter().collect::<Vec<_>>(),
+            positive: vec![],
             options: self.options.clone(),
         };
         let solved = solve_owned(owned, self.solver.get(), &mut self.memory)?;

@@ -348,6 +348,8 @@ pub struct OwnedForm<'a, const D: usize> {
     pub constraints: &'a [&'a Constraints<D>],
     /// The first iterate, a field for each unknown.
     pub start: &'a [&'a Field<D>],
+    /// Functionals whose integrands are kept positive.
+    pub positive: Vec<Functional<D>>,
     pub options: NewtonOptions,
 }
 
@@ -386,13 +388,14 @@ fn solve_on<const D: usize, const N: usize>(
     solver: &mut dyn LinearSolver,
     memory: &mut StepMemory,
 ) -> Result<SolvedForm<D>, SolveError> {
-    let OwnedForm { form, assembler, pattern, communicator, constraints, options, .. } = owned;
+    let OwnedForm { form, assembler, pattern, communicator, constraints, positive, options, .. } = owned;
     let mut problem: Problem<'_, D, N> = Problem::on_spaces(form, start.map(Field::space));
     problem.system.assembler = Cow::Borrowed(assembler);
     problem.communicator = communicator;
     problem.system.pattern = pattern.map_or_else(OnceCell::new, |known| OnceCell::from(Arc::clone(known)));
     problem.constraints.extend(constraints.iter().map(|constraints| Cow::Borrowed(*constraints)));
     problem.start = Some(start);
+    problem.positive = positive;
     problem.solver = Solver::Lent(solver);
     problem.options = options;
     problem.memory = std::mem::take(memory);

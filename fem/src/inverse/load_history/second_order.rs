@@ -102,7 +102,7 @@ impl<const D: usize> LoadHistory<'_, D> {
         action: &mut [f64],
     ) -> Result<[Vec<f64>; 3], HistoryFailure> {
         let along = ControlValues::new(along, step, None);
-        let at = ControlValues::new(&self.controls, step, Some(before));
+        let at = ControlValues::new(&self.controls, step, Some((before, &self.before_is_read)));
         let second =
             self.second_sensitivities.as_ref().ok_or(HistoryFailure::Missing("second_sensitivities"))?;
         let second = second(&at, &SecondOrderStates { u, p, du, dbefore, dp, along })?;
@@ -130,7 +130,8 @@ impl<const D: usize> LoadHistory<'_, D> {
         load: &[f64],
         transpose: Transpose,
     ) -> Result<Vec<Field<D>>, HistoryFailure> {
-        let form = self.form(&ControlValues::new(&self.controls, step, Some(before)))?;
+        let form =
+            self.form(&ControlValues::new(&self.controls, step, Some((before, &self.before_is_read))))?;
         let constraints = self.conditions(step)?;
         self.equations.linearised(Solution::Step(step), &form, &constraints, u, load, transpose)
     }
@@ -177,7 +178,7 @@ impl<const D: usize> Linearised<D> for LoadHistory<'_, D> {
         let (before, dbefore, u, du) = (before?, dbefore?, u?, du?);
         let p = self.linearised(step, [&before, &u], slope, Transpose::Yes)?;
         let constants = self.equations.constants()?;
-        let at = ControlValues::new(&self.controls, step, Some(&before));
+        let at = ControlValues::new(&self.controls, step, Some((&before, &self.before_is_read)));
         let rates = self.sensitivities.as_ref().ok_or(HistoryFailure::Missing("sensitivities"))?;
         let rates = rates(&at, &u, &p)?;
         let form = self.form(&at)?;

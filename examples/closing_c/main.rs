@@ -1,0 +1,182 @@
+//! The lower part of a C that closes: topology optimisation through contact with a third medium (Bluhm, Sigmund and Poulios 2021, Comput.
+//! Mech. 67; the second gradients are those of `forms_contact::laws::third_medium`).
+//!
+//! A pad presses the upper arm down until it meets a body whose densities are wanted: those with the largest force on the pad, in 40 % of
+//! the area below the gap. Densities are smoothed by a form and projected. At last the arm and the whole cells of the body are solved
+//! again with contact pairs.
+//!
+//! Run it with `cargo run --release --bin closing_c -- [CELLS ACROSS, a multiple of 8] [ITERATIONS]`. The picture is `out/closing_c.png`.
+
+mod design;
+mod pairs;
+
+use std::error::Error;
+use std::process::ExitCode;
+
+use forms_examples::density_filter::Filtered;
+use forms_fem::inverse::reduced_problem::taylor_test;
+use forms_fem::inverse::{Bounds, HistoryError, Inequality, MovingAsymptotes, ReducedProblem};
+use forms_fem::output::picture::{Curve, FieldMap, LinePlot, Panel, Picture, Scale, Shown};
+use forms_fem::output::{StandardOutput, program};
+use forms_fem::prelude::*;
+
+use crate::design::{Closing, LOWER, UPPER};
+use crate::pairs::{Pressed, with_pairs};
+
+/// The part of the design's area that may be used.
+const PART: f64 = 0.4;
+/// β of the projection, in the first and in the second half of the iterations.
+const SHARPNESS: [f64; 2] = [2.0, 8.0];
+
+fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
+    let counts: Vec<usize> = std::env::args().skip(1).map(|count| count.parse()).collect::<Result<_, _>>()?;
+    let mut c = Closing::new(counts.first().copied().unwrap_or(16))?;
+    let iterations = counts.get(1).copied().unwrap_or(50);
+    out.line(format!("{} unknowns, {} densities", c.displacements.unknowns(), c.cells.unknowns()));
+
+    // The force with nothing below the arm is the unit.
+    let nothing = Field::zero(&c.cells);
+    let alone = -c.history(&nothing).value(nothing.values())?;
+    c.unit = alone;
+    out.line(format!("force with nothing below the arm: {alone:.6e}"));
+    let first = Field::interpolate(&c.cells, |_| PART)?;
+    check_gradient(&mut c.filtered(&first)?, &c.cells, out)?;
+    let at_first = shown(&c, &first)?;
+
+    out.line("\n| β | iteration | force | area over its limit |\n| --: | --: | --: | --: |");
+    let (mut found, mut forces) = (first, vec![]);
+    for sharpness in SHARPNESS {
+        c.sharpness = sharpness;
+        found = optimise(&c, &found, iterations / SHARPNESS.len(), &mut forces, out)?;
+    }
+    check_gradient(&mut c.filtered(&found)?, &c.cells, out)?;
+    let at_last = shown(&c, &found)?;
+
+    let solid = |x: &[f64; 2]| at_last.0.evaluate(x).is_ok_and(|density| density[0] > 0.5);
+    out.line("\n| below the arm | force: medium | pairs | difference | sinks by: medium | pairs |\n| --- | --: | --: | --: | --: | --: |");
+    compare(&c, "a bar of the same area", &|x| x[1] > (1.0 - PART) * LOWER, out)?;
+    let pressed = compare(&c, "what was found", &solid, out)?;
+    draw(&c, [at_first, at_last], &pressed, &forces)?;
+    out.line("\npicture: out/closing_c.png");
+    Ok(())
+}
+
+/// Prints the derivative of the criterion along a wave, and by differences of fourth order.
+fn check_gradient(
+    problem: &mut Filtered<'_>,
+    cells: &Arc<Space<2>>,
+    out: &mut StandardOutput,
+) -> Result<(), Box<dyn Error>> {
+    let m = problem.start();
+    let wave = Field::interpolate(cells, |x| (7.0 * x[0] + 3.0 * x[1]).sin())?;
+    let (_, gradient) = problem.value_and_gradient(&m)?;
+    let slope: f64 = gradient.iter().zip(wave.values()).map(|(slope, wave)| slope * wave).sum();
+    let mut at = |t: f64| -> Result<f64, HistoryError> {
+        problem.value(&m.iter().zip(wave.values()).map(|(m, wave)| m + t * wave).collect::<Vec<_>>())
+    };
+    let h = 1e-3;
+    let difference = (8.0 * (at(h)? - at(-h)?) - (at(2.0 * h)? - at(-2.0 * h)?)) / (12.0 * h);
+    let order = taylor_test(problem, &m, wave.values(), 0.02)?.second_order()?;
+    out.line(format!(
+        "slope along sin(7x + 3y): {slope:.9e}, by differences {difference:.9e}, order of the Taylor test {order:.3}"
+    ));
+    Ok(())
+}
+
+/// Densities of the largest force, from others.
+fn optimise(
+    c: &Closing,
+    density: &Field<2>,
+    iterations: usize,
+    forces: &mut Vec<f64>,
+    out: &mut StandardOutput,
+) -> Result<Field<2>, Box<dyn Error>> {
+    let (mut area, most) = (c.area(density), PART * LOWER);
+    let limit: Box<Inequality<'_, HistoryError>> = Box::new(move |m| {
+        let (value, slope) = area.value_and_gradient(m)?;
+        Ok((value / most - 1.0, slope.iter().map(|slope| slope / most).collect()))
+    });
+    let method = MovingAsymptotes {
+        max_iterations: iterations,
+        move_limit: 0.2,
+        tolerance: 1e-3,
+        ..Default::default()
+    };
+    let bounds = Bounds::between(c.cells.unknowns(), 0.0, 1.0);
+    let found = method.run(&mut c.filtered(density)?, &bounds, &mut [limit], |step| {
+        forces.push(-step.value);
+        if step.iteration.is_multiple_of(5) {
+            let (iteration, over) = (step.iteration, step.constraints[0]);
+            out.line(format!("| {} | {iteration} | {:.4} | {over:+.1e} |", c.sharpness, -step.value));
+        }
+    })?;
+    Ok(Field::from_values(&c.cells, found.controls)?)
+}
+
+/// ρ as the form reads it, and the displacements.
+fn shown(c: &Closing, density: &Field<2>) -> Result<(Field<2>, Field<2>), Box<dyn Error>> {
+    let mut problem = c.filtered(density)?;
+    let smooth = problem.smoothed(density.values())?;
+    let projected = smooth.values().iter().map(|smooth| c.projected(*smooth)).collect();
+    let mut states = problem.states(density.values())?;
+    let last = states.pop().ok_or("a history without steps")?;
+    Ok((Field::from_values(&c.smooth, projected)?, last))
+}
+
+/// Prints the force on a body of whole cells, and how far its top sinks, in the third medium and with pairs.
+fn compare(
+    c: &Closing,
+    name: &str,
+    solid: &dyn Fn(&[f64; 2]) -> bool,
+    out: &mut StandardOutput,
+) -> Result<Pressed, Box<dyn Error>> {
+    let whole = Field::interpolate(&c.cells, |x| f64::from(solid(x)))?;
+    let mut history = c.history(&whole);
+    let force = -history.value(whole.values())?;
+    let states = history.states(whole.values())?;
+    let u = states.last().ok_or("a history without steps")?;
+    let pressed = with_pairs(c, solid)?;
+    let top = pressed.u.space().positions().iter().zip(pressed.u.values().chunks(2));
+    let top = top.filter(|(x, _)| (x[1] - LOWER).abs() < 1e-9);
+    let (place, sinks) = top.map(|(x, u)| (x, -u[1])).max_by(|a, b| a.1.total_cmp(&b.1)).ok_or("no body")?;
+    out.line(format!(
+        "| {name} | {force:.4} | {:.4} | {:+.1} % | {:.5} | {sinks:.5} |",
+        pressed.force,
+        100.0 * (force / pressed.force - 1.0),
+        -u.evaluate(place)?[1]
+    ));
+    Ok(pressed)
+}
+
+/// Densities at first and at last, the bodies with pairs, and the force over the iterations.
+fn draw(
+    c: &Closing,
+    shapes: [(Field<2>, Field<2>); 2],
+    pressed: &Pressed,
+    forces: &[f64],
+) -> Result<(), Box<dyn Error>> {
+    let mut panel = Panel::new(2);
+    for ((density, u), title) in shapes.iter().zip(["at first", "at last"]) {
+        let value = |cell: usize, reference: &[f64; 2]| match c.mesh().cell_centre(cell)[1] {
+            y if y < LOWER => density.evaluate_in(cell, reference)[0],
+            y => f64::from(y > UPPER),
+        };
+        let map = FieldMap::cell_by_cell(c.mesh(), value, "ρ").deformed(u, 1.0).range(0.0, 1.0);
+        panel = panel.picture(&map.without_mesh_lines().size(200.0, 130.0).title(title))?;
+    }
+    let map = FieldMap::of(&pressed.u, Shown::Magnitude, "|u|").deformed(&pressed.u, 1.0);
+    panel = panel.picture(&map.size(200.0, 130.0).levels(8).title("whole cells with contact pairs"))?;
+    let iterations: Vec<f64> = (0..forces.len()).map(|iteration| iteration as f64).collect();
+    let plot = LinePlot::new()
+        .x_axis("iteration", Scale::Linear)
+        .y_axis("force", Scale::Linear)
+        .title("force, over that of the arm alone")
+        .size(200.0, 140.0)
+        .grid()
+        .curve(Curve::new("", &iterations, forces).without_markers());
+    Ok(panel.picture(&plot)?.draw()?.write_png("out/closing_c.png")?)
+}
+
+fn main() -> ExitCode {
+    program(run)
+}
