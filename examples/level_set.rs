@@ -104,7 +104,7 @@ pub fn voids(phi: &Field<2>) -> Result<usize, Failure> {
 
 /// A rectangle of length 2 and height 1 with 18 round holes.
 pub fn eighteen_holes(x: &[f64; 2]) -> f64 {
-    let holes = (0..18)
-        .map(|hole| [1.0 / 6.0 + f64::from(hole % 6) / 3.0 + 0.003, 0.19 + f64::from(hole / 6) * 0.3]);
+    let holes =
+        (0..18).map(|hole| [1.0 / 6.0 + f64::from(hole % 6) / 3.0 + 0.003, 0.19 + f64::from(hole / 6) * 0.3]);
     holes.map(|hole| 0.09 - (x[0] - hole[0]).hypot(x[1] - hole[1])).fold(f64::MIN, f64::max)
 }

@@ -51,7 +51,8 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Failure> {
     let cantilever = Cantilever::new(options.cells)?;
     let size = SIZE[0] / options.cells as f64;
     let settings = json!({ "cells": options.cells });
-    let own = LevelSetOptions { iterations: options.steps, smoothing: 4.0 * size, ..LevelSetOptions::new(size) };
+    let own =
+        LevelSetOptions { iterations: options.steps, smoothing: 4.0 * size, ..LevelSetOptions::new(size) };
     let full = LevelSetDescent {
         problem: &cantilever,
         // Anywhere inside is deep enough for a hole.
@@ -69,7 +70,8 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Failure> {
             out.line(format!("{title}:"));
             let directory = options.out.join(directory);
             let best = descend(descent, &settings, options.anew, &directory, out)?;
-            let made: usize = best.state.history.iter().filter_map(|row| row.holes.as_ref()).map(|row| row.count).sum();
+            let made: usize =
+                best.state.history.iter().filter_map(|row| row.holes.as_ref()).map(|row| row.count).sum();
             let [first, last] = [&descent.initial, &best.phi].map(|phi| -> Result<(f64, usize), Failure> {
                 Ok((cantilever.solve(&Cut::by(phi)?)?.criterion, voids(phi)?))
             });
@@ -93,7 +95,8 @@ fn picture(
     runs: [(&str, &LevelSetOptimised<Solved, 2>); 2],
 ) -> Result<impl Picture, Failure> {
     let mut panel = Panel::new(3);
-    let mut plot = LinePlot::new().x_axis("step", Scale::Linear).y_axis("J", Scale::Linear).size(180.0, 130.0).grid();
+    let mut plot =
+        LinePlot::new().x_axis("step", Scale::Linear).y_axis("J", Scale::Linear).size(180.0, 130.0).grid();
     let mut most = 0.0_f64;
     for (title, run) in runs {
         let stress = cantilever.mises(&run.values.state)?;

@@ -24,10 +24,7 @@ pub mod cantilever {
     use forms_contact::operators::linear_elastic::{stress, von_mises};
     use forms_contact::operators::topological_derivative::of_hole;
 
-    #[includes(
-        forms_contact::operators::linear_elastic::Data,
-        forms_contact::operators::ghost_penalty::Data
-    )]
+    #[includes(forms_contact::operators::linear_elastic::Data, forms_contact::operators::ghost_penalty::Data)]
     pub struct Data {
         /// Force per length.
         pub load: Given<Vector>,

@@ -65,7 +65,8 @@ fn strains([first, second]: [f64; 2], across: f64, young: f64, poisson: f64) -> 
 fn plates_with_a_hole() {
     let mesh = rectangle([0.0; 2], [1.0; 2], [1, 1], CellShape::Triangle, 1).unwrap();
     let plane_stress = 2.0 * LAMBDA * MU / (LAMBDA + 2.0 * MU);
-    let cases = [([2.0, 0.0], 0.0, 12.0), ([2.0, 2.0], 0.0, 16.0), ([0.0; 2], 2.0, 32.0), ([1.0, -3.0], 0.5, 38.0)];
+    let cases =
+        [([2.0, 0.0], 0.0, 12.0), ([2.0, 2.0], 0.0, 16.0), ([0.0; 2], 2.0, 32.0), ([1.0, -3.0], 0.5, 38.0)];
     for (along, across, expected) in cases {
         for (lambda, young, poisson) in [
             (plane_stress, YOUNG, POISSON),
@@ -84,7 +85,11 @@ fn plates_with_a_hole() {
 fn cavities_in_space() {
     let mesh = cuboid([0.0; 3], [1.0; 3], [1; 3], CellShape::Tetrahedron, 1).unwrap();
     let all_round = 2.0 * (1.0 - 2.0 * POISSON) / YOUNG;
-    let pressed = growth(&mesh, LAMBDA, std::array::from_fn(|i| std::array::from_fn(|j| if i == j { all_round } else { 0.0 })));
+    let pressed = growth(
+        &mesh,
+        LAMBDA,
+        std::array::from_fn(|i| std::array::from_fn(|j| if i == j { all_round } else { 0.0 })),
+    );
     let exact = 6.0 * PI * (1.0 - POISSON) * 4.0 / YOUNG;
     assert!((pressed / exact - 1.0).abs() < 1e-13, "{pressed} is not {exact}");
 

@@ -105,7 +105,10 @@ fn holes_that_are_not_resolved_are_refused() {
         let error = descent.run(None, &mut |_| Ok(())).err().unwrap().to_string();
         assert!(error.starts_with(words), "{error}");
     };
-    refused(|holes| holes.radius = 0.25, "holes.radius = 0.25 is not possible: it must be finite, and no less");
+    refused(
+        |holes| holes.radius = 0.25,
+        "holes.radius = 0.25 is not possible: it must be finite, and no less",
+    );
     refused(|holes| holes.distance = f64::NAN, "holes.distance = NaN is not possible");
     refused(|holes| holes.every = 0, "holes.every = 0 is not possible");
     refused(|holes| holes.most = 0, "holes.most = 0 is not possible");

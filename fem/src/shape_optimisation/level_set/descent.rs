@@ -200,8 +200,7 @@ where
         let scale = if start > 0.0 { start } else { 1.0 };
         let direction = self.direction(state.iterations(), shape, product, self.options.penalty * scale)?;
         let holes = holes.filter(|_| state.iterations() < self.options.iterations);
-        let is_due =
-            |holes: &&HolePlaces<D>| state.iterations().is_multiple_of(holes.options.every);
+        let is_due = |holes: &&HolePlaces<D>| state.iterations().is_multiple_of(holes.options.every);
         let due = holes.filter(is_due);
         if let Some(holes) = due
             && self.make_holes(state, shape, &direction, holes)?
@@ -210,7 +209,8 @@ where
         }
         let finish = self.move_interface(state, shape, &direction)?;
         // Where the interface has no way to go, a hole may be one.
-        if let (Some(StopReason::Converged | StopReason::NoStep(_)), Some(holes), None) = (&finish, holes, due)
+        if let (Some(StopReason::Converged | StopReason::NoStep(_)), Some(holes), None) =
+            (&finish, holes, due)
             && self.make_holes(state, shape, &direction, holes)?
         {
             return Ok(None);

@@ -2,12 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use forms_problem::coincident::distance;
 use crate::constraints::Constraints;
 use crate::cut::Cut;
 use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
 use crate::shape_optimisation::{Failure, ShapeOptimisationError};
+use forms_problem::coincident::distance;
 
 /// New holes of a descent: round, where the topological derivative of the augmented Lagrangian is most negative, and kept if the latter falls.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
