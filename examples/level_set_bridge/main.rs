@@ -15,7 +15,6 @@ use forms_examples::level_set::{check_gradient, descend, voids};
 use forms_fem::cut::Cut;
 use forms_fem::output::picture::{Colour, Curve, FieldMap, LinePlot, Panel, Picture, Scale, Shown};
 use forms_fem::output::{StandardOutput, VtuFile};
-use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::Failure;
 use forms_fem::shape_optimisation::level_set::{
     LevelSetDescent, LevelSetOptions, LevelSetProblem, LevelSetState,

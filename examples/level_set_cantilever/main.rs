@@ -51,13 +51,21 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Failure> {
     let cantilever = Cantilever::new(options.cells)?;
     let size = SIZE[0] / options.cells as f64;
     let settings = json!({ "cells": options.cells });
-    let own =
-        LevelSetOptions { iterations: options.steps, smoothing: 4.0 * size, ..LevelSetOptions::new(size) };
+    let own = LevelSetOptions {
+        iterations: options.steps,
+        smoothing: 3.0 * size,
+        // A narrow band.
+        largest_change: 0.25 * size,
+        ..LevelSetOptions::new(size)
+    };
     let full = LevelSetDescent {
         problem: &cantilever,
         // Anywhere inside is deep enough for a hole.
         initial: Field::interpolate(&cantilever.scalars, |_| -1.0)?,
-        options: LevelSetOptions { holes: Some(HoleOptions::new(size)), ..own.clone() },
+        options: LevelSetOptions {
+            holes: Some(HoleOptions { distance: 4.0 * size, ..HoleOptions::new(size) }),
+            ..own.clone()
+        },
     };
     let given = LevelSetDescent {
         problem: &cantilever,
@@ -96,7 +104,7 @@ fn picture(
 ) -> Result<impl Picture, Failure> {
     let mut panel = Panel::new(3);
     let mut plot =
-        LinePlot::new().x_axis("step", Scale::Linear).y_axis("J", Scale::Linear).size(180.0, 130.0).grid();
+        LinePlot::new().x_axis("step", Scale::Linear).y_axis("J", Scale::Linear).size(150.0, 105.0).grid();
     let mut most = 0.0_f64;
     for (title, run) in runs {
         let stress = cantilever.mises(&run.values.state)?;
@@ -110,7 +118,7 @@ fn picture(
             .without_lines()
             .levels(5)
             .window([0.0, SIZE[0]], [0.0, SIZE[1]])
-            .size(160.0, 100.0)
+            .size(145.0, 80.0)
             .title(title);
         panel = panel.picture(&map)?;
         let (steps, values): (Vec<f64>, Vec<f64>) =

@@ -8,7 +8,7 @@ use crate::interrupted::killed_until_it_ends;
 
 fn command(directory: &Path, cells: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_level_set_cantilever"));
-    command.args(["--cells", cells, "--steps", "24", "--out"]).arg(directory);
+    command.args(["--cells", cells, "--steps", "40", "--out"]).arg(directory);
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     command
 }
@@ -27,10 +27,10 @@ fn a_full_plate_gets_holes_with_the_same_bits_after_kills() {
     };
     let (full, given) = (row("full plate"), row("given holes"));
     assert!(full[0] == 0.0 && full[1] >= 3.0 && full[4] >= 1.0, "{printed}");
-    assert!(full[3] < 0.85 * full[2], "{printed}");
+    assert!(full[3] < 0.9 * full[2], "{printed}");
     assert!(given[0] == 18.0 && given[1] == 0.0 && given[3] < given[2], "{printed}");
 
-    let kills = killed_until_it_ends(|| command(&rough, "32"), Duration::from_millis(300));
+    let kills = killed_until_it_ends(|| command(&rough, "32"), Duration::from_millis(100));
     for name in ["full/history.csv", "full/checkpoint.json", "given/history.csv"] {
         let [calm, rough] = [&calm, &rough].map(|run| std::fs::read(run.join(name)).expect("a file"));
         assert!(calm == rough, "{name} differs after {kills} kills");

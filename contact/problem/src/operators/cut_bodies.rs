@@ -108,7 +108,8 @@ pub mod topological_derivative {
 
     /// −|B| m − (work of the stresses around a hole), per r^D, with the unit ball B and `m` = M(u) − f·p for the load f per volume.
     pub fn of_hole(m: Scalar, u: Vector, p: Vector) -> Scalar {
-        let (work, traces) = (inner(stress(u), eps(p)), tr(stress(u)) * tr(eps(p)));
+        let work = inner(stress(u), eps(p));
+        let traces = tr(stress(u)) * tr(eps(p));
         if D < 3 {
             -PI * m
                 - PI * (lambda + 2 * mu) / (2 * mu * (lambda + mu)) * (4 * mu * work + (lambda - mu) * traces)
