@@ -3,23 +3,22 @@
 //!
 //! `cargo run --release --bin level_set_bridge -- [--cells N] [--steps N] [--out DIRECTORY] [--anew]`
 
-mod problem;
-
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
 use clap::Parser;
 use forms_examples::command_line::program_with_options;
-use forms_examples::level_set::{check_gradient, descend, voids};
+use forms_examples::level_set::problem::{LoadedBody, SIZE, Solved, support};
+use forms_examples::level_set::{check_gradient, descend, eighteen_holes, voids};
 use forms_fem::cut::Cut;
 use forms_fem::output::picture::{Colour, Curve, FieldMap, LinePlot, Panel, Picture, Scale, Shown};
 use forms_fem::output::{StandardOutput, VtuFile};
+use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::Failure;
 use forms_fem::shape_optimisation::level_set::{
     LevelSetDescent, LevelSetOptions, LevelSetProblem, LevelSetState,
 };
-use problem::{Bridge, SIZE, Solved, support};
 use serde_json::json;
 
 /// A bridge of least work of its load, with a price of its area
@@ -48,8 +47,8 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Failure> {
     if options.cells == 0 || !options.cells.is_multiple_of(8) {
         return Err(format!("--cells {}: it must be a multiple of eight", options.cells).into());
     }
-    let bridge = Bridge::new(options.cells)?;
-    let initial = bridge.start()?;
+    let bridge = LoadedBody::bridge(options.cells)?;
+    let initial = Field::interpolate(&bridge.scalars, eighteen_holes)?;
     check_gradient(&bridge, &initial, out)?;
 
     let size = SIZE[0] / options.cells as f64;
@@ -89,7 +88,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Failure> {
 
 /// The first and the last bridge, deformed, over von Mises' stress, and J over the steps.
 fn picture(
-    bridge: &Bridge,
+    bridge: &LoadedBody,
     shapes: [(&Arc<Cut<2>>, &Solved); 2],
     state: &LevelSetState,
 ) -> Result<impl Picture, Failure> {

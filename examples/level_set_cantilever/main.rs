@@ -3,13 +3,12 @@
 //!
 //! `cargo run --release --bin level_set_cantilever -- [--cells N] [--steps N] [--out DIRECTORY] [--anew]`
 
-mod problem;
-
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
 use forms_examples::command_line::program_with_options;
+use forms_examples::level_set::problem::{LoadedBody, SIZE, Solved};
 use forms_examples::level_set::{descend, eighteen_holes, voids};
 use forms_fem::cut::Cut;
 use forms_fem::output::StandardOutput;
@@ -19,7 +18,6 @@ use forms_fem::shape_optimisation::Failure;
 use forms_fem::shape_optimisation::level_set::{
     HoleOptions, LevelSetDescent, LevelSetOptimised, LevelSetOptions, LevelSetProblem,
 };
-use problem::{Cantilever, SIZE, Solved};
 use serde_json::json;
 
 /// A cantilever of least work of its load, with a price of its area
@@ -48,7 +46,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Failure> {
     if options.cells == 0 || !options.cells.is_multiple_of(16) {
         return Err(format!("--cells {}: it must be a multiple of sixteen", options.cells).into());
     }
-    let cantilever = Cantilever::new(options.cells)?;
+    let cantilever = LoadedBody::cantilever(options.cells)?;
     let size = SIZE[0] / options.cells as f64;
     let settings = json!({ "cells": options.cells });
     let own = LevelSetOptions {
@@ -99,12 +97,12 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Failure> {
 
 /// The last shapes over von Mises' stress, and J over the steps with the steps that made holes.
 fn picture(
-    cantilever: &Cantilever,
+    cantilever: &LoadedBody,
     runs: [(&str, &LevelSetOptimised<Solved, 2>); 2],
 ) -> Result<impl Picture, Failure> {
     let mut panel = Panel::new(3);
     let mut plot =
-        LinePlot::new().x_axis("step", Scale::Linear).y_axis("J", Scale::Linear).size(150.0, 105.0).grid();
+        LinePlot::new().x_axis("step", Scale::Linear).y_axis("J", Scale::Linear).size(150.0, 150.0).grid();
     let mut most = 0.0_f64;
     for (title, run) in runs {
         let stress = cantilever.mises(&run.values.state)?;
@@ -118,7 +116,7 @@ fn picture(
             .without_lines()
             .levels(5)
             .window([0.0, SIZE[0]], [0.0, SIZE[1]])
-            .size(145.0, 80.0)
+            .size(140.0, 77.0)
             .title(title);
         panel = panel.picture(&map)?;
         let (steps, values): (Vec<f64>, Vec<f64>) =

@@ -1,5 +1,7 @@
 //! The frame of programs that optimise a level set function: a descent with its checkpoint, its history as a table, gradients checked by
-//! differences.
+//! differences; and the problem of two of them.
+
+pub mod problem;
 
 use std::path::Path;
 
