@@ -232,9 +232,10 @@ where
             self.problem.topological_derivatives(&shape.body, &mut shape.values.state).map_err(failed)?;
         let expected = shape.phi.values().len();
         check_length("the criterion by holes", &by_holes, expected)?;
-        if let (Some(of_constraint), Some(value)) = (&constraint, shape.values.constraint) {
-            check_length("the constraint by holes", of_constraint, expected)?;
-            add_scaled(&mut by_holes, direction.price(value), of_constraint);
+        if let Some(value) = shape.values.constraint {
+            let of_constraint = constraint.unwrap_or_default();
+            check_length("the constraint by holes", &of_constraint, expected)?;
+            add_scaled(&mut by_holes, direction.price(value), &of_constraint);
         }
         if let Some(value) = by_holes.iter().copied().find(|value| !value.is_finite()) {
             let what = "the topological derivative";
