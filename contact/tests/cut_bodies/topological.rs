@@ -95,13 +95,8 @@ fn cavities_in_space() {
 
     let gradient = [[0.3, 0.5, -0.2], [0.1, -0.4, 0.7], [0.6, -0.3, 0.25]];
     let trace = gradient[0][0] + gradient[1][1] + gradient[2][2];
-    let mut deviator = 0.0;
-    for i in 0..3 {
-        for j in 0..3 {
-            let mean = if i == j { trace / 3.0 } else { 0.0 };
-            deviator += (0.5 * (gradient[i][j] + gradient[j][i]) - mean).powi(2);
-        }
-    }
+    let strain = |k: usize| 0.5 * (gradient[k / 3][k % 3] + gradient[k % 3][k / 3]);
+    let deviator = (0..9).map(|k| strain(k).powi(2)).sum::<f64>() - trace * trace / 3.0;
     let bulk = LAMBDA + 2.0 / 3.0 * MU;
     let change = bulk * trace * trace * 3.0 * (1.0 - POISSON) / (2.0 * (1.0 - 2.0 * POISSON))
         + 2.0 * MU * deviator * 15.0 * (1.0 - POISSON) / (7.0 - 5.0 * POISSON);
