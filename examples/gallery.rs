@@ -43,7 +43,7 @@ macro_rules! tutorial {
     };
 }
 
-const MAKERS: [Maker; 41] = [
+const MAKERS: [Maker; 42] = [
     tutorial!("01_poisson", "01"),
     tutorial!("02_elasticity", "02"),
     tutorial!("03_neo_hookean", "03"),
@@ -253,6 +253,10 @@ const MAKERS: [Maker; 41] = [
     Maker {
         arguments: &["--bin", "level_set_bridge", "--", "--anew"],
         pictures: &[("out/level_set_bridge/level_set_bridge.png", "level_set_bridge.png")],
+    },
+    Maker {
+        arguments: &["--bin", "level_set_cantilever", "--", "--anew"],
+        pictures: &[("out/level_set_cantilever/level_set_cantilever.png", "level_set_cantilever.png")],
     },
     // The bars of docs/speed.md, from its measurements in docs/*.csv.
     Maker {

@@ -4,6 +4,8 @@
 
 #[path = "../die_forces.rs"]
 pub mod die_forces;
+#[path = "../level_set/mod.rs"]
+pub mod level_set;
 
 pub use forms_program::{command_line, memory};
 

@@ -41,7 +41,7 @@ mod work;
 
 pub use cavities::cavity;
 pub use closures::{barrier, exponential_closure};
-pub use cut_bodies::{ghost_penalty, weak_dirichlet};
+pub use cut_bodies::{ghost_penalty, topological_derivative, weak_dirichlet};
 pub use interfaces::{cohesion, flat_obstacle, friction, obstacle, rigid_flat, signed_distance};
 pub use materials::{linear_elastic, neo_hookean, st_venant_kirchhoff, strains};
 pub use mean_gaps::mean_sliding;

@@ -1,4 +1,4 @@
-//! Contact of bodies that are cut from a mesh: conditioning, patch tests, orders, derivatives by the level set function.
+//! Contact of bodies that are cut from a mesh: conditioning, patch tests, orders, derivatives by the level set function and by holes.
 
 mod block;
 mod conditioning;
@@ -6,6 +6,7 @@ mod cylinder;
 mod derivatives;
 mod half_plane;
 mod signorini;
+mod topological;
 
 use forms_fem::prelude::*;
 

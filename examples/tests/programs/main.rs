@@ -7,6 +7,7 @@ mod convergence;
 mod half_ring;
 mod interrupted;
 mod level_set_bridge;
+mod level_set_cantilever;
 mod readme;
 mod rolling_ring;
 mod shape_optimisation;

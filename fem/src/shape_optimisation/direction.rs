@@ -86,6 +86,11 @@ impl Direction {
         criterion + self.multiplier * value + 0.5 * self.penalty * value * value
     }
 
+    /// λ + r c, the derivative of L by the constraint.
+    pub fn price(&self, constraint: f64) -> f64 {
+        self.multiplier + self.penalty * constraint
+    }
+
     /// The factor with which the part along the constraint moves a node by a length, at most; none if it moves nothing.
     pub fn factor_for(&self, length: f64, dimension: usize) -> Option<f64> {
         let largest = longest(&self.along, dimension);

@@ -6,8 +6,8 @@ use forms_fem::cut::Cut;
 use forms_fem::inverse::reduced_problem::taylor_test;
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::level_set::{
-    LevelSetControls, LevelSetDescent, LevelSetOptions, LevelSetProblem, LevelSetState, LevelSetVolume,
-    interface_measure,
+    HoleOptions, LevelSetControls, LevelSetDescent, LevelSetOptions, LevelSetProblem, LevelSetRow,
+    LevelSetState, LevelSetVolume, interface_measure,
 };
 use forms_fem::shape_optimisation::{Checkpoint, Derivatives, Failure, StopReason, Values};
 use serde_json::json;
@@ -62,6 +62,100 @@ impl LevelSetProblem<2> for Wells {
     fn derivatives(&self, _: &Arc<Cut<2>>, state: &mut Vec<f64>) -> Result<Derivatives, Failure> {
         Ok(Derivatives { criterion: state.clone(), constraint: None })
     }
+    fn topological_derivatives(&self, body: &Arc<Cut<2>>, _: &mut Vec<f64>) -> Result<Derivatives, Failure> {
+        let space = Space::scalar(body.mesh(), 1)?;
+        let criterion = space.positions().iter().map(|x| -PI * depth(x)).collect();
+        Ok(Derivatives { criterion, constraint: None })
+    }
+}
+
+/// The descent on the depth from the full square: all of the material around the discs is too much.
+fn full_square(cells: usize) -> LevelSetDescent<'static, Wells, 2> {
+    let size = 2.0 / cells as f64;
+    let initial = level(&square(cells, CellShape::Triangle), |_| -1.0);
+    let holes = HoleOptions { every: 4, ..HoleOptions::new(size) };
+    let options = LevelSetOptions { iterations: 24, holes: Some(holes), ..LevelSetOptions::new(size) };
+    LevelSetDescent { problem: &Wells, initial, options }
+}
+
+#[test]
+fn holes_appear_in_a_full_square() {
+    let cells = 32;
+    let run = full_square(cells).run(None, &mut |_| Ok(())).unwrap();
+    let (rows, radius) = (&run.state.history, 4.0 / cells as f64);
+    let made: Vec<_> = rows.iter().filter_map(|row| row.holes.as_ref()).collect();
+    println!("{made:?}, {} {}, {:?}", rows[0].criterion, run.values.criterion, run.state.finish);
+    let first = made[0];
+    // ∫ of the depth over (−1, 1)², by the mid-point rule with 2000² cells.
+    assert!((first.before - 0.775_972).abs() < 3e-3, "{}", first.before);
+    // Twelve-sided holes of two cells are a little smaller than circles.
+    let ratio = (first.after - first.before) / first.promised;
+    assert!(first.count > 5 && (0.85..1.0).contains(&ratio), "{ratio}");
+    assert!(made.iter().all(|holes| holes.after < holes.before && holes.promised < 0.0));
+    assert!(first.promised >= -PI * radius * radius * first.count as f64);
+    assert!(run.values.criterion < 0.0 && rows[0].criterion > 0.2);
+    assert!(run.state.csv().contains(&format!(",{},{},{}\n", first.count, first.before, first.after)));
+}
+
+/// The depth inside with a given area.
+struct WellsOfArea(LevelSetVolume);
+
+impl LevelSetProblem<2> for WellsOfArea {
+    type State = Derivatives;
+
+    fn solve(&self, body: &Arc<Cut<2>>) -> Result<Values<Derivatives>, Failure> {
+        let ((criterion, of_depth), (area, of_area)) = (Wells.values(body)?, self.0.value(body)?);
+        let state = Derivatives { criterion: of_depth, constraint: Some(of_area) };
+        Ok(Values { criterion, constraint: Some(area), state })
+    }
+    fn derivatives(&self, _: &Arc<Cut<2>>, state: &mut Derivatives) -> Result<Derivatives, Failure> {
+        Ok(state.clone())
+    }
+    fn topological_derivatives(
+        &self,
+        body: &Arc<Cut<2>>,
+        _: &mut Derivatives,
+    ) -> Result<Derivatives, Failure> {
+        let of_depth = Wells.topological_derivatives(body, &mut vec![])?;
+        let constraint = Some(vec![self.0.by_hole::<2>(); of_depth.criterion.len()]);
+        Ok(Derivatives { constraint, ..of_depth })
+    }
+}
+
+#[test]
+fn holes_bring_an_area_to_its_target() {
+    let LevelSetDescent { initial, options, .. } = full_square(32);
+    let problem = WellsOfArea(LevelSetVolume { target: 1.0 });
+    let options = LevelSetOptions { iterations: 80, ..options };
+    let run = LevelSetDescent { problem: &problem, initial, options }.run(None, &mut |_| Ok(())).unwrap();
+    let made: Vec<_> = run.state.history.iter().filter_map(|row| row.holes.as_ref()).collect();
+    println!("{made:?}, {:?} {:?}, {:?}", run.values.criterion, run.values.constraint, run.state.finish);
+    // At first nothing but the area's price promises a gain: λ + r c = 3 · 10 J₀.
+    assert!(made[0].promised < 10.0 * (made[0].after - made[0].before), "{made:?}");
+    assert!(run.values.constraint.unwrap().abs() < 1e-3);
+    // The least value, where the depth is below −0.0108, by the mid-point rule with 3000² cells.
+    assert!((run.values.criterion + 0.152_686).abs() < 2e-5, "{}", run.values.criterion);
+}
+
+#[test]
+fn holes_that_are_not_resolved_are_refused() {
+    let refused = |change: fn(&mut HoleOptions), words: &str| {
+        let mut descent = full_square(8);
+        descent.options.holes.iter_mut().for_each(change);
+        let error = descent.run(None, &mut |_| Ok(())).err().unwrap().to_string();
+        assert!(error.starts_with(words), "{error}");
+    };
+    refused(
+        |holes| holes.radius = 0.25,
+        "holes.radius = 0.25 is not possible: it must be finite, and no less",
+    );
+    refused(|holes| holes.distance = f64::NAN, "holes.distance = NaN is not possible");
+    refused(|holes| holes.every = 0, "holes.every = 0 is not possible");
+    refused(|holes| holes.most = 0, "holes.most = 0 is not possible");
+    let LevelSetDescent { initial, options, .. } = full_square(8);
+    let problem = Bubble { area: LevelSetVolume { target: 1.0 } };
+    let error = LevelSetDescent { problem: &problem, initial, options }.run(None, &mut |_| Ok(()));
+    assert!(error.err().unwrap().to_string().contains("which this problem does not state"));
 }
 
 fn two_discs(cells: usize) -> LevelSetDescent<'static, Wells, 2> {
@@ -90,8 +184,14 @@ fn two_discs_merge() {
 
 #[test]
 fn interrupted_descents_end_with_the_same_bits() {
+    for descent in [two_discs(16), full_square(16)] {
+        check_interrupted(&descent);
+    }
+}
+
+/// The run that is interrupted after seven steps ends as one that is not.
+fn check_interrupted(descent: &LevelSetDescent<Wells, 2>) {
     let settings = json!({ "cells": 16 });
-    let descent = two_discs(16);
     let whole = descent.run(None, &mut |_| Ok(())).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("checkpoint.json");
@@ -109,6 +209,9 @@ fn interrupted_descents_end_with_the_same_bits() {
     assert_eq!(resumed.state, whole.state);
     let bits = |state: &LevelSetState| state.values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
     assert_eq!(bits(&resumed.state), bits(&whole.state));
+    let holes = |row: &LevelSetRow| row.holes.is_some();
+    let later = whole.state.history[8..].iter().any(holes);
+    assert!(later || descent.options.holes.is_none(), "no holes after the interruption");
     let other = two_discs(8).run(Some(whole.state), &mut |_| Ok(()));
     assert!(other.err().unwrap().to_string().contains("it is of another mesh"));
 }

@@ -1,4 +1,4 @@
-//! Forms of bodies that are cut from a mesh: ghost penalties, and conditions on the boundary by Nitsche's method.
+//! Forms of bodies that are cut from a mesh: ghost penalties, conditions on the boundary by Nitsche's method, and the gain of new holes.
 
 use forms_fem::forms;
 
@@ -89,5 +89,34 @@ pub mod weak_dirichlet {
     pub fn dirichlet_density(traction_u: Vector, u: Vector, traction_v: Vector, v: Vector) -> Scalar {
         let miss = u - prescribed;
         -dot(traction_u, v) - theta * dot(traction_v, miss) + gamma() * dot(miss, v)
+    }
+}
+
+/// The change of a criterion by a small round hole in a body of linear elasticity: the topological derivative of S. Garreau,
+/// P. Guillaume, M. Masmoudi, SIAM J. Control Optim. 39 (2001).
+///
+/// With a hole of radius r inside the body, free of load, the criterion J = ∫ M(u) + … becomes J + r^D `of_hole` + o(r^D).
+/// The adjoint state p has the sign of `discrete_adjoint`: J + R(u; p) is stationary, a(p, q) = −J′(u)q without contact, and p = −u for
+/// the work of the loads. M does not depend on ∇u.
+///
+/// In two dimensions λ is that of plane strain, or 2λμ/(λ + 2μ) for plane stress. With it the work of the loads grows by 3πS²r²/E in
+/// plane stress under a stress S along one axis.
+#[forms]
+pub mod topological_derivative {
+    pub use super::super::linear_elastic::Data;
+    use super::super::linear_elastic::stress;
+
+    /// −|B| m − (work of the stresses around a hole), per r^D, with the unit ball B and `m` = M(u) − f·p for the load f per volume.
+    pub fn of_hole(m: Scalar, u: Vector, p: Vector) -> Scalar {
+        let work = inner(stress(u), eps(p));
+        let traces = tr(stress(u)) * tr(eps(p));
+        if D < 3 {
+            -PI * m
+                - PI * (lambda + 2 * mu) / (2 * mu * (lambda + mu)) * (4 * mu * work + (lambda - mu) * traces)
+        } else {
+            -4 / 3 * PI * m
+                - PI * (lambda + 2 * mu) / (mu * (9 * lambda + 14 * mu))
+                    * (20 * mu * work + (3 * lambda - 2 * mu) * traces)
+        }
     }
 }

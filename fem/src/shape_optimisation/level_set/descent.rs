@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::history::{LevelSetRow, LevelSetState};
+use super::holes::{HolePlaces, NewHoles};
 use super::inner_product::ChangeProduct;
 use super::options::LevelSetOptions;
 use super::problem::LevelSetProblem;
@@ -10,6 +11,7 @@ use crate::constraints::Constraints;
 use crate::cut::{Cut, CutBand, CutError};
 use crate::dimension::{Dim, Dimension};
 use crate::field::Field;
+use crate::linear_algebra::vector::add_scaled;
 use crate::shape_optimisation::descent::MOST_TRIALS;
 use crate::shape_optimisation::direction::{Constrained, Direction, check_length, longest};
 use crate::shape_optimisation::{Derivatives, Failure, ShapeOptimisationError, Step, StopReason, Values};
@@ -26,6 +28,7 @@ pub type LevelSetListener<'a, S, const D: usize> =
 ///
 /// - Within a step active cells and ghost facets of a band are fixed ([`Cut::band`]), so that the values are of one discrete problem.
 /// - A constraint, such as [`LevelSetVolume`](super::LevelSetVolume), enters by an augmented Lagrangian.
+/// - Where options ask for it, new holes come as steps of their own ([`HoleOptions`](super::HoleOptions)).
 /// - Where |∇φ| on cut cells leaves a range φ becomes a distance ([`Cut::distance`]): a step of its own, with J before in the history.
 pub struct LevelSetDescent<'a, P, const D: usize> {
     /// The problem to optimise.
@@ -90,6 +93,7 @@ where
         let failed = |source| ShapeOptimisationError::Problem { iteration: 0, source };
         self.problem.hold(&mut held).map_err(failed)?;
         let mut product = ChangeProduct::new(self.options.smoothing, &held)?;
+        let holes = self.options.holes.as_ref().map(|options| HolePlaces::new(options, &held)).transpose()?;
         let goes_on = from.is_some();
         let mut state = from.unwrap_or_else(|| LevelSetState {
             values: self.initial.values().to_vec(),
@@ -109,7 +113,7 @@ where
                 .map_err(|source| ShapeOptimisationError::Problem { iteration, source })
         };
         if !goes_on || state.history.is_empty() {
-            state.history = vec![row(&shape, None, None)];
+            state.history = vec![row(&shape, None, None, None)];
             tell(&state, &shape)?;
         }
         if state.finish == Some(StopReason::Iterations) && state.iterations() < self.options.iterations {
@@ -117,7 +121,7 @@ where
         }
         let mut is_new = false;
         while state.finish.is_none() {
-            match self.step(&mut state, &mut shape, &mut product)? {
+            match self.step(&mut state, &mut shape, &mut product, holes.as_ref())? {
                 Some(finish) => state.finish = Some(finish),
                 None => tell(&state, &shape)?,
             }
@@ -190,12 +194,93 @@ where
         state: &mut LevelSetState,
         shape: &mut Shape<P::State, D>,
         product: &mut ChangeProduct<D>,
+        holes: Option<&HolePlaces<D>>,
     ) -> Result<Option<StopReason>, ShapeOptimisationError> {
-        let options = &self.options;
         let start = state.history[0].criterion.abs();
         let scale = if start > 0.0 { start } else { 1.0 };
-        let direction = self.direction(state.iterations(), shape, product, options.penalty * scale)?;
-        let first = state.history.get(1).and_then(|row| row.step.as_ref());
+        let direction = self.direction(state.iterations(), shape, product, self.options.penalty * scale)?;
+        let holes = holes.filter(|_| state.iterations() < self.options.iterations);
+        let is_due = |holes: &&HolePlaces<D>| state.iterations().is_multiple_of(holes.options.every);
+        let due = holes.filter(is_due);
+        if let Some(holes) = due
+            && self.make_holes(state, shape, &direction, holes)?
+        {
+            return Ok(None);
+        }
+        let finish = self.move_interface(state, shape, &direction)?;
+        // Where the interface has no way to go, a hole may be one.
+        if let (Some(StopReason::Converged | StopReason::NoStep(_)), Some(holes), None) =
+            (&finish, holes, due)
+            && self.make_holes(state, shape, &direction, holes)?
+        {
+            return Ok(None);
+        }
+        Ok(finish)
+    }
+
+    /// New holes in the shape of a state, if the augmented Lagrangian falls by them.
+    fn make_holes(
+        &self,
+        state: &mut LevelSetState,
+        shape: &mut Shape<P::State, D>,
+        direction: &Direction,
+        holes: &HolePlaces<D>,
+    ) -> Result<bool, ShapeOptimisationError> {
+        let iteration = state.iterations();
+        let failed = |source| ShapeOptimisationError::Problem { iteration, source };
+        let Derivatives { criterion: mut by_holes, constraint } =
+            self.problem.topological_derivatives(&shape.body, &mut shape.values.state).map_err(failed)?;
+        let expected = shape.phi.values().len();
+        check_length("the criterion by holes", &by_holes, expected)?;
+        if let Some(value) = shape.values.constraint {
+            let of_constraint = constraint.unwrap_or_default();
+            check_length("the constraint by holes", &of_constraint, expected)?;
+            add_scaled(&mut by_holes, direction.price(value), &of_constraint);
+        }
+        if let Some(value) = by_holes.iter().copied().find(|value| !value.is_finite()) {
+            let what = "the topological derivative";
+            return Err(ShapeOptimisationError::NotFinite { iteration, what, value });
+        }
+        let solved = |phi: &Field<D>| -> Result<(f64, f64), Failure> {
+            let Values { criterion, constraint, .. } = self.problem.solve(&Cut::by(phi)?)?;
+            Ok((criterion, direction.lagrangian(criterion, constraint)))
+        };
+        let mut centres = holes.centres(&shape.body, &shape.phi, &by_holes).map_err(failed)?;
+        if centres.is_empty() {
+            return Ok(false);
+        }
+        // A band's ghost penalty stiffens the body: before and after are compared without one.
+        let (before, merit) = solved(&shape.phi).map_err(failed)?;
+        while !centres.is_empty() {
+            let values = holes.raised(&shape.phi, &centres);
+            let phi = Field::from_values(shape.phi.space(), values.clone())
+                .map_err(|error| failed(Box::new(error)))?;
+            // Without a solution, or with a merit that is not a number, fewer holes are tried.
+            if let Ok((after, reached)) = solved(&phi)
+                && reached < merit
+            {
+                let slopes: f64 = centres.iter().map(|node| by_holes[*node]).sum();
+                let promised = holes.options.radius.powi(D as i32) * slopes;
+                state.values = values;
+                *shape = self.shape(state)?;
+                let made = NewHoles { count: centres.len(), before, after, promised };
+                state.history.push(row(shape, None, None, Some(made)));
+                return Ok(true);
+            }
+            centres.truncate(centres.len() / 2);
+        }
+        Ok(false)
+    }
+
+    /// One step of the interface, or why there is none.
+    fn move_interface(
+        &self,
+        state: &mut LevelSetState,
+        shape: &mut Shape<P::State, D>,
+        direction: &Direction,
+    ) -> Result<Option<StopReason>, ShapeOptimisationError> {
+        let options = &self.options;
+        let first = state.history.iter().find_map(|row| row.step.as_ref());
         let first_norm = first.map_or(direction.norm, |step| step.gradient_norm);
         let most = direction.factor_for(options.largest_change, 1);
         if shape.values.constraint.unwrap_or(0.0).abs() <= options.constraint_tolerance {
@@ -277,7 +362,7 @@ where
             false => phi.values().to_vec(),
         };
         *shape = self.shape(state)?;
-        state.history.push(row(shape, before_distance, Some(step)));
+        state.history.push(row(shape, before_distance, Some(step), None));
         Ok(())
     }
 }
@@ -286,7 +371,8 @@ fn row<S, const D: usize>(
     shape: &Shape<S, D>,
     before_distance: Option<f64>,
     step: Option<Step>,
+    holes: Option<NewHoles>,
 ) -> LevelSetRow {
     let Values { criterion, constraint, .. } = shape.values;
-    LevelSetRow { criterion, constraint, parts: shape.body.parts().len(), before_distance, step }
+    LevelSetRow { criterion, constraint, parts: shape.body.parts().len(), before_distance, step, holes }
 }

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use serde::{Deserialize, Serialize};
 
+use super::holes::NewHoles;
 use crate::shape_optimisation::{Step, StopReason};
 
 /// A level set function on the way, the next step's factor, and the way so far. A descent that goes on from it is the one that would
@@ -31,8 +32,11 @@ pub struct LevelSetRow {
     pub parts: usize,
     /// The criterion before φ was made a distance, where it was.
     pub before_distance: Option<f64>,
-    /// The step that led here; none at the start. Its length is the largest change of φ.
+    /// The step that led here; none at the start and with new holes. Its length is the largest change of φ.
     pub step: Option<Step>,
+    /// The new holes that led here, in place of a step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub holes: Option<NewHoles>,
 }
 
 impl LevelSetState {
@@ -44,7 +48,8 @@ impl LevelSetState {
     /// The history as comma-separated values, one line per body, with a header. What does not exist is empty.
     pub fn csv(&self) -> String {
         let mut text = String::from(
-            "iteration,criterion,constraint,parts,criterion before distance,step,trials,largest change,multiplier,gradient norm\n",
+            "iteration,criterion,constraint,parts,criterion before distance,step,trials,largest change,multiplier,gradient norm,\
+             new holes,criterion before holes,criterion after holes\n",
         );
         let optional = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
         for (iteration, row) in self.history.iter().enumerate() {
@@ -58,10 +63,14 @@ impl LevelSetState {
                 optional(row.before_distance)
             );
             let _ = match &row.step {
-                None => writeln!(text, ",,,,,"),
+                None => write!(text, ",,,,,"),
                 Some(Step { factor, trials, longest_move, multiplier, gradient_norm }) => {
-                    writeln!(text, ",{factor},{trials},{longest_move},{multiplier},{gradient_norm}")
+                    write!(text, ",{factor},{trials},{longest_move},{multiplier},{gradient_norm}")
                 }
+            };
+            let _ = match &row.holes {
+                None => writeln!(text, ",,,"),
+                Some(NewHoles { count, before, after, .. }) => writeln!(text, ",{count},{before},{after}"),
             };
         }
         text

@@ -1,5 +1,6 @@
 //! Volume and perimeter of a cut body, with their derivatives by φ.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use crate::assemble::{Assembler, AssemblyError};
@@ -43,6 +44,24 @@ fn of_form<const D: usize>(
     Ok((value, slopes?))
 }
 
+/// A quantity as means around the nodes of a space, zero where nothing of the body is: ∫ q t / ∫ t with the form's test function t. The form
+/// is ∫ q t.
+///
+/// # Errors
+/// Those of [`Assembler::linear_form`].
+pub fn means_at_nodes<const D: usize>(
+    assembler: &Assembler<D>,
+    form: &crate::contract::Form<D>,
+    space: &Arc<Space<D>>,
+) -> Result<Vec<f64>, AssemblyError>
+where
+    Dim: Dimension<D>,
+{
+    let volumes = assembler.linear_form(&measure_forms::Model::default().volume(), space)?;
+    let sums = assembler.linear_form(form, space)?;
+    Ok(sums.iter().zip(volumes).map(|(sum, volume)| if volume > 0.0 { sum / volume } else { 0.0 }).collect())
+}
+
 /// |Γ| \[length^(D−1)\] without the parts of the body's boundary on exterior facets, and its derivative by the nodal values of φ.
 ///
 /// # Errors
@@ -73,5 +92,11 @@ impl LevelSetVolume {
         let (value, slopes) = of_form(body, &measure_forms::Model::default().volume())?;
         let slopes = slopes.into_iter().map(|slope| slope / self.target).collect();
         Ok(((value - self.target) / self.target, slopes))
+    }
+
+    /// The topological derivative −|B|/V₀ with the unit ball B \[1/length^D\], the same everywhere.
+    pub fn by_hole<const D: usize>(&self) -> f64 {
+        let ball = if D == 2 { PI } else { 4.0 / 3.0 * PI };
+        -ball / self.target
     }
 }

@@ -1,8 +1,9 @@
-//! Shapes as level set functions: descent on the nodal values of φ, by which holes merge and vanish.
+//! Shapes as level set functions: descent on the nodal values of φ, by which holes appear, merge and vanish.
 //!
 //! ```text
 //! problem    a criterion of a cut body with its derivative by φ; as a reduced problem whose controls are the values of φ
-//! measures   volume and perimeter with their derivatives
+//! measures   volume and perimeter with their derivatives, means around nodes
+//! holes      new holes: options, and the places where they may be
 //! options    options of a descent
 //! history    all that a descent needs to go on
 //! inner_product  what makes a derivative a change of φ
@@ -11,6 +12,7 @@
 
 mod descent;
 mod history;
+mod holes;
 mod inner_product;
 mod measures;
 mod options;
@@ -18,7 +20,8 @@ mod problem;
 
 pub use descent::{LevelSetDescent, LevelSetOptimised, LevelSetReport};
 pub use history::{LevelSetRow, LevelSetState};
+pub use holes::{HoleOptions, NewHoles};
 pub use inner_product::level_set_product;
-pub use measures::{LevelSetVolume, interface_measure, measure_forms};
+pub use measures::{LevelSetVolume, interface_measure, means_at_nodes, measure_forms};
 pub use options::LevelSetOptions;
 pub use problem::{LevelSetControls, LevelSetFailure, LevelSetProblem};

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::holes::HoleOptions;
 use crate::shape_optimisation::ShapeOptimisationError;
 
 /// Options of a descent on φ. φ is about a distance: its values are lengths in the mesh's unit.
@@ -23,6 +24,9 @@ pub struct LevelSetOptions {
     pub gradient_tolerance: f64,
     /// |∇φ| on cut cells outside of this range makes φ a distance again.
     pub slopes: [f64; 2],
+    /// New holes; none unless they are asked for.
+    #[serde(default)]
+    pub holes: Option<HoleOptions>,
 }
 
 impl LevelSetOptions {
@@ -37,6 +41,7 @@ impl LevelSetOptions {
             constraint_tolerance: 1e-3,
             gradient_tolerance: 1e-3,
             slopes: [0.5, 2.0],
+            holes: None,
         }
     }
 

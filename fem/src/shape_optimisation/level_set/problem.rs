@@ -27,6 +27,19 @@ pub trait LevelSetProblem<const D: usize> {
     /// The reason why there are none.
     fn derivatives(&self, body: &Arc<Cut<D>>, state: &mut Self::State) -> Result<Derivatives, Failure>;
 
+    /// The topological derivatives on a body that was solved for, at the nodes of φ: the change by a hole of radius r is r^D times them. Only a
+    /// descent that makes holes asks for them; [`means_at_nodes`](super::means_at_nodes) of a form make them.
+    ///
+    /// # Errors
+    /// The reason why there are none.
+    fn topological_derivatives(
+        &self,
+        _body: &Arc<Cut<D>>,
+        _state: &mut Self::State,
+    ) -> Result<Derivatives, Failure> {
+        Err("new holes need the topological derivative, which this problem does not state".into())
+    }
+
     /// Zero changes of φ where the body must stay: none unless a problem holds some.
     ///
     /// # Errors
