@@ -17,7 +17,7 @@ COUNTS = [
     ("#[inline(never)]", r"#\[inline\(never\)\]", False, 276),
     ("instantiate! blocks", r"^\s*instantiate!\(", False, 96),
 ]
-LINES = [("lines of Rust without tests", False, 168_000), ("lines of Rust", True, 235_500)]
+LINES = [("lines of Rust without tests", False, 169_300), ("lines of Rust", True, 237_800)]
 
 
 def sources():
