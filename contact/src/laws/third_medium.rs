@@ -13,7 +13,7 @@ pub use self::third_medium::*;
 /// [`neo_hookean`](fn@crate::operators::neo_hookean::energy_density), H = ∇∇u, and L = div ∇u.
 ///
 /// No pairs are searched for, and self contact needs nothing. The medium's ln J grows without bound where a gap closes. The term in k keeps the medium's cells
-/// regular (Bluhm, Sigmund and Poulios 2021; Frederiksen, Sigmund and Poulios 2023). It needs cells of degree 2 or above: on simplices of degree 1 it is zero.
+/// regular (Bluhm, Sigmund and Poulios 2021; with L Frederiksen, Dalklint, Sigmund and Poulios 2025, Comput. Methods Appl. Mech. Eng. 436). It needs cells of degree 2 or above: on simplices of degree 1 it is zero.
 /// The error is a thin layer of crushed medium, and forces in it before it closes, of the size of μ_M.
 ///
 /// Usual values are λ_M = s λ and μ_M = s μ with s = 10⁻⁶ to 10⁻⁵, and k = s λ ℓ² with the size ℓ of the whole ([`medium()`]). Keep J positive, so that a step of Newton's
