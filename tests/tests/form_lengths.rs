@@ -5,7 +5,7 @@ use std::path::Path;
 
 /// Lines of the first forms module of a file: no blank lines, no comments.
 fn lines_of_code(source: &str) -> usize {
-    let module = source.lines().skip_while(|line| *line != "#[forms]");
+    let module = source.lines().skip_while(|line| !line.starts_with("#[forms"));
     let module = module.take_while(|line| *line != "}").map(str::trim);
     let lines = module.filter(|line| !line.is_empty() && !line.starts_with("//")).count();
     // And the brace that ends it.
