@@ -10,7 +10,7 @@ use forms_fem::shape_optimisation::{Derivatives, Failure, Values};
 
 /// Length and height of the background; the bridge's plane of symmetry is x = 0.
 pub const SIZE: [f64; 2] = [2.0, 1.0];
-/// The length of the loaded part of the boundary, which begins at x = 0 on the bridge, and has the cantilever's end for its middle.
+/// The length of the loaded part of the boundary: the left part of the bridge's top, the middle of the cantilever's right end.
 const LOADED: f64 = 0.25;
 /// The top of the round support is at this x, at y = 0.
 const SUPPORT: f64 = 1.5;

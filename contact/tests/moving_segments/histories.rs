@@ -50,15 +50,6 @@ struct Bodies<const D: usize> {
     steps: usize,
 }
 
-impl<const D: usize> Bodies<D> {
-    fn new(slab: &Mesh<D>, block: &Mesh<D>, steps: usize) -> Self {
-        let mesh = Mesh::of_bodies(&[("slab", slab), ("block", block)]).unwrap();
-        let space = Space::vector(&mesh, 1).unwrap();
-        let materials = Space::discontinuous_scalar(&mesh, 0).unwrap();
-        Bodies { assembler: Assembler::new(&mesh), space, materials, steps }
-    }
-}
-
 /// Slopes of the criterion along a direction.
 struct Slopes {
     /// By the gradient of adjoint states.
@@ -69,109 +60,106 @@ struct Slopes {
     difference: f64,
 }
 
-macro_rules! drawn_in {
-    ($D:literal) => {
-        impl Bodies<$D> {
-            fn model(
-                &self,
-                (friction, modulus): (f64, Field<$D>),
-                before: Given<[f64; $D], $D>,
-            ) -> drawn::Model<$D> {
-                let force =
-                    |x: &[f64; $D]| [0, 1, 2].map(|k| if k == 0 { 0.3 + x[0] } else { 0.5 * x[k % $D] });
-                let data = data()
-                    .lambda(15.0)
-                    .mu(modulus)
-                    .gamma0(300.0)
-                    .friction(friction)
-                    .displacement_before(before)
-                    .criterion_force(move |x: &[f64; $D]| std::array::from_fn(|k| force(x)[k]));
-                let touch = Pairing::between("slab top", "block bottom").at(PairQuadrature::Pieces);
-                let regions = drawn::Regions::default().touch(touch).gamma_n("block right");
-                drawn::Model { data, regions }
-            }
+impl<const D: usize> Bodies<D>
+where
+    Dim: Dimension<D>,
+{
+    fn new(slab: &Mesh<D>, block: &Mesh<D>, steps: usize) -> Self {
+        let mesh = Mesh::of_bodies(&[("slab", slab), ("block", block)]).unwrap();
+        let space = Space::vector(&mesh, 1).unwrap();
+        let materials = Space::discontinuous_scalar(&mesh, 0).unwrap();
+        Bodies { assembler: Assembler::new(&mesh), space, materials, steps }
+    }
 
-            fn modulus(&self) -> Field<$D> {
-                Field::interpolate(&self.materials, |x| 10.0 + 2.0 * x[0].sin() * x[1]).unwrap()
-            }
+    fn model(&self, (friction, modulus): (f64, Field<D>), before: Given<[f64; D], D>) -> drawn::Model<D> {
+        let data = data()
+            .lambda(15.0)
+            .mu(modulus)
+            .gamma0(300.0)
+            .friction(friction)
+            .displacement_before(before)
+            .criterion_force(|x: &[f64; D]| {
+                std::array::from_fn(|k| if k == 0 { 0.3 + x[0] } else { 0.5 * x[k] })
+            });
+        let touch = Pairing::between("slab top", "block bottom").at(PairQuadrature::Pieces);
+        let regions = drawn::Regions::default().touch(touch).gamma_n("block right");
+        drawn::Model { data, regions }
+    }
 
-            fn held(&self, step: usize) -> Constraints<$D> {
-                let mut by = [0.0; $D];
-                (by[0], by[$D - 1]) = (0.11 * (step + 1) as f64, -0.07);
-                let mut held = Constraints::new(&self.space);
-                held.fix("slab bottom", |_| [0.0; $D]).unwrap();
-                held.fix("block top", |_| by).unwrap();
-                held
-            }
+    fn modulus(&self) -> Field<D> {
+        Field::interpolate(&self.materials, |x| 10.0 + 2.0 * x[0].sin() * x[1]).unwrap()
+    }
 
-            fn history(&self) -> LoadHistory<'_, $D> {
-                let modulus = self.modulus();
-                let controls = Controls::new().number("friction", 0.3).field("shear_modulus", &modulus);
-                let controls_of = |at: &ControlValues<$D>| -> Result<(f64, Field<$D>), ControlError> {
-                    Ok((at.number("friction")?, at.field("shear_modulus")?))
-                };
-                let options = NewtonOptions {
-                    relative_tolerance: 1e-12,
-                    line_search: LineSearch::OnResidual,
-                    ..NewtonOptions::default()
-                };
-                LoadHistory::new(&self.space, self.steps, controls)
-                    .step(move |at| Ok(self.model(controls_of(at)?, Given::field(at.before()?)).direct()))
-                    .sensitivities(move |at, u, p| {
-                        Ok(self.model(controls_of(at)?, Given::field(at.before()?)).sensitivities(u, p))
-                    })
-                    .criterion(move |at| {
-                        Ok(self.model(controls_of(at)?, Given::constant([0.0; $D])).criterion())
-                    })
-                    .assembler(&self.assembler)
-                    .constrained_at(move |step| Ok(self.held(step)))
-                    .options(options)
-            }
+    fn held(&self, step: usize) -> Constraints<D> {
+        let mut by = [0.0; D];
+        (by[0], by[D - 1]) = (0.11 * (step + 1) as f64, -0.07);
+        let mut held = Constraints::new(&self.space);
+        held.fix("slab bottom", |_| [0.0; D]).unwrap();
+        held.fix("block top", |_| by).unwrap();
+        held
+    }
 
-            fn slopes(&self, h: f64) -> Slopes {
-                let mut history = self.history();
-                let m = history.start();
-                let direction: Vec<f64> =
-                    (0..m.len()).map(|k| 0.1 + 0.05 * (1.0 + 1.7 * k as f64).sin()).collect();
-                let states = history.states(&m).unwrap();
-                let touch = Pairing::between("slab top", "block bottom").at(PairQuadrature::Pieces);
-                for u in &states {
-                    let report = self.assembler.pairs_at(&touch, 3, u).unwrap();
-                    assert!(report.deepest_overlap > 1e-4 && report.paired_measure < 0.9 * report.measure);
-                }
-                let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
-                let adjoint = product(&history.gradient(&m).unwrap().gradient, &direction);
-                let of_friction = Field::interpolate(&self.materials, |_| direction[0]).unwrap();
-                let of_modulus = Field::from_values(&self.materials, direction[1..].to_vec()).unwrap();
-                let mut before = Field::zero(&self.space);
-                let mut change = Field::zero(&self.space);
-                let mut forward = 0.0;
-                for (step, u) in states.iter().enumerate() {
-                    let model = self.model((0.3, self.modulus()), Given::field(&before));
-                    let changes = model.changes(u, &change, &of_friction, &of_modulus);
-                    let load = self.assembler.residual(&changes, &[], &[&self.space]).unwrap();
-                    let load: Vec<f64> = load.iter().map(|load| -load).collect();
-                    let tangent = self.assembler.tangent(&model.direct(), &[u], &[&self.space]).unwrap();
-                    let mut elimination = Elimination::of(&[&self.held(step).homogeneous()]).unwrap();
-                    let solver = &mut TangentSolver::default();
-                    let found = solve_linear(&tangent.into(), &load, &mut elimination, solver).unwrap();
-                    change = Field::from_values(&self.space, found.solution).unwrap();
-                    before = u.clone();
-                    let slope = self.assembler.residual(&model.slope(u), &[], &[&self.space]).unwrap();
-                    forward += product(&slope, change.values());
-                }
-                let mut at = |t: f64| {
-                    let moved: Vec<f64> = m.iter().zip(&direction).map(|(m, along)| m + t * along).collect();
-                    history.sample(&moved).unwrap().value[0]
-                };
-                let [a, b, c, d] = [h, -h, 2.0 * h, -2.0 * h].map(&mut at);
-                Slopes { adjoint, forward, difference: (8.0 * (a - b) - (c - d)) / (12.0 * h) }
-            }
+    fn history(&self) -> LoadHistory<'_, D> {
+        let modulus = self.modulus();
+        let controls = Controls::new().number("friction", 0.3).field("shear_modulus", &modulus);
+        let controls_of = |at: &ControlValues<D>| -> Result<(f64, Field<D>), ControlError> {
+            Ok((at.number("friction")?, at.field("shear_modulus")?))
+        };
+        let options = NewtonOptions {
+            relative_tolerance: 1e-12,
+            line_search: LineSearch::OnResidual,
+            ..NewtonOptions::default()
+        };
+        LoadHistory::new(&self.space, self.steps, controls)
+            .step(move |at| Ok(self.model(controls_of(at)?, Given::field(at.before()?)).direct()))
+            .sensitivities(move |at, u, p| {
+                Ok(self.model(controls_of(at)?, Given::field(at.before()?)).sensitivities(u, p))
+            })
+            .criterion(move |at| Ok(self.model(controls_of(at)?, Given::constant([0.0; D])).criterion()))
+            .assembler(&self.assembler)
+            .constrained_at(move |step| Ok(self.held(step)))
+            .options(options)
+    }
+
+    fn slopes(&self, h: f64) -> Slopes {
+        let mut history = self.history();
+        let m = history.start();
+        let direction: Vec<f64> = (0..m.len()).map(|k| 0.1 + 0.05 * (1.0 + 1.7 * k as f64).sin()).collect();
+        let states = history.states(&m).unwrap();
+        let touch = Pairing::between("slab top", "block bottom").at(PairQuadrature::Pieces);
+        for u in &states {
+            let report = self.assembler.pairs_at(&touch, 3, u).unwrap();
+            assert!(report.deepest_overlap > 1e-4 && report.paired_measure < 0.9 * report.measure);
         }
-    };
+        let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+        let adjoint = product(&history.gradient(&m).unwrap().gradient, &direction);
+        let of_friction = Field::interpolate(&self.materials, |_| direction[0]).unwrap();
+        let of_modulus = Field::from_values(&self.materials, direction[1..].to_vec()).unwrap();
+        let mut before = Field::zero(&self.space);
+        let mut change = Field::zero(&self.space);
+        let mut forward = 0.0;
+        for (step, u) in states.iter().enumerate() {
+            let model = self.model((0.3, self.modulus()), Given::field(&before));
+            let changes = model.changes(u, &change, &of_friction, &of_modulus);
+            let load = self.assembler.residual(&changes, &[], &[&self.space]).unwrap();
+            let load: Vec<f64> = load.iter().map(|load| -load).collect();
+            let tangent = self.assembler.tangent(&model.direct(), &[u], &[&self.space]).unwrap();
+            let mut elimination = Elimination::of(&[&self.held(step).homogeneous()]).unwrap();
+            let solver = &mut TangentSolver::default();
+            let found = solve_linear(&tangent.into(), &load, &mut elimination, solver).unwrap();
+            change = Field::from_values(&self.space, found.solution).unwrap();
+            before = u.clone();
+            let slope = self.assembler.residual(&model.slope(u), &[], &[&self.space]).unwrap();
+            forward += product(&slope, change.values());
+        }
+        let mut at = |t: f64| {
+            let moved: Vec<f64> = m.iter().zip(&direction).map(|(m, along)| m + t * along).collect();
+            history.sample(&moved).unwrap().value[0]
+        };
+        let [a, b, c, d] = [h, -h, 2.0 * h, -2.0 * h].map(&mut at);
+        Slopes { adjoint, forward, difference: (8.0 * (a - b) - (c - d)) / (12.0 * h) }
+    }
 }
-drawn_in!(2);
-drawn_in!(3);
 
 /// 20 steps over six facets of the slab: the gradient is that of differences of fourth order.
 #[test]

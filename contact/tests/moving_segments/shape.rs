@@ -13,10 +13,10 @@ use crate::patch::bodies;
 #[forms]
 pub mod moving {
     use forms_contact::operators::friction::{augmented_traction, contact_traction};
+    use forms_contact::operators::linear_elastic::stress;
 
+    #[includes(forms_contact::operators::linear_elastic::Data)]
     pub struct Data {
-        lambda: Param,
-        mu: Param,
         gamma: Param,
         theta: Param,
         kappa: Param,
@@ -28,9 +28,6 @@ pub mod moving {
     #[pairs]
     pub struct Touch;
 
-    fn stress(u: Vector) -> Tensor {
-        lambda * div(u) * I + 2 * mu * eps(u)
-    }
     fn own(u: Vector) -> Vector {
         this(stressed * stress(u) * n)
     }

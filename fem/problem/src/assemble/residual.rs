@@ -289,7 +289,7 @@ impl<const D: usize> VectorSum<'_, D> {
 }
 
 /// Writes the largest amount of a vector, or of each component, at the places of nodes that have a part in it. Components that are zero
-/// at all nodes have none.
+/// at all nodes stay zero.
 fn spread_largest(vector: &[f64], terms: Terms, components: usize, places: &[usize], sizes: &mut [f64]) {
     let most = vector.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
     for component in 0..components {

@@ -14,10 +14,10 @@ use forms_problem::coincident::distance;
 pub struct HoleOptions {
     /// Steps from one attempt to the next. A descent that would stop early makes another attempt.
     pub every: usize,
-    /// Radius, at least the size of the largest cell \[length\].
+    /// Radius, at least the largest diameter of a cell \[length\].
     pub radius: f64,
     /// Least width of the material between a new hole and Γ, another new one, the background's boundary and places where φ is held; at
-    /// least the size of the largest cell \[length\].
+    /// least the largest diameter of a cell \[length\].
     pub distance: f64,
     /// Holes of an attempt, at most. Half of them are tried where these bring nothing, and so on.
     pub most: usize,
@@ -60,15 +60,10 @@ where
     /// [`ShapeOptimisationError::Option`]: holes or distances that cells do not resolve, no step or no hole.
     pub fn new(options: &'a HoleOptions, changes: &Constraints<D>) -> Result<Self, ShapeOptimisationError> {
         let mesh = changes.space().mesh();
-        let mut largest = 0.0_f64;
-        for cell in mesh.body_cells() {
-            let vertices = mesh.cell_vertices(cell).iter().map(|node| mesh.nodes()[*node as usize]);
-            let pairs = vertices.clone().flat_map(|a| vertices.clone().map(move |b| distance(&[a], &b)));
-            largest = pairs.fold(largest, f64::max);
-        }
+        let largest = mesh.body_cells().map(|cell| mesh.diameter(cell)).fold(0.0, f64::max);
         for (name, value) in [("holes.radius", options.radius), ("holes.distance", options.distance)] {
             if !(value >= largest && value.is_finite()) {
-                let why = "it must be finite, and no less than the longest edge or diagonal of a cell";
+                let why = "it must be finite, and no less than the largest diameter of a cell";
                 return Err(ShapeOptimisationError::Option { name, value, why });
             }
         }
