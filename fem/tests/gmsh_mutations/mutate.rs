@@ -84,8 +84,8 @@ pub fn count(in_sweeps: u64) -> u64 {
     }
 }
 
-/// Longest time that a reader may think about a file \[s\]. The files have some hundred lines.
-const LONGEST: f64 = 5.0;
+/// Processor time after which a reader counts as one that does not end \[s\]. The files have some hundred lines.
+const LONGEST: f64 = 60.0;
 
 /// Number of mutated files that a reader accepts; none may make it panic or think long.
 pub fn accepted(corpus: &[Vec<u8>], mutations: u64, reads: impl Fn(&[u8]) -> bool + Sync) -> u64 {

@@ -87,7 +87,7 @@ impl Unit<'_> {
                             format!("`{name}` could not be brought into a form linear in `{argument}`"),
                         );
                     }
-                    Err(Failure::TooLarge) => diagnostics.error_with_help(
+                    Err(Failure::TooLarge { .. }) => diagnostics.error_with_help(
                         SourceSpan::of(name),
                         format!("`{name}` unfolds to more than 1.5 million scalar operations"),
                         "split it into several forms, or compute tensors of high rank in fewer steps",

@@ -127,8 +127,11 @@ impl Setting<'_> {
 pub enum Failure {
     /// An integral that is not linear in the argument of this name, which `check` rules out.
     NotLinear(String),
-    /// Its components are too many.
-    TooLarge,
+    /// Its components are too many, which was seen after some [`Graph::work`].
+    TooLarge {
+        /// Nodes and operands that were looked at.
+        work: usize,
+    },
 }
 
 /// Plans all integrals of a function; an integral that turns out not to be linear in an argument,
@@ -210,7 +213,11 @@ fn opposite_of_values(module: &Module) -> OppositeSide {
 
 /// The planned function, unless it is too large; an error is the name of an argument in which an integral is not linear.
 fn checked<T>(result: Result<T, String>, graph: &Graph) -> Result<T, Failure> {
-    if graph.exhausted { Err(Failure::TooLarge) } else { result.map_err(Failure::NotLinear) }
+    if graph.exhausted {
+        Err(Failure::TooLarge { work: graph.work() })
+    } else {
+        result.map_err(Failure::NotLinear)
+    }
 }
 
 /// Start of each data member in the flattened parameters (`Given` members take no room).

@@ -5,7 +5,7 @@ use proc_macro2::TokenStream;
 use crate::check::{CheckedFunction, check};
 use crate::diagnostics::Diagnostics;
 use crate::differentiate::differentiate;
-use crate::optimise::optimise;
+use crate::optimise::{Failure, optimise};
 use crate::parse::parse;
 use crate::parse::syntax::Module;
 
@@ -39,15 +39,20 @@ impl Source {
         if errors.is_empty() { Ok(checked.functions) } else { Err(errors.to_string()) }
     }
 
-    /// The most work that planning one of the functions takes ([`crate::optimise::scalar::Graph::work`]).
+    /// The most work that planning one of the functions takes ([`crate::optimise::scalar::Graph::work`]), or that is done
+    /// before one is refused.
     pub fn work(&self) -> usize {
         let (module, mut diagnostics) = (self.module(), Diagnostics::default());
         let functions = check(&module, self.dimension, &mut diagnostics).functions;
-        let planned = functions.into_iter().filter_map(|checked| {
+        let work = functions.into_iter().map(|checked| {
             let derived = differentiate(checked, &module.regions, &mut diagnostics);
-            optimise(derived, &module).ok()
+            match optimise(derived, &module) {
+                Ok(planned) => planned.graph.work(),
+                Err(Failure::TooLarge { work }) => work,
+                Err(Failure::NotLinear(argument)) => panic!("not linear in {argument}"),
+            }
         });
-        planned.map(|planned| planned.graph.work()).max().unwrap_or(0)
+        work.max().unwrap_or(0)
     }
 
     /// The output of the attribute.

@@ -104,8 +104,9 @@ const CORPUS: &[&str] = &[
     }",
 ];
 
-/// The processor time of a module: none of the corpus takes nearly as long.
-const LONGEST: Duration = Duration::from_secs(5);
+/// The processor time after which a module counts as one that does not end. The corpus takes less than a second on any machine;
+/// slow modules are found by counted work (`proof/effort.rs`).
+const LONGEST: Duration = Duration::from_secs(60);
 
 fn check(tokens: TokenStream) {
     let text = tokens.to_string();
@@ -193,7 +194,7 @@ fn faults_of(seeds: impl Iterator<Item = usize>) -> Vec<usize> {
     std::thread::spawn(move || {
         while let Some(current) = watched.upgrade() {
             let (seed, start) = *current.lock().expect("no one panics with it");
-            if start.elapsed() > 20 * LONGEST {
+            if start.elapsed() > 5 * LONGEST {
                 eprintln!("the module of seed {seed} does not end");
                 std::process::abort();
             }

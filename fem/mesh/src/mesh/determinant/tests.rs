@@ -149,8 +149,6 @@ fn what_cannot_be_decided_is_said() {
         [p[0], p[1], p[2] * (1e-9 + across * across)]
     };
     let nodes: Vec<[f64; 3]> = element.node_points::<3>().into_iter().map(map).collect();
-    let start = std::time::Instant::now();
     let sign = tested.sign(&numbers, &nodes);
     assert!(matches!(sign, Sign::Undecided { .. }), "{sign:?}");
-    assert!(start.elapsed().as_secs_f64() < 5.0);
 }
