@@ -130,6 +130,7 @@ pub enum Failure {
     /// Its components are too many, which was seen after some [`Graph::work`].
     TooLarge {
         /// Nodes and operands that were looked at.
+        #[cfg_attr(not(test), expect(dead_code, reason = "the tests of the compiler's effort read it"))]
         work: usize,
     },
 }
