@@ -85,7 +85,8 @@ class Ring:
 
 
 for order in (2, 3):
-    for level in range(4 if order == 2 else 3):
+    # P3/P2 is the reference.
+    for level in range(4) if order == 2 else [2]:
         start = time.perf_counter()
         ring = Ring(order, 10 / 2**level)
         forces = [ring.press(way) for way in range(1, END + 1)]
@@ -94,4 +95,4 @@ for order in (2, 3):
         again.press(1)
         way = again.press_by(FORCE, 2, forces[2] - forces[1])
         numbers = {"F(2)": forces[1], "F(5)": forces[4], "F(10)": forces[9], "δ at F = 5": way, "∫(J − 1) there": again.growth()}
-        row("half_ring_triangles", f"NGSolve, P{order}/P{order - 1}, Nitsche θ = 0", order, level, ring.unknowns, time.perf_counter() - start, numbers, newton=counts)
+        row("half_ring_triangles", f"NGSolve, P{order}/P{order - 1}, Nitsche θ = 0", order, level if order == 2 else None, ring.unknowns, time.perf_counter() - start, numbers, newton=counts)
