@@ -7,6 +7,7 @@ A cell without numbers has a letter, whose reason is below the table.
 """
 
 import json
+import re
 import sys
 
 # Columns, and the number that is compared where no pressure is known.
@@ -42,6 +43,8 @@ def main():
     rows = [row for path in sys.argv[1:] for row in json.load(open(path))]
     for row in rows:
         key = row["formulation"], row["problem"]
+        if row["problem"] not in COLUMNS:
+            continue
         if row["formulation"] not in formulations:
             formulations.append(row["formulation"])
         # Later rows are of finer meshes.
@@ -51,7 +54,9 @@ def main():
             cells[key] = f"{short(found)}, {answer['solved']['newton']}" if found is not None else "?"
         else:
             ((kind, why),) = answer.items()
-            why = ("not defined: " if kind == "not_defined" else "fails: ") + why.splitlines()[0].split(": the residual")[0]
+            # Places in the history of a failure differ by problem.
+            why = re.sub(r" at iteration \d+|step \d+: ", "", why.splitlines()[0])
+            why = f"not defined: {why}" if kind == "not_defined" else f"fails: {re.sub(r'[-+0-9.e]{2,}', '…', why)}"
             if why not in reasons:
                 reasons.append(why)
             cells[key] = chr(ord("a") + reasons.index(why)) if reasons.index(why) < 26 else str(reasons.index(why) - 25)

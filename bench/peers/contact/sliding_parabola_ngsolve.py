@@ -51,11 +51,11 @@ def forces(per_unit, order, theta, gamma0):
     form = ng.BilinearForm(space)
     form += ng.InnerProduct(stress(u), ng.Sym(ng.Grad(v))) * ng.dx
     if theta is None:
-        form += negative_part(gamma * gap) * v[1] * ng.ds("contact", bonus_intorder=4)
+        form += negative_part(gamma * gap) * v[1] * ng.ds("contact", bonus_intorder=2)
     else:
         normal = stress(u)[1, 1]
         pressure = negative_part(normal + gamma * gap)
-        form += (pressure * v[1] - theta / gamma * (normal + pressure) * stress(v)[1, 1]) * ng.ds("contact", skeleton=True, bonus_intorder=4)
+        form += (pressure * v[1] - theta / gamma * (normal + pressure) * stress(v)[1, 1]) * ng.ds("contact", skeleton=True, bonus_intorder=2)
     base = ng.GridFunction(space)
     base.Set(ng.CF((0, 1)), definedon=mesh.Boundaries("base"))
     found, counts = [], []
