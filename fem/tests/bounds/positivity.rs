@@ -177,7 +177,7 @@ fn a_prescribed_way_that_closes_a_gap_at_once_is_taken_in_parts() -> Outcome {
         let problem = Problem::new(&form, &space).constrained(&held).quadrature(Quadrature::Degree(4));
         let problem = problem.options(NewtonOptions { prescribed_values, ..NewtonOptions::default() });
         let solved = problem.keep_positive(&model.clearance()).keep_positive(&model.volume()).solve()?;
-        assert!(solved.history.iter().any(|step| step.damping.is_some_and(|part| part < 1.0)), "{way}");
+        assert!(solved.history[0].damping.is_some_and(|part| part < 1.0), "{way}");
         // The height 1 − way + 0.01 − g of the block, and the barrier's pressure at the gap g, balance.
         let stress = |s: f64| s - 1.0 / s + s.ln() / s;
         let push = |g: f64| 100.0 * (2.0 * (g - 0.05) * (g / 0.05).ln() + (g - 0.05).powi(2) / g);

@@ -30,8 +30,8 @@ impl FreeEquations<'_> {
     }
 
     /// Steps from the start as it was given, each with all that is left to the prescribed values in it, and shortened so that what is kept
-    /// positive stays so: a gap that the prescribed values close, or a body that they crush. They are entered into the history after the
-    /// first one. Whether they led to the prescribed values; if not, the last iterate is as it was.
+    /// positive stays so: a gap that the prescribed values close, or a body that they crush. The history begins with the first one. Whether they
+    /// led to the prescribed values; if not, the last iterate is as it was.
     pub(super) fn impose_in_parts(&mut self, given: &[f64]) -> Result<bool, NewtonFailure> {
         let imposed = std::mem::replace(&mut self.iterates.u, given.to_vec());
         for number in 0..self.iterates.options.max_iterations.max(1) {
@@ -45,7 +45,8 @@ impl FreeEquations<'_> {
             }
             self.residuals = found;
             if number == 0 {
-                self.enter(Step::default(), None)?;
+                let damping = (part < 1.0).then_some(part);
+                self.enter(Step { damping, ..Step::default() }, None)?;
             } else {
                 let free = self.elimination.free().iter();
                 let moved: Vec<f64> = free.map(|unknown| jump.values[*unknown]).collect();
