@@ -15,7 +15,8 @@ pub struct Other {
     problem: String,
     formulation: String,
     degree: usize,
-    level: usize,
+    /// `None` for a reference, which no mesh is as fine as.
+    level: Option<usize>,
     unknowns: usize,
     seconds: f64,
     newton: Vec<usize>,
@@ -35,13 +36,17 @@ pub fn read(path: &Path) -> Result<Vec<Other>, Failure> {
 }
 
 impl Other {
-    /// Its row in the table of these rows, if it belongs there.
+    /// Its row in the table of these rows, if it belongs there: a reference does, other rows where their degree and level were asked for.
     pub fn row(&self, rows: &[Row]) -> Option<Row> {
-        let alike = |row: &&Row| row.problem == self.problem && row.degree == self.degree;
-        let first = rows.iter().filter(alike).find_map(Row::measured)?;
-        if rows.iter().all(|row| row.level < self.level) {
+        let is_asked = |row: &Row| match self.level {
+            None => true,
+            Some(level) => row.degree == self.degree && row.level >= level,
+        };
+        let alike = || rows.iter().filter(|row| row.problem == self.problem);
+        if !alike().any(is_asked) {
             return None;
         }
+        let first = alike().find_map(Row::measured)?;
         let number = |quantity: &Quantity| Quantity {
             value: self.numbers.get(quantity.name).copied().unwrap_or(f64::NAN),
             ..quantity.clone()
@@ -50,7 +55,7 @@ impl Other {
             problem: self.problem.clone(),
             formulation: self.formulation.clone(),
             degree: self.degree,
-            level: self.level,
+            level: self.level.unwrap_or_default(),
             unknowns: self.unknowns,
             answer: Answer::Solved(Measured {
                 outer: self.outer,

@@ -4,7 +4,8 @@ import json
 
 
 def row(problem, formulation, degree, level, unknowns, seconds, numbers, newton=None, outer=None):
-    """`numbers` has the names of the problem's quantities; `newton` lists the steps of each solve."""
+    """`numbers` has the names of the problem's quantities; `newton` lists the steps of each solve. The level is that of a mesh as fine, and None for a
+    reference, which is shown with each mesh."""
     newton = list(newton or [])
     print(json.dumps({
         "problem": problem, "formulation": formulation, "degree": degree, "level": level, "unknowns": int(unknowns),

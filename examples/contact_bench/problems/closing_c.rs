@@ -18,27 +18,27 @@ const WAY: f64 = 0.031;
 const STEPS: usize = 20;
 
 /// The force in each step, with that of felupe and NGSolve for cells of 1/10, which agree to 2e-11.
-const FORCES: [(&str, Option<f64>); STEPS] = [
-    ("F(1)", Some(1.33196155e-5)),
-    ("F(2)", None),
-    ("F(3)", None),
-    ("F(4)", None),
-    ("F(5)", Some(6.73803462e-5)),
-    ("F(6)", None),
-    ("F(7)", None),
-    ("F(8)", None),
-    ("F(9)", None),
-    ("F(10)", Some(1.48316229e-4)),
-    ("F(11)", None),
-    ("F(12)", None),
-    ("F(13)", None),
-    ("F(14)", None),
-    ("F(15)", Some(3.08914658e-4)),
-    ("F(16)", None),
-    ("F(17)", None),
-    ("F(18)", None),
-    ("F(19)", None),
-    ("F(20)", None),
+const FORCES: [(&str, f64); STEPS] = [
+    ("F(1)", 1.33196155e-5),
+    ("F(2)", 2.66139323e-5),
+    ("F(3)", 3.99828558e-5),
+    ("F(4)", 5.35325703e-5),
+    ("F(5)", 6.73803462e-5),
+    ("F(6)", 8.16621152e-5),
+    ("F(7)", 9.65488546e-5),
+    ("F(8)", 1.12288227e-4),
+    ("F(9)", 1.29297618e-4),
+    ("F(10)", 1.48316229e-4),
+    ("F(11)", 1.70527732e-4),
+    ("F(12)", 1.97207941e-4),
+    ("F(13)", 2.28921018e-4),
+    ("F(14)", 2.65918963e-4),
+    ("F(15)", 3.08914658e-4),
+    ("F(16)", 3.59247222e-4),
+    ("F(17)", 4.18745528e-4),
+    ("F(18)", 4.89670599e-4),
+    ("F(19)", 5.75087835e-4),
+    ("F(20)", 6.78987133e-4),
 ];
 
 /// Steps whose derivatives are listed.
@@ -95,10 +95,13 @@ impl ClosingC {
 }
 
 fn quantities(steps: &[Step], is_coarse: bool) -> Vec<Quantity> {
-    let known = |known: Option<f64>| known.filter(|_| is_coarse);
     let forces = FORCES.iter().zip(steps);
     let mut all: Vec<Quantity> = forces
-        .map(|((name, exact), step)| Quantity { name, value: -step.force, exact: known(*exact) })
+        .map(|((name, exact), step)| Quantity {
+            name,
+            value: -step.force,
+            exact: is_coarse.then_some(*exact),
+        })
         .collect();
     for (step, once, twice) in DERIVATIVES {
         let Some(found) = steps.get(step - 1) else { continue };

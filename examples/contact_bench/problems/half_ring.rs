@@ -76,10 +76,10 @@ fn quantities(pressed: &Pressed) -> Vec<Quantity> {
     let [way, growth] = pressed.at_force.unwrap_or([f64::NAN; 2]);
     vec![
         Quantity { name: "F(2)", value: force(2), exact: Some(4.589) },
-        Quantity { name: "F(5)", value: force(5), exact: None },
-        Quantity { name: "F(10)", value: force(10), exact: None },
-        Quantity { name: "δ at F = 5", value: way, exact: None },
-        Quantity { name: "∫(J − 1) there", value: growth, exact: None },
+        Quantity { name: "F(5)", value: force(5), exact: Some(19.28) },
+        Quantity { name: "F(10)", value: force(10), exact: Some(65.7) },
+        Quantity { name: "δ at F = 5", value: way, exact: Some(2.1183) },
+        Quantity { name: "∫(J − 1) there", value: growth, exact: Some(-0.1342) },
     ]
 }
 

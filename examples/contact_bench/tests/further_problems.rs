@@ -72,6 +72,7 @@ fn a_closing_c_has_the_forces_of_two_other_programs_and_an_exact_gradient() {
         ("F(5)", 6.73803462e-5),
         ("F(10)", 1.48316229e-4),
         ("F(15)", 3.08914658e-4),
+        ("F(20)", 6.78987133e-4),
     ];
     for (name, force) in known {
         assert!((quantity(row, name) / force - 1.0).abs() < 5e-9, "{name}: {}", quantity(row, name));

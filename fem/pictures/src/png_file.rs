@@ -48,7 +48,10 @@ pub fn encode(drawing: &Drawing, dots_per_inch: f64) -> Result<Vec<u8>, PictureE
         rgb.copy_within(4 * pixel..4 * pixel + 3, 3 * pixel);
     }
     rgb.truncate(3 * pixels);
-    encode_pixels(&rgb, size, png::ColorType::Rgb, Some(dots_per_inch))
+    // Lines and text compress well; a picture with shaded surfaces is half again to twice as large as with zlib, and written in a fraction of the time.
+    let is_shaded = drawing.items.iter().any(|item| matches!(item, Item::Surface { .. }));
+    let compression = if is_shaded { png::Compression::Fast } else { png::Compression::Balanced };
+    encode_pixels(&rgb, size, (png::ColorType::Rgb, compression), Some(dots_per_inch))
 }
 
 /// The bytes of a PNG file with transparency, for embedding.
@@ -56,21 +59,21 @@ pub fn encode(drawing: &Drawing, dots_per_inch: f64) -> Result<Vec<u8>, PictureE
 /// # Errors
 /// A failure of the encoder.
 pub fn encode_surface(pixels: &Pixels) -> Result<Vec<u8>, PictureError> {
-    encode_pixels(&pixels.rgba, pixels.size.map(|length| length as u32), png::ColorType::Rgba, None)
+    let size = pixels.size.map(|length| length as u32);
+    encode_pixels(&pixels.rgba, size, (png::ColorType::Rgba, png::Compression::Fast), None)
 }
 
 fn encode_pixels(
     data: &[u8],
     size: [u32; 2],
-    colours: png::ColorType,
+    (colours, compression): (png::ColorType, png::Compression),
     dots_per_inch: Option<f64>,
 ) -> Result<Vec<u8>, PictureError> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, size[0], size[1]);
     encoder.set_color(colours);
     encoder.set_depth(png::BitDepth::Eight);
-    // A picture with shaded surfaces is half again to twice as large as with zlib, and written in a fraction of the time.
-    encoder.set_compression(png::Compression::Fast);
+    encoder.set_compression(compression);
     encoder.set_pixel_dims(dots_per_inch.map(|resolution| {
         let per_metre = (resolution / 0.0254).round() as u32;
         png::PixelDimensions { xppu: per_metre, yppu: per_metre, unit: png::Unit::Meter }

@@ -160,3 +160,40 @@ fn a_barrier_carries_a_block_on_a_flat() -> Outcome {
     );
     Ok(())
 }
+
+/// The top is moved down at once by more than the gap, outside of the barrier's range: first steps take the body along, and keep the gap open.
+#[test]
+fn a_prescribed_way_that_closes_a_gap_at_once_is_taken_in_parts() -> Outcome {
+    let space = space()?;
+    let data = block::data().load(0.0).barrier(100.0).range(0.05).flat(-0.1);
+    let model = block::Model::new(data);
+    let form = model.on_barrier();
+    for (way, prescribed_values) in
+        [(0.2, PrescribedValues::AtOnce), (0.2, PrescribedValues::ByTangent), (0.6, PrescribedValues::AtOnce)]
+    {
+        // Between walls, so that the block is pressed evenly.
+        let mut held = Constraints::new(&space);
+        held.fix_component("left", 0, |_| 0.0)?;
+        held.fix_component("right", 0, |_| 0.0)?;
+        held.fix_component("top", 1, |_| -way)?;
+        let problem = Problem::new(&form, &space).constrained(&held).quadrature(Quadrature::Degree(4));
+        let problem = problem.options(NewtonOptions { prescribed_values, ..NewtonOptions::default() });
+        let solved = problem.keep_positive(&model.clearance()).keep_positive(&model.volume()).solve()?;
+        assert!(solved.history[0].damping.is_some_and(|part| part < 1.0), "{way}");
+        // The height 1 − way + 0.1 − g of the block, and the barrier's pressure at the gap g, balance.
+        let stress = |s: f64| s - 1.0 / s + s.ln() / s;
+        let push = |g: f64| 100.0 * (2.0 * (g - 0.05) * (g / 0.05).ln() + (g - 0.05).powi(2) / g);
+        let (mut low, mut high) = (1e-9, 0.05);
+        for _ in 0..200 {
+            let g: f64 = 0.5 * (low + high);
+            if stress(1.1 - way - g) + push(g) > 0.0 { low = g } else { high = g }
+        }
+        let pushed = solved.functional(&model.pushed(solved.field()))?;
+        assert!((pushed / push(low) - 1.0).abs() < 1e-8, "{way}: {pushed} {}", push(low));
+        for (u, x) in solved.field().values().iter().skip(1).step_by(2).zip(space.positions()) {
+            let expected = low - 0.1 + (1.1 - way - low) * x[1] - x[1];
+            assert!((u - expected).abs() < 1e-9, "{way}: {u} {expected} at {x:?}");
+        }
+    }
+    Ok(())
+}

@@ -117,9 +117,8 @@ impl<'a> FreeEquations<'a> {
         self.residuals = self.residuals_at_last()?;
         let is_finite = norm(&self.residuals.reduced).is_finite();
         if !is_finite || !self.may_begin() {
-            if let Some(found) = self.impose_by_tangent(given)? {
-                self.residuals = found.residuals;
-                return self.enter(Step::default(), None);
+            if self.impose_in_parts(given)? {
+                return Ok(());
             }
             // A quantity that is not positive says more than forces that are no numbers.
             self.check_feasible(given)?;

@@ -1,11 +1,12 @@
-//! Prescribed values that move so far, with all else at rest, that nothing can be computed: the rest then follows by the tangent.
+//! Prescribed values that move so far, with all else at rest, that nothing can be computed or a quantity is no longer positive: the rest then follows
+//! by the tangent, part by part of the way if need be.
 
-use super::{FreeEquations, NewtonFailure, Residuals, Step};
+use super::{FreeEquations, NewtonFailure, Step};
 use crate::linear_algebra::vector::{add_scaled, norm};
 
-/// Prescribed values that were imposed with the rest following.
-pub(super) struct Imposed {
-    pub residuals: Residuals,
+/// A change of all unknowns to the prescribed values, with the rest following.
+struct Jump {
+    values: Vec<f64>,
     /// Krylov iterations.
     linear_iterations: usize,
 }
@@ -15,54 +16,98 @@ impl FreeEquations<'_> {
     /// nothing to impose, or nothing can be computed after it.
     pub(super) fn step_to_prescribed_values(&mut self, given: &[f64]) -> Result<(), NewtonFailure> {
         let imposed = self.iterates.u.clone();
-        let Some(found) = self.impose_by_tangent(given)? else { return Ok(()) };
-        if !self.may_begin() {
+        let Some(jump) = self.jump_from(given)? else { return Ok(()) };
+        self.go_along(given, &jump, 1.0)?;
+        let found = self.residuals_at_last()?;
+        if !norm(&found.reduced).is_finite() || !self.may_begin() {
             self.iterates.u = imposed;
             return Ok(());
         }
-        self.residuals = found.residuals;
+        self.residuals = found;
         let free = self.elimination.free().iter();
         let moved: Vec<f64> = free.map(|unknown| self.iterates.u[*unknown] - imposed[*unknown]).collect();
+        self.enter_jump(&jump, 1.0, &moved)
+    }
+
+    /// Steps from the start as it was given, each with all that is left to the prescribed values in it, and shortened so that what is kept
+    /// positive stays so: a gap that the prescribed values close, or a body that they crush. The history begins with the first one. Whether they
+    /// led to the prescribed values; if not, the last iterate is as it was.
+    pub(super) fn impose_in_parts(&mut self, given: &[f64]) -> Result<bool, NewtonFailure> {
+        let imposed = std::mem::replace(&mut self.iterates.u, given.to_vec());
+        for number in 0..self.iterates.options.max_iterations.max(1) {
+            let from = self.iterates.u.clone();
+            let Some(jump) = self.jump_from(&from)? else { break };
+            let Ok(part) = self.problem.largest_step(&from, &jump.values) else { break };
+            self.go_along(&from, &jump, part)?;
+            let found = self.residuals_at_last()?;
+            if !norm(&found.reduced).is_finite() {
+                break;
+            }
+            self.residuals = found;
+            if number == 0 {
+                let damping = (part < 1.0).then_some(part);
+                self.enter(Step { damping, ..Step::default() }, None)?;
+            } else {
+                let free = self.elimination.free().iter();
+                let moved: Vec<f64> = free.map(|unknown| jump.values[*unknown]).collect();
+                self.enter_jump(&jump, part, &moved)?;
+            }
+            if part >= 1.0 {
+                return Ok(true);
+            }
+        }
+        self.iterates.u = imposed;
+        Ok(false)
+    }
+
+    /// Enters the iterate at a part of a jump, whose change of the free unknowns is known.
+    fn enter_jump(&mut self, jump: &Jump, part: f64, moved: &[f64]) -> Result<(), NewtonFailure> {
         let step = Step {
-            length: Some(norm(&moved)),
-            damping: Some(1.0),
-            linear_iterations: Some(found.linear_iterations),
+            length: Some(part * norm(moved)),
+            damping: Some(part),
+            linear_iterations: Some(jump.linear_iterations),
             condensed_unknowns: None,
             held: None,
         };
-        let lengths = self.iterates.fields.norms(&moved);
+        let lengths = self.iterates.fields.norms(moved);
         self.enter(step, Some(lengths))
     }
 
-    /// The residual after a step from the start as it was given, u₀, with the jump w of the prescribed values a part of it:
-    /// K(u₀) (w + C δ) = −R(u₀) on the free unknowns. A body whose one face is moved by more than a cell has cells turned
-    /// inside out next to that face, and no energy, unless the cells behind go along. None where that does not help.
-    pub(super) fn impose_by_tangent(&mut self, given: &[f64]) -> Result<Option<Imposed>, NewtonFailure> {
-        let imposed = &self.iterates.u;
-        let jump: Vec<f64> = imposed.iter().zip(given).map(|(imposed, given)| imposed - given).collect();
-        if jump.iter().all(|value| *value == 0.0) || !jump.iter().all(|value| value.is_finite()) {
+    /// Moves the last iterate to a part of a jump.
+    fn go_along(&mut self, from: &[f64], jump: &Jump, part: f64) -> Result<(), NewtonFailure> {
+        let u = &mut self.iterates.u;
+        u.copy_from_slice(from);
+        add_scaled(u, part, &jump.values);
+        if part >= 1.0 {
+            self.elimination.impose(u)?;
+        }
+        Ok(())
+    }
+
+    /// A change from u with the jump w to the prescribed values in it: K(u) (w + C δ) = −R(u) on the free unknowns. A body whose one face is moved
+    /// by more than a cell has cells turned inside out next to that face, and no energy, unless the cells behind go along. None where there
+    /// is nothing to impose, or no such change.
+    fn jump_from(&mut self, u: &[f64]) -> Result<Option<Jump>, NewtonFailure> {
+        let mut imposed = u.to_vec();
+        self.elimination.impose(&mut imposed)?;
+        let mut values: Vec<f64> = imposed.iter().zip(u).map(|(imposed, u)| imposed - u).collect();
+        if values.iter().all(|value| *value == 0.0) || !values.iter().all(|value| value.is_finite()) {
             return Ok(None);
         }
-        let mut forces = self.problem.residual(given)?;
+        let mut forces = self.problem.residual(u)?;
         if !norm(&forces).is_finite() {
             return Ok(None);
         }
-        let tangent = self.problem.tangent(given)?;
+        let tangent = self.problem.tangent(u)?;
         let matrix = self.elimination.reduce_matrix(&tangent.matrix)?;
         drop(tangent);
-        add_scaled(&mut forces, 1.0, &self.problem.products(given, &jump)?.sums);
+        add_scaled(&mut forces, 1.0, &self.problem.products(u, &values)?.sums);
         let load: Vec<f64> = self.elimination.reduce(&forces)?.iter().map(|force| -force).collect();
         // A tangent that cannot be solved with is no reason to fail: that nothing can be computed is.
         let Ok(solution) = self.solver.set_matrix(matrix).and_then(|()| self.solver.solve(&load, 0.0)) else {
             return Ok(None);
         };
-        let change = self.elimination.extend_by_zero(&solution.solution)?;
-        let moved: Vec<f64> = imposed.iter().zip(&change).map(|(imposed, change)| imposed + change).collect();
-        let found = Residuals::at(self.problem, &self.elimination, &moved)?;
-        if !norm(&found.reduced).is_finite() {
-            return Ok(None);
-        }
-        self.iterates.u = moved;
-        Ok(Some(Imposed { residuals: found, linear_iterations: solution.iterations }))
+        add_scaled(&mut values, 1.0, &self.elimination.extend_by_zero(&solution.solution)?);
+        Ok(Some(Jump { values, linear_iterations: solution.iterations }))
     }
 }

@@ -41,7 +41,8 @@ pub struct NewtonOptions {
 /// The way to prescribed values that differ from the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PrescribedValues {
-    /// They are imposed on the start, with all else as it was.
+    /// They are imposed on the start, with all else as it was. Where nothing can be computed there, or what is kept positive is not so, first steps
+    /// take them along, and are shortened like all others.
     #[default]
     AtOnce,
     /// The first step takes them along: K(u₀) δ = −R(u₀) with the prescribed part of δ, so that the body follows. Where few nodes are moved by as
