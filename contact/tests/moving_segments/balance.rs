@@ -29,7 +29,7 @@ pub mod springs {
         means(Touch(u), 1, of_means(u, v))
     }
     fn stored(u: Vector) -> Energy {
-        means(Touch(u), 0, gamma / 2 * sqr(neg_part(mean(gap))))
+        means(Touch(u), 0, gamma / 2 * sqr(mean(gap)))
     }
     /// Forces along the change of the mean gaps.
     pub fn potential_forces(u: Unknown<Vector>, v: Test<Vector>) -> Form {
