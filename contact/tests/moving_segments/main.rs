@@ -1,9 +1,11 @@
-#![allow(dead_code, unused_imports)]
 //! Sliding pairs on moving segments: patch tests while bodies slide, balance, covered lengths, the same bits on any number of threads.
 
 mod balance;
 mod errors;
+mod histories;
 mod patch;
+mod rings;
 mod shape;
 mod space;
 mod tangent;
+mod wobble;

@@ -206,7 +206,7 @@ fn tangents_in_space_are_those_of_differences() {
             check("springs", &springs.forces(), &u);
             check("springs of facets", &springs.forces_of_facets(), &u);
             check("springs of vertices", &springs.forces_of_vertices(), &u);
-            for method in methods(1) {
+            for method in [-1.0, 0.0, 1.0].map(Method::Nitsche).into_iter().chain([Method::FacetMeans(1.0)]) {
                 check(&format!("{method:?}"), &method.form(&law(method, &pairing)), &pressed);
             }
             let data = fixed::data().lambda(15.0).mu(10.0).gamma0(300.0).friction(0.3).share(0.5);
@@ -298,7 +298,7 @@ fn bits_in_space_do_not_depend_on_threads() {
     let pairing = Pairing::between("lower top", "upper bottom");
     let form = law(Method::FacetMeans(0.0), &pairing).facet_means();
     let kept = [1, 2, 3, 7].map(|threads| Assembler::new(&mesh).with_threads(Threads::new(threads)));
-    for phase in [0.3, 0.31, 0.9] {
+    for phase in [0.3, 0.31] {
         let u = moved(&wave(&space, 0.02, phase), "upper", [0.0, 0.0, -0.05]);
         let fresh = Assembler::new(&mesh);
         let [forces, tangent] = [

@@ -123,7 +123,7 @@ fn tangents_of_nitsche_are_those_of_differences() {
     {
         let mesh = bodies(shape, [5, 4]);
         let space = Space::vector(&mesh, degree).unwrap();
-        for method in methods(degree) {
+        for method in methods(degree).into_iter().filter(|method| *method != Method::Multiplier) {
             for pairing in pairings() {
                 let (u, w) = (wave(&space, 0.01, 0.3), wave(&space, 1.0, 1.7));
                 let (model, u) = layers_of(&mesh, method, &pairing, (&u, 0.173, -0.03));
