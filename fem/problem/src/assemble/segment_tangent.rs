@@ -204,7 +204,7 @@ pub(super) struct MotionColumn<'a, const D: usize> {
 }
 
 impl<const D: usize> MotionColumn<'_, D> {
-    /// Those of one entry.
+    /// The derivative of one entry.
     pub fn of(&self, entry: usize) -> [f64; D] {
         let (mut sum, size) = ([0.0; D], self.by_feet.len() / self.rates.len());
         for (coordinate, rate) in self.rates.iter().enumerate() {
@@ -264,7 +264,7 @@ impl<const D: usize> Motion<'_, D> {
         Ok(())
     }
 
-    /// Hands over the columns of all units of a group, one after the other.
+    /// The columns of all units of a group, handed over one after the other.
     ///
     /// # Errors
     /// As [`Assembler::add_motion_of_segments`], and those of `receive`.
