@@ -32,7 +32,7 @@ mod drawn {
     ) -> Form {
         let work = direct(u, p);
         derivative(work, displacement_before, by_before)
-            + derivative(work, friction, this(by_friction))
+            + derivative((1 - averaged) * at_points(u, p), friction, this(by_friction))
             + derivative(work + criterion(u), mu, by_shear_modulus)
     }
     /// The change of a step's balance as data change, at a fixed displacement.
@@ -45,7 +45,7 @@ mod drawn {
     ) -> Form {
         let work = direct(u, v);
         derivative(work, displacement_before, before)
-            + derivative(work, friction, this(of_friction))
+            + derivative((1 - averaged) * at_points(u, v), friction, this(of_friction))
             + derivative(work, mu, of_modulus)
     }
     pub fn slope(u: State<Vector>, v: Test<Vector>) -> Form {
@@ -85,10 +85,10 @@ where
 
     fn model(&self, (friction, modulus): (f64, Field<D>), before: Given<[f64; D], D>) -> drawn::Model<D> {
         let data = drawn::data()
-            .averaged(self.averaged)
             .lambda(15.0)
             .mu(modulus)
             .gamma0(300.0)
+            .averaged(self.averaged)
             .friction(friction)
             .displacement_before(before)
             .criterion_force(|x: &[f64; D]| {
@@ -137,7 +137,10 @@ where
     fn slopes(&self, h: f64) -> Slopes {
         let mut history = self.history();
         let m = history.start();
-        let direction: Vec<f64> = (0..m.len()).map(|k| 0.1 + 0.05 * (1.0 + 1.7 * k as f64).sin()).collect();
+        let mut direction: Vec<f64> =
+            (0..m.len()).map(|k| 0.1 + 0.05 * (1.0 + 1.7 * k as f64).sin()).collect();
+        // Means have no derivative by a coefficient of friction that is a field.
+        direction[0] *= 1.0 - self.averaged;
         let states = history.states(&m).unwrap();
         let touch = Pairing::between("slab top", "block bottom").at(PairQuadrature::Pieces);
         for u in &states {
