@@ -4,6 +4,7 @@
 use forms_contact::ContactProblem;
 use forms_contact::law::ContactLaw;
 use forms_contact::laws::{mean_sliding_bodies as of_facets, sliding_bodies as at_points};
+use forms_fem::contract::PairQuadrature;
 use forms_fem::mesh::structured;
 use forms_fem::prelude::*;
 use forms_fem::solve::LoadSteps;
@@ -32,20 +33,25 @@ fn modulus(x: &[f64; 2]) -> f64 {
 /// Forces (down, along) at each step of sliding, and Newton's steps in all.
 fn forces<L: ContactLaw<2>>(
     mesh: &Mesh<2>,
-    steps: usize,
+    (steps, points): (usize, PairQuadrature),
     law: impl Fn(at_points::Data<2>, Pairing) -> L,
 ) -> (Vec<[f64; 2]>, usize) {
     let space = Space::vector(mesh, 1).unwrap();
+    // Points of segments move: what is read there is a field, which says how it varies.
+    let moduli = Space::discontinuous_scalar(mesh, 0).unwrap();
+    let field = |of: fn(&[f64; 2]) -> f64| Field::interpolate(&moduli, of).unwrap();
+    let lambda = field(|x| modulus(x) * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)));
+    let (mu, gamma0) = (field(|x| modulus(x) / (2.0 * (1.0 + POISSON))), field(|x| 10.0 * modulus(x)));
     let (mut found, mut iterations) = (vec![], 0);
     let solve = |step: &Increment<'_, Field<2>>| -> Result<Field<2>, Failure> {
         let way = step.factor;
         let data = at_points::data()
-            .lambda(|x: &[f64; 2]| modulus(x) * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
-            .mu(|x: &[f64; 2]| modulus(x) / (2.0 * (1.0 + POISSON)))
-            .gamma0(|x: &[f64; 2]| 10.0 * modulus(x))
+            .lambda(&lambda)
+            .mu(&mu)
+            .gamma0(&gamma0)
             .friction(0.3)
             .displacement_before(step.before);
-        let touch = Pairing::between("foundation top", "skin").within_reach(0.4);
+        let touch = Pairing::between("foundation top", "skin").within_reach(0.4).at(points);
         let mut held = Constraints::new(&space);
         held.fix("foundation bottom", |_| [0.0, 0.0])?;
         held.fix("block top", |_| [10.0 * (way - 1.0).max(0.0), -way.min(1.0)])?;
@@ -73,28 +79,41 @@ fn roughness(values: &[f64]) -> f64 {
 
 /// A step is a tenth of a cell of the foundation. The first steps, in which the block goes over from stick to slip, do not count.
 #[test]
-fn ironing_at_points_and_with_means() {
+fn ironing_at_points_on_segments_and_with_means() {
     let mesh = mesh(2);
     let steps = 40;
     let regions = |touch: Pairing| at_points::Regions::default().touch(touch).gamma_n("block top");
-    let points = forces(&mesh, steps, |data, touch| at_points::Model { data, regions: regions(touch) });
-    let facets = forces(&mesh, steps, |data, touch| {
-        let regions = of_facets::Regions::default().touch(touch).gamma_n("block top");
-        of_facets::Model { data, regions }
-    });
+    let at_points = |points| {
+        forces(&mesh, (steps, points), |data, touch| at_points::Model { data, regions: regions(touch) })
+    };
+    let of_facets = |points| {
+        forces(&mesh, (steps, points), |data, touch| {
+            let regions = of_facets::Regions::default().touch(touch).gamma_n("block top");
+            of_facets::Model { data, regions }
+        })
+    };
+    let (whole, pieces) = (PairQuadrature::WholeFacets, PairQuadrature::Pieces);
+    let all = [
+        ("points", at_points(whole)),
+        ("segments", at_points(pieces)),
+        ("means at points", of_facets(whole)),
+        ("means on segments", of_facets(pieces)),
+    ];
     println!("| law | down | along | roughness down | along | Newton steps |");
     println!("| --- | --: | --: | --: | --: | --: |");
     let mut rough = vec![];
-    for (name, (forces, iterations)) in [("points", &points), ("facet means", &facets)] {
+    let mut lasts = vec![];
+    for (name, (forces, iterations)) in &all {
         let settled = &forces[20..];
         let [down, along] = [0, 1].map(|k| settled.iter().map(|force| force[k]).collect::<Vec<f64>>());
         let last = forces[forces.len() - 1];
         let [a, b] = [roughness(&down), roughness(&along)];
         println!("| {name} | {:.1} | {:.1} | {a:.1e} | {b:.1e} | {iterations} |", last[0], last[1]);
         rough.push([a, b]);
+        lasts.push(last[0]);
     }
-    assert!(rough[1][0] < 0.3 * rough[0][0] && rough[1][1] < 0.3 * rough[0][1], "{rough:?}");
-    let last = |forces: &[[f64; 2]]| forces[forces.len() - 1];
-    let (a, b) = (last(&points.0), last(&facets.0));
-    assert!((a[0] / b[0] - 1.0).abs() < 0.05, "{a:?} {b:?}");
+    for k in [2, 3] {
+        assert!(rough[k][0] < 0.3 * rough[0][0] && rough[k][1] < 0.3 * rough[0][1], "{rough:?}");
+        assert!((lasts[0] / lasts[k] - 1.0).abs() < 0.05, "{lasts:?}");
+    }
 }

@@ -4,6 +4,7 @@ use forms_contact::ContactProblem;
 use forms_contact::laws::mean_sliding_bodies as law;
 use forms_contact::laws::mean_sliding_bodies::mean_sliding_bodies_of_degree_two as quadratic;
 use forms_contact::laws::sliding_bodies as at_points;
+use forms_fem::contract::PairQuadrature;
 use forms_fem::prelude::*;
 
 use crate::bodies::{
@@ -31,7 +32,8 @@ fn tangents() {
     let mesh = layers(CellShape::Quadrilateral, [3, 4], 0.07);
     let rule = Quadrature::Degree(5);
     let assembler = Assembler::new(&mesh).with_quadrature(rule.clone());
-    for (pairing, share) in pairings() {
+    let on_segments = pairings().map(|(pairing, share)| (pairing.at(PairQuadrature::Pieces), share));
+    for (pairing, share) in pairings().into_iter().chain(on_segments) {
         let space = Space::vector(&mesh, 1).unwrap();
         check_tangent(&assembler, &linear(&pairing, 0.3, share).direct(), &bent(&space, 0.03));
         let space = Space::vector(&mesh, 2).unwrap();
@@ -74,14 +76,17 @@ fn with_one_point_it_is_the_law_at_points() {
     assert!(apart(&k.multiply(w.values()).unwrap(), &l.multiply(w.values()).unwrap()) < 1e-13);
 }
 
-/// The uniform state on meshes whose nodes meet. On others the points of whole facets break it, with means or without.
+/// The uniform state on meshes whose nodes meet, and on segments whatever the meshes. On others the points of whole facets break it, with
+/// means or without.
 #[test]
-fn patches_whose_nodes_meet() {
-    let solve = |degree: usize| {
-        let mesh = layers(CellShape::Quadrilateral, [4, 4], 0.0);
+fn patches() {
+    let solve = |degree: usize, points: PairQuadrature| {
+        let upper = if points == PairQuadrature::Pieces { 3 } else { 4 };
+        let mesh = layers(CellShape::Quadrilateral, [4, upper], 0.0);
         let space = Space::vector(&mesh, degree).unwrap();
         let held = constraints(&space, 0.0, 0.01);
         let (pairing, share) = &pairings()[0];
+        let pairing = &pairing.clone().at(points);
         let u = match degree {
             1 => {
                 let problem = ContactProblem::new(&space, linear(pairing, 0.0, *share), held);
@@ -100,7 +105,10 @@ fn patches_whose_nodes_meet() {
         let found = Assembler::new(&mesh).at_quadrature_points(&stress, Entity::Cells, "all", 4).unwrap();
         found.values.iter().fold(0.0, |worst: f64, value| worst.max((value[3] + pressure).abs() / pressure))
     };
-    let errors = [solve(1), solve(2)];
+    let errors = [1, 2].map(|degree| {
+        [PairQuadrature::WholeFacets, PairQuadrature::Pieces].map(|points| solve(degree, points))
+    });
+    let errors = errors.as_flattened();
     assert!(errors.iter().all(|error| *error < 1e-10), "{errors:?}");
 }
 

@@ -27,6 +27,12 @@ mod energies {
     pub fn slope(u: State<Vector>, v: Test<Vector>) -> Form {
         derivative(energy(u), u, v)
     }
+    pub fn energy_of_means(u: Unknown<Vector>) -> Energy {
+        means(Touch(u), 0, sqr(mean(this(stiffness) / 2 * gap)))
+    }
+    pub fn balance_of_means(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        derivative(energy_of_means(u), u, v)
+    }
     /// By what displaces nothing.
     pub fn by_stiffness(u: State<Vector>, v: Test<Scalar>) -> Form {
         derivative(energy(u), stiffness, v)
@@ -50,8 +56,10 @@ fn derivatives_that_hold_points_are_refused() {
     let law = energies(Given::constant(7.0));
     assert!(assembler.energy(&law.energy(), &[&u]).is_ok());
     let said = "moving segments move with the surfaces, and this derivative";
-    let error = assembler.residual(&law.energy(), &[&u], &[&space]).unwrap_err();
-    assert!(error.to_string().contains(said), "{error}");
+    for energy in [law.energy(), law.energy_of_means()] {
+        let error = assembler.residual(&energy.into(), &[&u], &[&space]).unwrap_err();
+        assert!(error.to_string().contains(said), "{error}");
+    }
     // By a state the points move.
     let (bent, w) = (crate::balance::bent(&space, 0.2), crate::tangent::wave(&space, 1.0, 0.3));
     let gradient = assembler.residual(&law.slope(&bent), &[], &[&space]).unwrap();
@@ -91,13 +99,17 @@ fn functions_need_a_gradient() {
     let assembler = Assembler::new(&mesh);
     let stiffness = |x: &[f64; 2]| 2.0 + x[0].sin() * x[1];
     let law = energies(Given::function(stiffness));
-    assert!(assembler.residual(&law.balance(), &[&u], &[&space]).is_ok());
-    let error = assembler.tangent(&law.balance(), &[&u], &[&space]).unwrap_err();
-    assert!(error.to_string().contains("`stiffness` has no derivative along their motion"), "{error}");
+    for form in [law.balance(), law.balance_of_means()] {
+        assert!(assembler.residual(&form, &[&u], &[&space]).is_ok());
+        let error = assembler.tangent(&form, &[&u], &[&space]).unwrap_err();
+        assert!(error.to_string().contains("`stiffness` has no derivative along their motion"), "{error}");
+    }
     let slope = |x: &[f64; 2]| [x[0].cos() * x[1], x[0].sin()];
     let law = energies(Given::function_with_gradient(stiffness, slope));
-    let off = crate::tangent::off_differences(&assembler, &law.balance(), (&u, &w), 2e-4);
-    assert!(off < 1e-9, "{off:e}");
+    for form in [law.balance(), law.balance_of_means()] {
+        let off = crate::tangent::off_differences(&assembler, &form, (&u, &w), 2e-4);
+        assert!(off < 1e-9, "{off:e}");
+    }
 }
 
 #[test]
@@ -107,33 +119,4 @@ fn high_degrees_are_refused() {
     let cubic = Field::zero(&Space::vector(&mesh, 3).unwrap());
     let error = Assembler::new(&mesh).pairs_at(&pairing, 4, &cubic).unwrap_err();
     assert!(error.to_string().starts_with("the facets of \"lower top\" have a degree above two"), "{error}");
-}
-
-#[forms(dimension = 2)]
-mod means_on_facets {
-    #[pairs]
-    pub struct Touch;
-
-    pub fn energy(u: Unknown<Vector>) -> Energy {
-        means(Touch(u), 0, sqr(neg_part(mean(gap))))
-    }
-    pub fn balance(u: Unknown<Vector>, v: Test<Vector>) -> Form {
-        derivative(energy(u), u, v)
-    }
-}
-
-#[test]
-fn means_over_own_facets_are_refused() {
-    let mesh = plates(CellShape::Quadrilateral, 1, [7, 9]);
-    let space = Space::vector(&mesh, 1).unwrap();
-    let u = Field::zero(&space);
-    let assembler = Assembler::new(&mesh);
-    let on =
-        |touch: Pairing| means_on_facets::Model { regions: means_on_facets::Regions::default().touch(touch) };
-    let whole = on(Pairing::between("lower top", "upper bottom"));
-    assert!(assembler.residual(&whole.balance(), &[&u], &[&space]).is_ok());
-    let pieces = on(Pairing::between("lower top", "upper bottom").at(PairQuadrature::Pieces));
-    let error = assembler.residual(&pieces.balance(), &[&u], &[&space]).unwrap_err();
-    assert!(error.to_string().contains("means over own facets have no derivative by the motion"), "{error}");
-    assert!(assembler.tangent(&pieces.balance(), &[&u], &[&space]).is_err());
 }

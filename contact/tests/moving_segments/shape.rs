@@ -12,7 +12,9 @@ use crate::patch::bodies;
 
 #[forms]
 pub mod moving {
-    use forms_contact::operators::friction::{augmented_traction, contact_traction};
+    use forms_contact::operators::friction::{
+        augmented_traction, ball_projection, contact_traction, tangential,
+    };
     use forms_contact::operators::linear_elastic::stress;
 
     #[includes(forms_contact::operators::linear_elastic::Data)]
@@ -22,6 +24,8 @@ pub mod moving {
         kappa: Param,
         /// 1 of Nitsche's method, 0 of penalty.
         stressed: Param,
+        /// 1 of means over own facets, 0 at points.
+        averaged: Param,
     }
     #[cells]
     pub struct Omega;
@@ -31,17 +35,29 @@ pub mod moving {
     fn own(u: Vector) -> Vector {
         this(stressed * stress(u) * n)
     }
+    fn augmented(u: Vector) -> Vector {
+        augmented_traction(own(u), gap, jump(u), gamma, toward)
+    }
     fn traction(u: Vector) -> Vector {
-        let P = augmented_traction(own(u), gap, jump(u), gamma, toward);
+        let P = augmented(u);
         contact_traction(P, kappa * neg_part(dot(P, toward)), toward)
+    }
+    fn power_of_means(u: Vector, v: Vector) -> Scalar {
+        let p = neg_part(mean(dot(augmented(u), toward)));
+        let q = ball_projection(mean(tangential(augmented(u), toward)), kappa * p);
+        dot(q, mean(tangential(jump(v), toward))) - p * mean(dot(toward, jump(v)))
     }
     pub fn balance(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         let T = traction(u);
         integral(Omega, inner(stress(u), eps(v)))
-            - integral(Touch(u), (dot(T, jump(v)) - theta / gamma * dot(T - own(u), own(v))) / 2)
+            - (1 - averaged) / 2
+                * integral(Touch(u), dot(T, jump(v)) - theta / gamma * dot(T - own(u), own(v)))
+            - averaged / 4
+                * (means(Touch(u), 0, power_of_means(u, v)) + means(Touch(u), 1, power_of_means(u, v)))
     }
     pub fn criterion(u: State<Vector>) -> Functional {
-        integral(Omega, dot(u, u) / 2) + integral(Touch(u), gap * this(dot(x, u)))
+        let of_means = means(Touch(u), 0, mean(gap) * mean(this(dot(x, x))));
+        integral(Omega, dot(u, u) / 2) + integral(Touch(u), gap * this(dot(x, u))) + averaged * of_means
     }
     pub fn criterion_by(u: State<Vector>, v: Test<Vector>) -> Form {
         derivative(criterion(u), u, v)
@@ -76,20 +92,22 @@ struct Law {
     theta: f64,
     kappa: f64,
     stressed: f64,
+    averaged: f64,
 }
 
-const LAWS: [Law; 5] = [
-    Law { theta: 0.0, kappa: 0.0, stressed: 1.0 },
-    Law { theta: 1.0, kappa: 0.0, stressed: 1.0 },
-    Law { theta: -1.0, kappa: 0.3, stressed: 1.0 },
-    Law { theta: 0.0, kappa: 0.0, stressed: 0.0 },
-    Law { theta: 0.0, kappa: 0.3, stressed: 0.0 },
+const LAWS: [Law; 6] = [
+    Law { theta: 0.0, kappa: 0.0, stressed: 1.0, averaged: 0.0 },
+    Law { theta: 1.0, kappa: 0.0, stressed: 1.0, averaged: 0.0 },
+    Law { theta: -1.0, kappa: 0.3, stressed: 1.0, averaged: 0.0 },
+    Law { theta: 0.0, kappa: 0.0, stressed: 0.0, averaged: 0.0 },
+    Law { theta: 0.0, kappa: 0.3, stressed: 0.0, averaged: 0.0 },
+    Law { theta: 0.0, kappa: 0.3, stressed: 1.0, averaged: 1.0 },
 ];
 
 fn model<const D: usize>(law: Law, pairing: &Pairing) -> moving::Model<D> {
-    let Law { theta, kappa, stressed } = law;
+    let Law { theta, kappa, stressed, averaged } = law;
     let data = moving::data().lambda(15.0).mu(10.0).gamma(300.0);
-    let data = data.theta(theta).kappa(kappa).stressed(stressed);
+    let data = data.theta(theta).kappa(kappa).stressed(stressed).averaged(averaged);
     moving::Model { data, regions: moving::Regions::default().touch(pairing.clone()) }
 }
 
@@ -198,7 +216,7 @@ fn shape_derivatives_in_space_are_those_of_differences() {
         let space = Space::vector(&mesh, 1).unwrap();
         let u = pressed(wave(&space, 0.03, 0.4), "upper", [0.05, 0.03, -0.08]);
         let pairing = Pairing::between("lower top", "upper bottom").at(PairQuadrature::Pieces);
-        for law in [LAWS[1], LAWS[2], LAWS[4]] {
+        for law in [LAWS[1], LAWS[2], LAWS[4], LAWS[5]] {
             check(&format!("{shape:?}"), &u, law, &pairing);
         }
     }
@@ -214,7 +232,7 @@ fn taylor_tests_by_the_shape_start_where_segments_appear() {
         let space = Space::vector(&mesh, degree).unwrap();
         let u = pressed(Field::zero(&space), "block", [0.0, -0.03]);
         let (p, pairing) = (wave(&space, 1.0, 0.9), Pairing::between("layer top", "block bottom"));
-        for (law, phase) in [(LAWS[0], 0.3), (LAWS[1], 1.7), (LAWS[3], 1.7)] {
+        for (law, phase) in [(LAWS[0], 0.3), (LAWS[1], 1.7), (LAWS[3], 1.7), (LAWS[5], 1.7)] {
             let model = model::<2>(law, &pairing.clone().at(PairQuadrature::Pieces));
             let motion = wave(&Space::of_geometry(&mesh).unwrap(), 0.3, phase);
             let slope =
@@ -240,7 +258,7 @@ fn gradients_by_adjoint_states_are_those_of_differences() {
     let mesh = bodies(CellShape::Quadrilateral, [8, 5]);
     let space = Space::vector(&mesh, 1).unwrap();
     let pairing = Pairing::between("layer top", "block bottom").at(PairQuadrature::Pieces);
-    for law in [LAWS[0], LAWS[4]] {
+    for law in [LAWS[0], LAWS[4], LAWS[5]] {
         let model = model::<2>(law, &pairing);
         let held = |space: &Arc<Space<2>>| {
             let mut held = Constraints::new(space);
@@ -292,15 +310,17 @@ fn bits_and_refusals_of_shape_derivatives() {
         Mesh::of_bodies(&[("lower", &flat([211, 1], -0.2)), ("upper", &flat([173, 1], 0.01))]).unwrap();
     let space = Space::vector(&mesh, 1).unwrap();
     let (u, p) = (pressed(wave(&space, 0.003, 0.4), "upper", [0.01, -0.02]), wave(&space, 1.0, 0.9));
-    let model =
-        model::<2>(LAWS[2], &Pairing::between("lower top", "upper bottom").at(PairQuadrature::Pieces));
-    let gradient = |threads: usize| {
-        let assembler = Assembler::new(&mesh).with_threads(Threads::new(threads));
-        assembler.residual(&model.by_shape(&u, &p), &[], &[&space]).unwrap()
-    };
-    let one = gradient(1);
-    assert!([2, 3, 7].into_iter().all(|threads| gradient(threads) == one));
-    let assembler = Assembler::new(&mesh);
+    let pairing = Pairing::between("lower top", "upper bottom").at(PairQuadrature::Pieces);
+    for law in [LAWS[2], LAWS[5]] {
+        let model = model::<2>(law, &pairing);
+        let gradient = |threads: usize| {
+            let assembler = Assembler::new(&mesh).with_threads(Threads::new(threads));
+            assembler.residual(&model.by_shape(&u, &p), &[], &[&space]).unwrap()
+        };
+        let one = gradient(1);
+        assert!([2, 3, 7].into_iter().all(|threads| gradient(threads) == one));
+    }
+    let (assembler, model) = (Assembler::new(&mesh), model::<2>(LAWS[2], &pairing));
     let errors = [
         assembler.residual(&model.twice(&u, &p, &p), &[], &[&space]).unwrap_err(),
         assembler.residual(&model.of_an_unknown(), &[&u], &[&space]).unwrap_err(),

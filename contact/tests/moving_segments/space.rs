@@ -11,7 +11,7 @@ use forms_fem::prelude::*;
 use forms_fem::threads::Threads;
 
 use crate::balance::model as springs_between;
-use crate::patch::{DOWN, Method, data_of, layers, pressure_of};
+use crate::patch::{DOWN, Method, data_of, layers, methods, pressure_of};
 use crate::tangent::{off_differences, taylor_order};
 
 const SHAPES: [CellShape; 2] = [CellShape::Tetrahedron, CellShape::Hexahedron];
@@ -98,7 +98,7 @@ fn error_of_stress(mesh: &Mesh<3>, method: Method, pairing: &Pairing, aside: [f6
         let mut problem = problem.constrained(&held).options(options).start([&start, &none]);
         problem.solve().unwrap_or_else(|error| panic!("{aside:?}: {error}")).fields[0].clone()
     } else {
-        let form = if method == Method::Penalty { law.penalty() } else { law.nitsche() };
+        let form = method.form(&law);
         let mut problem = Problem::new(&form, &space).constrained(&held).options(options).start(&start);
         problem.solve().unwrap_or_else(|error| panic!("{aside:?}: {error}")).into_field()
     };
@@ -114,8 +114,7 @@ fn error_of_stress(mesh: &Mesh<3>, method: Method, pairing: &Pairing, aside: [f6
 fn pressure_is_constant_in_space() {
     for shape in SHAPES {
         let mesh = layer_and_block([0.15, 0.1], shape);
-        let nitsche = [-1.0, 0.0, 1.0].map(Method::Nitsche);
-        for method in nitsche.into_iter().chain([Method::Penalty, Method::Multiplier]) {
+        for method in methods(1) {
             for pairing in pairings("lower top", "upper bottom") {
                 // Multipliers of what is not covered would be free.
                 if method == Method::Multiplier && pairing.surfaces[0].own != "upper bottom" {
@@ -140,9 +139,11 @@ fn forces_and_moments_balance_in_space() {
         let places = Field::interpolate(&space, |x| *x).unwrap();
         for pairing in pairings("lower top", "upper bottom") {
             let law = springs_between(&pairing);
-            for phase in [0.0, 1.9, 3.1] {
+            for (phase, form) in
+                [(0.0, law.forces()), (1.9, law.forces_of_facets()), (3.1, law.forces_of_vertices())]
+            {
                 let u = wave(&space, 0.04, phase);
-                let forces = Assembler::new(&mesh).residual(&law.forces(), &[&u], &[&space]).unwrap();
+                let forces = Assembler::new(&mesh).residual(&form, &[&u], &[&space]).unwrap();
                 let (mut sums, mut size) = ([0.0; 6], 0.0);
                 for (node, f) in forces.chunks_exact(3).enumerate() {
                     let at = |k: usize| places.values()[3 * node + k % 3] + u.values()[3 * node + k % 3];
@@ -201,9 +202,12 @@ fn tangents_in_space_are_those_of_differences() {
         };
         for pairing in pairings("lower top", "upper bottom") {
             let pressed = moved(&u, "upper", [0.05, 0.03, -0.08]);
-            check("springs", &springs_between(&pairing).forces(), &u);
-            for theta in [-1.0, 0.0, 1.0] {
-                check("nitsche", &law(Method::Nitsche(theta), &pairing).nitsche(), &pressed);
+            let springs = springs_between(&pairing);
+            check("springs", &springs.forces(), &u);
+            check("springs of facets", &springs.forces_of_facets(), &u);
+            check("springs of vertices", &springs.forces_of_vertices(), &u);
+            for method in [-1.0, 0.0, 1.0].map(Method::Nitsche).into_iter().chain([Method::FacetMeans(1.0)]) {
+                check(&format!("{method:?}"), &method.form(&law(method, &pairing)), &pressed);
             }
             let data = fixed::data().lambda(15.0).mu(10.0).gamma0(300.0).friction(0.3).share(0.5);
             let data = data.displacement_before(wave(&space, 0.01, 0.9));
@@ -229,8 +233,8 @@ fn taylor_tests_in_space_start_where_segments_appear() {
         let assembler = Assembler::new(&mesh);
         let u = moved(&Field::zero(&space), "upper", [0.0, 0.0, -0.03]);
         for pairing in pairings("lower top", "upper bottom") {
-            let form = law(Method::Nitsche(0.0), &pairing).nitsche();
-            for phase in [0.3, 1.7] {
+            for (method, phase) in [(Method::Nitsche(0.0), 0.3), (Method::FacetMeans(0.0), 1.7)] {
+                let form = method.form(&law(method, &pairing));
                 let [least, most] = taylor_order(&assembler, &form, &u, &wave(&space, 0.3, phase));
                 println!("{shape:?} {pairing} {phase}: {least:.3} to {most:.3}");
                 assert!(least > 1.95 && most < 2.05, "{pairing} {phase}: {least} {most}");
@@ -292,9 +296,9 @@ fn bits_in_space_do_not_depend_on_threads() {
     let mesh = plates([17, 14], CellShape::Tetrahedron);
     let space = Space::vector(&mesh, 1).unwrap();
     let pairing = Pairing::between("lower top", "upper bottom");
-    let form = law(Method::Nitsche(0.0), &pairing).nitsche();
+    let form = law(Method::FacetMeans(0.0), &pairing).facet_means();
     let kept = [1, 2, 3, 7].map(|threads| Assembler::new(&mesh).with_threads(Threads::new(threads)));
-    for phase in [0.3, 0.31, 0.9] {
+    for phase in [0.3, 0.31] {
         let u = moved(&wave(&space, 0.02, phase), "upper", [0.0, 0.0, -0.05]);
         let fresh = Assembler::new(&mesh);
         let [forces, tangent] = [

@@ -7,10 +7,12 @@ use forms_core::contract::{Integral, Role, Side, Term};
 
 use super::batch::Cells;
 use super::element_loops::matrices::ElementMatrices;
+use super::element_loops::moving_points::PointMotion;
 use super::groups::groups;
 use super::groups::own_facets::{facet_means, of_list};
 use super::kernels::MatrixKernel;
 use super::scatter::group_nodes::{GroupNodes, Reading, seen_places};
+use super::segment_tangent::{Motion, displacing_segments};
 use super::tangent::{TangentIntegrals, Target};
 use super::{AssemblyError, Parts};
 use crate::assemble::groups::degrees::Estimate;
@@ -51,18 +53,26 @@ impl<const D: usize> TangentIntegrals<'_, D> {
             let of_number = |term: &&Term<MatrixKernel<D>>| of_list(term.integral, number).is_some();
             let by_means: Vec<_> = asked.iter().copied().filter(of_number).collect();
             let by_unknowns: Vec<_> = form.means_by_unknowns().iter().filter(of_number).collect();
-            self.add_product(number, &by_means, &by_unknowns)?;
+            self.add_product(form, number, &by_means, &by_unknowns)?;
         }
         Ok(())
     }
 
     fn add_product(
         &mut self,
+        function: &Function<D>,
         number: usize,
         by_means: &[&Term<MatrixKernel<D>>],
         by_unknowns: &[&Term<MatrixKernel<D>>],
     ) -> Result<(), AssemblyError> {
-        let (Some(first), false) = (by_means.first(), by_unknowns.is_empty()) else { return Ok(()) };
+        let Some(first) = by_means.first() else { return Ok(()) };
+        let moved = first
+            .integral
+            .displacement
+            .filter(|by| self.binding.regions[first.integral.region].is_on_moving_segments(Some(by)));
+        if by_unknowns.is_empty() && moved.is_none() {
+            return Ok(());
+        }
         let form = self.binding.name;
         let Target::Matrix { .. } = &self.target else { return Err(AssemblyError::Means { form }) };
         let region = &self.binding.regions[first.integral.region];
@@ -77,6 +87,7 @@ impl<const D: usize> TangentIntegrals<'_, D> {
         for term in by_unknowns {
             self.collect(term, Factor::ByUnknowns, &means.facets, &mut columns)?;
         }
+        self.collect_motion(function, number, &means.facets, &mut columns)?;
         let mut keys: Vec<(usize, usize)> = rows.keys().copied().collect();
         keys.sort_unstable();
         for key in keys {
@@ -125,6 +136,48 @@ impl<const D: usize> TangentIntegrals<'_, D> {
             for b in 0..width {
                 let products = (0..count).map(|c| left[a * count + c] * right[c * width + b]);
                 values[start + a * width + b] += products.sum::<f64>();
+            }
+        }
+        Ok(())
+    }
+
+    /// The part of ∂m/∂u that moves the points of moving segments.
+    fn collect_motion(
+        &self,
+        form: &Function<D>,
+        number: usize,
+        facets: &HashMap<Facet, usize>,
+        sums: &mut Sums,
+    ) -> Result<(), AssemblyError> {
+        let TangentIntegrals { binding, threads, set, .. } = *self;
+        let element = binding.constant_element()?;
+        for term in form.means().iter().filter(|term| of_list(term.integral, number).is_some()) {
+            let Some(displacing) = displacing_segments(form, term) else { continue };
+            let motion = Motion { binding, term, element, threads, set };
+            let kernel = term.kernel.constants();
+            let groups =
+                groups(binding, term.integral, self.quadrature, &self.degrees, kernel.requirements, &[])?;
+            for field in displacing {
+                let Role::Unknown(trial) = binding.fields[*field].role else { continue };
+                for group in &groups {
+                    let (Some(pairs), Some(means)) = (group.pairs(), &group.means) else { continue };
+                    let space = self.trials[trial];
+                    motion.each_column(
+                        (group, 0),
+                        PointMotion::ByFeet,
+                        space,
+                        &mut |unit, node, column| {
+                            let key = (facets[&pairs.group.facets[unit][0]], means.weight);
+                            let of_facet = sums.entry(key).or_default().entry((trial, node));
+                            let known = of_facet.or_insert_with(|| vec![0.0; kernel.components * D]);
+                            for (row, entries) in known.chunks_exact_mut(D).enumerate() {
+                                let rates = column.of(row);
+                                (0..D).for_each(|k| entries[k] += rates[k]);
+                            }
+                            Ok(())
+                        },
+                    )?;
+                }
             }
         }
         Ok(())

@@ -22,10 +22,13 @@ use crate::element::CellShape;
 use crate::element::lagrange::MAXIMUM_NODES;
 use crate::field::FieldView;
 use crate::instantiate::instantiate;
+use crate::lanes::InstructionSet;
 use crate::linear_algebra::BlockMatrix;
 use crate::mesh::Facet;
 use crate::pairs::{Foot, PairError};
+use crate::quadrature::Quadrature;
 use crate::space::Space;
+use crate::threads::Threads;
 
 /// Whether a form has integrals over moving segments.
 pub(super) fn has_segments<const D: usize>(form: &Function<D>) -> bool {
@@ -33,7 +36,7 @@ pub(super) fn has_segments<const D: usize>(form: &Function<D>) -> bool {
 }
 
 /// The fields that displace the moving segments of a term; none of other terms.
-fn displacing_segments<const D: usize>(
+pub(super) fn displacing_segments<const D: usize>(
     form: &Function<D>,
     term: &Term<VectorKernel<D>>,
 ) -> Option<&'static [usize]> {
@@ -127,8 +130,8 @@ impl<const D: usize> Assembler<D> {
             let element = binding.element(tests[term.integral.test]);
             for field in displacing {
                 if let Role::Unknown(trial) = binding.fields[*field].role {
-                    let motion = Motion { assembler: self, binding: &binding, term, element };
-                    motion.add((trial, unknowns[trial].space, tests), pattern, matrix)?;
+                    let motion = self.motion(&binding, term, element);
+                    motion.add((trial, unknowns[trial].space, tests), &self.quadrature, pattern, matrix)?;
                 }
             }
         }
@@ -160,45 +163,70 @@ impl<const D: usize> Assembler<D> {
             let before: usize = tests[..integral.test].iter().map(|space| space.unknowns()).sum();
             let vector = &mut vector[before..][..test.unknowns()];
             let arguments = [(Role::Test(integral.test), &**test)];
-            let mut rates = Rates::default();
             for group in groups(&binding, integral, &self.quadrature, &degrees, requirements, &arguments)? {
-                let Some(pairs) = group.pairs() else { continue };
-                let motion = Motion { assembler: self, binding: &binding, term, element };
-                let numbers = motion.vectors_by_feet(&group, 0, PointMotion::OfIntegrand)?;
-                for (unit, facets) in pairs.group.facets.iter().enumerate() {
-                    rates.take(pairs.group.motion.feet_of(unit, group.entities()), facets[0], test);
-                    let coordinates = rates.coordinates;
-                    for (column, rates) in rates.columns.iter().zip(rates.rates.chunks_exact(coordinates)) {
-                        let entries = &mut vector[*column as usize * D..][..D];
-                        for (coordinate, rate) in rates.iter().enumerate() {
-                            let by_foot = numbers[(unit * coordinates + coordinate) * D];
-                            (0..D).for_each(|k| entries[k] += by_foot * rate[k]);
-                        }
-                    }
-                }
+                let motion = self.motion(&binding, term, element);
+                motion.each_column((&group, 0), PointMotion::OfIntegrand, test, &mut |_, node, column| {
+                    let entries = &mut vector[node as usize * D..][..D];
+                    column.of(0).iter().zip(entries).for_each(|(rate, entry)| *entry += rate);
+                    Ok(())
+                })?;
             }
         }
         Ok(())
     }
+
+    fn motion<'a>(
+        &self,
+        binding: &'a Binding<'a, D>,
+        term: &'a Term<VectorKernel<D>>,
+        element: usize,
+    ) -> Motion<'a, D> {
+        Motion { binding, term, element, threads: self.threads, set: self.instructions }
+    }
 }
 
 /// One term's segments, whose points move.
-struct Motion<'a, const D: usize> {
-    assembler: &'a Assembler<D>,
-    binding: &'a Binding<'a, D>,
-    term: &'a Term<VectorKernel<D>>,
+pub(super) struct Motion<'a, const D: usize> {
+    pub binding: &'a Binding<'a, D>,
+    pub term: &'a Term<VectorKernel<D>>,
     /// That of the test function.
-    element: usize,
+    pub element: usize,
+    pub threads: Threads,
+    pub set: InstructionSet,
 }
+
+/// The derivatives of an element vector by a node's displacement: Σ over coordinates c of the feet of ∂R/∂c ∂c/∂u.
+pub(super) struct MotionColumn<'a, const D: usize> {
+    /// Of each coordinate, ∂R/∂c.
+    by_feet: &'a [f64],
+    /// Of each coordinate, ∂c/∂u.
+    rates: &'a [[f64; D]],
+}
+
+impl<const D: usize> MotionColumn<'_, D> {
+    /// The derivative of one entry.
+    pub fn of(&self, entry: usize) -> [f64; D] {
+        let (mut sum, size) = ([0.0; D], self.by_feet.len() / self.rates.len());
+        for (coordinate, rate) in self.rates.iter().enumerate() {
+            (0..D).for_each(|k| sum[k] += self.by_feet[coordinate * size + entry] * rate[k]);
+        }
+        sum
+    }
+}
+
+/// Takes a unit, a node of the space that displaces it, and the column of that node.
+pub(super) type ReceiveColumn<'r, const D: usize> =
+    dyn FnMut(usize, u32, &MotionColumn<D>) -> Result<(), AssemblyError> + 'r;
 
 impl<const D: usize> Motion<'_, D> {
     fn add(
         &self,
         (trial, trials, tests): (usize, &Arc<Space<D>>, &[&Arc<Space<D>>]),
+        quadrature: &Quadrature<D>,
         pattern: &BlockPattern<D>,
         matrix: &mut BlockMatrix,
     ) -> Result<(), AssemblyError> {
-        let Motion { assembler, binding, term, element } = *self;
+        let Motion { binding, term, element, .. } = *self;
         let (integral, constants) = (term.integral, term.kernel.constants());
         let (test, form) = (tests[integral.test], binding.name);
         let missing = || AssemblyError::Pattern {
@@ -208,41 +236,54 @@ impl<const D: usize> Motion<'_, D> {
         };
         let degrees = binding.degrees(tests);
         let arguments = [(Role::Test(integral.test), &**test)];
-        let quadrature = &assembler.quadrature;
         let blocks = pattern.sparsity().pair(integral.test, trial).clone();
         let rows = pattern.sparsity().pair_rows(integral.test, trial);
-        let [height, width] = [constants.components, D];
-        let mut rates = Rates::default();
+        let (height, [reading, _]) = (constants.components, Reading::of_arguments(constants.requirements));
         for group in groups(binding, integral, quadrature, &degrees, constants.requirements, &arguments)? {
             let side = group.side(form, integral.test_side)?;
-            let Some(pairs) = group.pairs() else { continue };
-            let vectors = self.vectors_by_feet(&group, side, PointMotion::ByFeet)?;
-            let [reading, _] = Reading::of_arguments(constants.requirements);
             let nodes = group.sides[side].elements[element].nodes;
             let seen = seen_places(&group, side, test, reading).unwrap_or_else(|| (0..nodes).collect());
             let local = group.sides[side].facet.map(|(local, _)| local);
             let (values, zeros) = matrix.values_and_zero_rows();
             let (values, zeros) = (&mut values[blocks.values()], &mut zeros[rows.clone()]);
-            let (size, motion) = (nodes * height, &pairs.group.motion);
-            for (unit, facets) in pairs.group.facets.iter().enumerate() {
+            self.each_column((&group, side), PointMotion::ByFeet, trials, &mut |unit, node, column| {
                 let at = test.nodes_at(group.sides[side].cells[unit], local);
-                rates.take(motion.feet_of(unit, group.entities()), facets[0], trials);
-                let coordinates = rates.coordinates;
-                let by_feet = &vectors[coordinates * unit * size..][..coordinates * size];
-                for (column, rates) in rates.columns.iter().zip(rates.rates.chunks_exact(coordinates)) {
-                    for place in &seen {
-                        let row = at[*place] as usize;
-                        let first = blocks.place(row, *column).ok_or_else(missing)? * height * width;
-                        zeros[row] = false;
-                        let entries = values[first..][..height * width].chunks_exact_mut(width);
-                        for (component, entries) in entries.enumerate() {
-                            for (coordinate, rate) in rates.iter().enumerate() {
-                                let by_foot = by_feet[coordinate * size + place * height + component];
-                                (0..D).for_each(|k| entries[k] += by_foot * rate[k]);
-                            }
-                        }
+                for place in &seen {
+                    let row = at[*place] as usize;
+                    let first = blocks.place(row, node).ok_or_else(missing)? * height * D;
+                    zeros[row] = false;
+                    for (component, entries) in values[first..][..height * D].chunks_exact_mut(D).enumerate()
+                    {
+                        let rates = column.of(place * height + component);
+                        (0..D).for_each(|k| entries[k] += rates[k]);
                     }
                 }
+                Ok(())
+            })?;
+        }
+        Ok(())
+    }
+
+    /// The columns of all units of a group, handed over one after the other.
+    ///
+    /// # Errors
+    /// As [`Assembler::add_motion_of_segments`], and those of `receive`.
+    pub fn each_column(
+        &self,
+        (group, side): (&Group<D>, usize),
+        motion: PointMotion,
+        space: &Space<D>,
+        receive: &mut ReceiveColumn<D>,
+    ) -> Result<(), AssemblyError> {
+        let Some(pairs) = group.pairs() else { return Ok(()) };
+        let vectors = self.vectors_by_feet(group, side, motion)?;
+        let (units, mut rates) = (group.entities(), Rates::default());
+        let length = vectors.len() / units.max(1);
+        for (unit, facets) in pairs.group.facets.iter().enumerate() {
+            rates.take(pairs.group.motion.feet_of(unit, units), facets[0], space);
+            let by_feet = &vectors[unit * length..][..length];
+            for (node, rates) in rates.columns.iter().zip(rates.rates.chunks_exact(rates.coordinates)) {
+                receive(unit, *node, &MotionColumn { by_feet, rates })?;
             }
         }
         Ok(())
@@ -255,16 +296,16 @@ impl<const D: usize> Motion<'_, D> {
         side: usize,
         motion: PointMotion,
     ) -> Result<Vec<f64>, AssemblyError> {
-        let Motion { assembler, binding, term, element } = *self;
+        let Motion { binding, term, element, threads, set } = *self;
         let cells = Cells::Mesh(binding.mesh);
         let task = ElementVectors { binding, group, cells, side, element };
         let count = group.entities();
-        let threads = assembler.threads.count().min(count.div_ceil(64)).max(1);
-        let parts = (0..threads).map(|part| part * count / threads..(part + 1) * count / threads).collect();
-        let found = assembler.threads.run(parts, |units: Range<usize>| {
+        let number = threads.count().min(count.div_ceil(64)).max(1);
+        let parts = (0..number).map(|part| part * count / number..(part + 1) * count / number).collect();
+        let found = threads.run(parts, |units: Range<usize>| {
             let mut vectors: Vec<f64> = Vec::new();
             let moving = (motion, units);
-            term.kernel.compute_moving(&task, assembler.instructions, moving, &mut |_, some| {
+            term.kernel.compute_moving(&task, set, moving, &mut |_, some| {
                 vectors.extend_from_slice(some);
                 Ok(())
             })?;

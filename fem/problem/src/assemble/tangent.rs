@@ -218,7 +218,7 @@ pub(super) enum Target<'a, const D: usize> {
 pub(super) struct TangentIntegrals<'a, const D: usize> {
     pub binding: &'a Binding<'a, D>,
     pub quadrature: &'a Quadrature<D>,
-    threads: Threads,
+    pub threads: Threads,
     pub degrees: Vec<usize>,
     pub tests: &'a [&'a Arc<Space<D>>],
     pub trials: Vec<&'a Arc<Space<D>>>,

@@ -170,11 +170,6 @@ pub enum PairError {
          u); or leave out `.at(PairQuadrature::Pieces)`"
     )]
     HeldPoints,
-    /// Means over own facets where the points of these facets move.
-    #[error(
-        "means over own facets have no derivative by the motion of moving segments' points; leave out `.at(PairQuadrature::Pieces)`, so that          they are taken at the points of whole facets"
-    )]
-    MeansOnSegments,
     /// A region of pairs without surfaces.
     #[error("the region says no surfaces; give a `Pairing` (`at_pairs` evaluates derived fields there)")]
     NoPairing,

@@ -8,7 +8,7 @@ use super::ResidualPart;
 use super::lowering::Lowering;
 use super::map_operands::map_operands;
 use crate::check::{Means, Term};
-use crate::tensor::{Arena, FieldInfo, FieldRole, Geometry, Operator, Side, Tensor};
+use crate::tensor::{Arena, FieldInfo, FieldRole, Geometry, Operator, Side, Tensor, Variable};
 
 /// The lists of means of a function.
 #[derive(Default)]
@@ -21,7 +21,7 @@ struct MeansList {
     region: usize,
     displacement: Option<Vec<usize>>,
     degree: usize,
-    /// Whether they depend on an unknown: what does not has lists of its own.
+    /// Whether they depend on an unknown, or are over points that one moves: what does not has lists of its own.
     varies: bool,
     /// The operands of the means, each with the place of its first component.
     arguments: Vec<(Tensor, usize)>,
@@ -47,12 +47,14 @@ impl FacetMeans {
     pub fn collect(&mut self, lowering: &Lowering, fields: &[FieldInfo], term: &Term, density: Tensor) {
         let Some(Means { degree, .. }) = term.means else { return };
         let arena = &lowering.arena;
+        let is_unknown: fn(FieldRole) -> bool = |role| matches!(role, FieldRole::Unknown(_));
+        let slides = term.displacement.iter().flatten().any(|field| is_unknown(fields[*field].role));
         for node in arena.reachable(&[density]) {
             let Operator::FacetMean(operand) = arena.node(node).operator else { continue };
             if holds(arena, fields, operand, |role| matches!(role, FieldRole::Test(_))) {
                 continue;
             }
-            let varies = holds(arena, fields, operand, |role| matches!(role, FieldRole::Unknown(_)));
+            let varies = slides || holds(arena, fields, operand, is_unknown);
             let known = self.lists.iter().position(|list| list.is_of(term, degree, varies));
             let place = known.unwrap_or_else(|| {
                 self.lists.push(MeansList {
@@ -136,6 +138,24 @@ impl FacetMeans {
             parts.push(ResidualPart { term, tangent, moves: false });
         }
         parts
+    }
+
+    /// The density e(⟨a⟩) as one at points whose integral has the derivative of D e by what moves points: e + e′ (a − ⟨a⟩) at fixed means.
+    pub fn at_points(lowering: &mut Lowering, density: Tensor) -> Tensor {
+        let mut sum = density;
+        for node in lowering.arena.reachable(&[density]) {
+            let Operator::FacetMean(operand) = lowering.arena.node(node).operator else { continue };
+            let (shape, span) = (lowering.arena.shape(node).to_vec(), lowering.arena.span(node));
+            let less = lowering.arena.push(Operator::Negate(node), shape.clone(), span);
+            let direction = lowering.arena.push(Operator::Add(operand, less), shape, span);
+            let of_density = lowering.arena.shape(density).to_vec();
+            let variable = Variable::Node(node);
+            let change = Operator::Gateaux { expression: density, variable, direction };
+            let change = lowering.arena.push(change, of_density.clone(), span);
+            let change = lowering.lower(change);
+            sum = lowering.arena.push(Operator::Add(sum, change), of_density, span);
+        }
+        sum
     }
 
     /// The density with fields in the place of means: those without test function are numbers, those with one are integrated.

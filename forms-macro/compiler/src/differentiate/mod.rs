@@ -113,6 +113,11 @@ pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: 
     for term in terms.iter().chain(&density).filter(|term| term.means.is_some()) {
         let lowered = lowering.lower(term.density);
         means.collect(&lowering, &fields, term, lowered);
+        // Along the motion of points all means of an integrand are read.
+        let carried = term.displacement.as_deref().map(|by| lowering.carried(term.density, by, &fields));
+        if let Some(Some(carried)) = carried {
+            means.collect(&lowering, &fields, term, carried);
+        }
     }
     means.add_fields(&mut fields);
     let mut trials = Vec::new();
@@ -129,9 +134,10 @@ pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: 
     let mut sources = HashMap::<Tensor, Vec<Source>>::new();
     for term in terms {
         let mut found = if from_energy { vec![] } else { lowering.sources(term.density) };
-        let by = term.displacement.as_deref().filter(|_| term.means.is_none() && !found.is_empty());
+        let by = term.displacement.as_deref().filter(|_| !found.is_empty());
         if let Some(density) = by.and_then(|by| lowering.carried(term.density, by, &fields)) {
             found.iter_mut().for_each(|source| source.moves = true);
+            let density = means.replace(&mut lowering, &term, density);
             let tangent = vec![];
             residual.push(ResidualPart { term: term.with(density), tangent, moves: true });
         }

@@ -2,6 +2,7 @@
 //! points is a sum over the same points. With points of its own, fewer or more, the adjoint of a discrete problem
 //! would not be its adjoint where the integrand has a kink.
 
+use super::facet_means::FacetMeans;
 use super::lowering::Lowering;
 use crate::tensor::{FieldInfo, FieldRole, Operator, Side, Tensor, Variable};
 
@@ -105,6 +106,7 @@ impl Lowering<'_> {
                     return None;
                 }
                 let integrand = self.lower(expression);
+                let integrand = FacetMeans::at_points(self, integrand);
                 let side = Operator::Restrict(Side::This, direction);
                 let side = self.arena.push(side, shape.clone(), node.span);
                 let first = self.arena.push(Operator::Component(side, vec![0]), vec![], node.span);

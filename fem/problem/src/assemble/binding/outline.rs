@@ -3,7 +3,7 @@
 use std::ops::Deref;
 use std::sync::Arc;
 
-use forms_core::contract::{Degree, Entity, Integral, Means, Requirements, Side};
+use forms_core::contract::{Degree, Entity, Integral, Means, Requirements, Role, Side};
 
 use super::entities::Entities;
 use crate::assemble::Parts;
@@ -62,7 +62,40 @@ impl<'a, const D: usize> Outline<'a, D> {
                 });
             }
         }
-        Outline { form, couplings, is_symmetric }
+        let mut outline = Outline { form, couplings, is_symmetric };
+        for term in form.residual().iter().filter(|term| parts.contain(term.integral.dependence)) {
+            outline.couple_motion(term.integral, term.kernel.constants().requirements, false);
+        }
+        for term in form.residual_by_means().iter().filter(|term| parts.contain(term.integral.dependence)) {
+            outline.couple_motion(term.integral, term.kernel.constants().requirements, true);
+        }
+        outline
+    }
+
+    /// The couplings by the motion of moving segments' points: an integral's test function with the nodes on both sides whose displacement
+    /// moves them, where no other coupling has these.
+    fn couple_motion(&mut self, integral: &Integral, requirements: &Requirements, of_means: bool) {
+        let Integral { test, region, test_side, degree, displacement, .. } = *integral;
+        let moves = self.form.inputs().regions[region].is_on_moving_segments(displacement);
+        for field in displacement.into_iter().flatten().filter(|_| moves) {
+            let Role::Unknown(trial) = self.form.fields()[*field].role else { continue };
+            self.is_symmetric = false;
+            for trial_side in [Side::This, Side::Other] {
+                let sides = [test_side, trial_side];
+                // Nodes on the facets are enough.
+                let requirements = Requirements { trial_derivatives: false, ..*requirements };
+                let coupling =
+                    Coupling { test, trial, region, sides, degree, displacement, requirements, of_means };
+                let has_it = |known: &Coupling| {
+                    known.is_like(&coupling)
+                        && (known.displacement, known.of_means) == (displacement, of_means)
+                        && known.requirements.test_derivatives >= requirements.test_derivatives
+                };
+                if !self.couplings.iter().any(has_it) {
+                    self.couplings.push(coupling);
+                }
+            }
+        }
     }
 
     /// Whether each of the tangents is proved to be symmetric by itself, so that their sum is, except for rounding.

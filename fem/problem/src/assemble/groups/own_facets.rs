@@ -42,10 +42,18 @@ fn weighted<const D: usize>(group: &Arc<PairGroup<D>>, degree: usize, weight: us
     let (shape, local) = group.sides[0];
     let element = Lagrange { shape, degree: 1 };
     let vertex = element.facet_nodes(usize::from(local))[weight];
-    let mut weighted = (**group).clone();
-    for point in weighted.points.chunks_exact_mut(PairGroup::<D>::STRIDE) {
+    let (mut weighted, stride) = ((**group).clone(), PairGroup::<D>::STRIDE);
+    for (index, point) in weighted.points.chunks_exact_mut(stride).enumerate() {
         let own: [f64; D] = std::array::from_fn(|axis| point[axis]);
-        point[2 * D] *= element.tabulate(&[own]).value[vertex];
+        let tables = element.tabulate(&[own]);
+        let weight = &mut point[2 * D];
+        // Where the point moves, its weight ψ W has the rate ψ,_α W.
+        for slopes in weighted.motion.slopes.iter_mut().filter(|slopes| !slopes.is_empty()) {
+            let slopes = &mut slopes[index * stride..][..stride];
+            let along: f64 = (0..D).map(|axis| tables.gradient[vertex][axis] * slopes[axis]).sum();
+            slopes[2 * D] = along * *weight;
+        }
+        *weight *= tables.value[vertex];
     }
     Arc::new(weighted)
 }

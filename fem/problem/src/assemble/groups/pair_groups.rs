@@ -52,9 +52,6 @@ pub(in crate::assemble) fn pair_groups<const D: usize>(
         let points = PointsOfPairs::of(pairing, integral.displacement.is_some());
         binding.histories_on_pairs(requirements, pairing, points)?;
     }
-    if integral.means.is_some() && binding.regions[region].is_on_moving_segments(integral.displacement) {
-        return Err(pair_error(binding.name, &binding.regions[region], PairError::MeansOnSegments));
-    }
     if requirements.holds_points && binding.regions[region].is_on_moving_segments(integral.displacement) {
         return Err(pair_error(binding.name, &binding.regions[region], PairError::HeldPoints));
     }
