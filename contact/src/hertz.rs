@@ -7,11 +7,14 @@
 //! Hertz's answer is that of a half-space with a paraboloid's boundary: bodies nine (cylinder) and six times as wide as
 //! their contact leave differences of percents.
 
+mod cut;
 mod simplices;
 
 use std::f64::consts::PI;
 
 use forms_fem::constraints::ConstraintsError;
+use forms_fem::cut::CutError;
+use forms_fem::field::FieldError;
 use forms_fem::mesh::{MeshError, structured};
 use forms_fem::prelude::*;
 use forms_fem::space::SpaceError;
@@ -19,6 +22,9 @@ use thiserror::Error;
 
 use crate::contact_problem::ContactProblem;
 use crate::forms;
+pub use cut::{
+    CutCylinder, CutMeasured, background, cylinder_cut_from, cylinder_distance, estimate as estimate_on_cut,
+};
 pub use simplices::{FREE, Measured, cylinder_mesh, estimate, onto_body, quarter_mesh};
 
 /// R, radius of cylinder and ball \[mm\].
@@ -59,6 +65,12 @@ pub enum HertzError {
     /// Form and data do not fit.
     #[error(transparent)]
     Assembly(#[from] AssemblyError),
+    /// The level set function could not be made.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// The body could not be cut.
+    #[error(transparent)]
+    Cut(#[from] CutError),
 }
 
 /// Spacing of cells along 0..1: a part of them is of equal size, where the contact is; the others grow.

@@ -42,6 +42,22 @@ pub mod frictionless {
     }
 }
 
+/// A body that is cut from a mesh, without friction: Γ_C is the interface, and its parts that do not touch are free. Facets and cells are their
+/// parts inside.
+#[forms]
+pub mod cut_frictionless {
+    use super::frictionless::equilibrium;
+    pub use super::frictionless::{GammaN, Interior, Omega};
+    pub use crate::laws::cut_nitsche::{Data, GammaC};
+    use crate::laws::cut_nitsche::{contact_pressure, stress};
+
+    /// η_T².
+    pub fn squared(u: State<Vector>, q: Test<Scalar>) -> Form {
+        let rest = stress(u) * n + contact_pressure(u) * obstacle_normal;
+        equilibrium(u, q) + integral(GammaC, h * dot(rest, rest) * q)
+    }
+}
+
 /// With friction on a flat: T = −\[P_n\]₋ n_y + Π_s(P_t). Where the body sticks T contains the slip, too.
 #[forms]
 pub mod frictional {

@@ -1,6 +1,6 @@
 //! Adaptivity: solve, estimate the error, mark, refine, and again, until the estimate is within a tolerance.
 //!
-//! [`Adaptation`] is the cycle. Estimators are forms of the user's. A residual estimator is a linear form with a test function that is constant on cells,
+//! [`Adaptation`] is the cycle, also on bodies that are cut from the mesh; [`InterfaceBand`] has small cells around their interface. Estimators are forms of the user's. A residual estimator is a linear form with a test function that is constant on cells,
 //! whose values are the squares of the indicators ([`ErrorEstimate::residual`]). The error of a goal J comes from an adjoint
 //! state ([`ErrorEstimate::dual_weighted`]; Becker and Rannacher 2001), for any form `direct` and criterion:
 //!
@@ -50,6 +50,8 @@
 
 mod adaptation;
 mod estimate;
+mod interface_band;
 
 pub use adaptation::{Adaptation, AdaptationError, Adapted, AdaptiveSolution, AdaptiveStep};
 pub use estimate::{ErrorEstimate, EstimateError};
+pub use interface_band::{InterfaceBand, InterfaceBandError};

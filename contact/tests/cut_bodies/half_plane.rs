@@ -46,7 +46,7 @@ impl Complex {
 
 /// Z, its primitive and its derivative as sums of c zᵖ.
 #[derive(Clone, Copy)]
-struct Potential(&'static [(f64, f64, f64)]);
+pub struct Potential(&'static [(f64, f64, f64)]);
 
 impl Potential {
     fn at(self, x: &[f64; 2], order: i32) -> Complex {
@@ -74,23 +74,30 @@ impl Potential {
 }
 
 /// i √z, i/√z and 4z³ + 3z².
-const SIGNORINI: Potential = Potential(&[(0.5, 0.0, 1.0)]);
-const TRANSITION: Potential = Potential(&[(-0.5, 0.0, 1.0)]);
+pub const SIGNORINI: Potential = Potential(&[(0.5, 0.0, 1.0)]);
+pub const TRANSITION: Potential = Potential(&[(-0.5, 0.0, 1.0)]);
 const SMOOTH: Potential = Potential(&[(3.0, 4.0, 0.0), (2.0, 3.0, 0.0)]);
 
-struct HalfPlane {
-    body: Assembler<2>,
-    space: Arc<Space<2>>,
-    model: cut_nitsche::Model<2>,
+/// The rectangle from which it is cut.
+pub fn background(cells: usize) -> Mesh<2> {
+    turned(&rectangle([-1.0, -0.9], [1.0, 1.1], [cells; 2], CellShape::Triangle, 1).unwrap(), 0.3)
+}
+
+pub struct HalfPlane {
+    pub body: Assembler<2>,
+    pub space: Arc<Space<2>>,
+    pub model: cut_nitsche::Model<2>,
 }
 
 impl HalfPlane {
     /// With the transition inside a cell.
     fn new(cells: usize, degree: usize, theta: f64) -> Self {
-        let mesh = rectangle([-1.0, -0.9], [1.0, 1.1], [cells; 2], CellShape::Triangle, 1).unwrap();
-        let mesh = turned(&mesh, 0.3);
-        let body = cut(&mesh, |x| -x[1]).with_quadrature(Quadrature::Degree(8));
-        let space = Space::vector(&mesh, degree).unwrap();
+        Self::on(&background(cells), degree, theta)
+    }
+
+    pub fn on(mesh: &Mesh<2>, degree: usize, theta: f64) -> Self {
+        let body = cut(mesh, |x| -x[1]).with_quadrature(Quadrature::Degree(8));
+        let space = Space::vector(mesh, degree).unwrap();
         let data = cut_nitsche::data()
             .lambda(LAMBDA)
             .mu(MU)
@@ -102,7 +109,7 @@ impl HalfPlane {
         HalfPlane { body, space, model: cut_nitsche::Model { data, regions } }
     }
 
-    fn solve(&self, form: &Form<2>, exact: Potential) -> Field<2> {
+    pub fn solve(&self, form: &Form<2>, exact: Potential) -> Field<2> {
         let mut held = Constraints::new(&self.space);
         held.fix("boundary", |x| exact.displacement(x)).unwrap();
         self.body.cut().unwrap().hold_outside(&mut held).unwrap();
@@ -112,7 +119,7 @@ impl HalfPlane {
         problem.solve().unwrap().into_field()
     }
 
-    fn error(&self, field: &Field<2>, exact: Potential) -> f64 {
+    pub fn error(&self, field: &Field<2>, exact: Potential) -> f64 {
         let data = errors::data()
             .lambda(LAMBDA)
             .mu(MU)

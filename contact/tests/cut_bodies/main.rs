@@ -1,5 +1,6 @@
-//! Contact of bodies that are cut from a mesh: conditioning, patch tests, orders, derivatives by the level set function and by holes.
+//! Contact of bodies that are cut from a mesh: conditioning, patch tests, orders, adaptive meshes, derivatives by the level set function and by holes.
 
+mod adaptive;
 mod block;
 mod conditioning;
 mod cylinder;

@@ -79,12 +79,20 @@ pub struct AdaptiveSolution<const D: usize> {
     pub estimate: ErrorEstimate,
     /// The goal J(u_h), where there is one.
     pub goal: Option<f64>,
+    /// Cells that are divided whatever the estimate.
+    pub divided: Vec<u32>,
 }
 
 impl<const D: usize> AdaptiveSolution<D> {
     /// A solution with the estimate of its error.
     pub fn new(field: Field<D>, estimate: ErrorEstimate) -> Self {
-        AdaptiveSolution { field, estimate, goal: None }
+        AdaptiveSolution { field, estimate, goal: None, divided: vec![] }
+    }
+
+    /// This solution with cells that are divided whatever the estimate, such as those of an interface that are too large
+    /// ([`InterfaceBand::large_cells`](super::InterfaceBand::large_cells)). While there are any the tolerance does not end the cycle.
+    pub fn dividing(self, cells: Vec<u32>) -> Self {
+        AdaptiveSolution { divided: cells, ..self }
     }
 
     /// This solution with the value of the goal, for the table.
@@ -260,7 +268,9 @@ impl<'a, const D: usize> Adaptation<'a, D> {
             progress(&step);
             steps.push(step);
             match self.aim {
-                Aim::Tolerance { tolerance, .. } if estimate.abs() <= tolerance => {
+                Aim::Tolerance { tolerance, .. }
+                    if estimate.abs() <= tolerance && solution.divided.is_empty() =>
+                {
                     return Ok(Adapted { mesh, solution, steps });
                 }
                 Aim::Unknowns(count) if unknowns >= count => return Ok(Adapted { mesh, solution, steps }),
@@ -269,7 +279,8 @@ impl<'a, const D: usize> Adaptation<'a, D> {
                 }
                 Aim::Tolerance { .. } | Aim::Unknowns(_) => {}
             }
-            let marked = doerfler(solution.estimate.indicators(), self.fraction)?;
+            let mut marked = doerfler(solution.estimate.indicators(), self.fraction)?;
+            marked.extend_from_slice(&solution.divided);
             if marked.is_empty() {
                 return Err(AdaptationError::NothingToMark { number });
             }

@@ -1,5 +1,6 @@
-//! Bodies that are cut from a mesh: areas and normals, what is refused, solutions on them, descents.
+//! Bodies that are cut from a mesh: areas and normals, what is refused, solutions on them, descents, adaptive backgrounds.
 
+mod adaptive;
 mod areas;
 mod bodies;
 mod descent;

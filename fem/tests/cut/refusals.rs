@@ -46,11 +46,14 @@ fn histories_rules_and_facets_are_refused() {
     let error = text(body.functional(&read));
     assert!(error.contains("a history is not available on a cut mesh"), "{error}");
 
-    let jumps =
-        form!(|u: State<Scalar>| -> Functional { integral(interior_facets("interior"), sqr(jump(u))) });
+    let jumps = form!(
+        |u: State<Scalar>, v: Test<Scalar>| integral(interior_facets("interior"), sqr(jump(u)) * avg(v)),
+        level_set_derivatives
+    );
     let u = Field::zero(&Space::scalar(&mesh, 1).unwrap());
-    let error = text(body.functional(&jumps(&u)));
-    assert!(error.contains("the interface passes through a facet"), "{error}");
+    let one = Field::interpolate(u.space(), |_| 1.0).unwrap();
+    let error = text(body.derivative_by_level_set(&jumps(&u), &[], &[&one]));
+    assert!(error.contains("the interface passes through an interior facet"), "{error}");
 
     let area = form!(|| -> Functional { integral(cells("all"), 1) });
     let explicit = Quadrature::Explicit {

@@ -9,11 +9,11 @@ use crate::field::Field;
 impl<const D: usize> Assembler<D> {
     /// This assembler on the body on which a level set function is negative ([`Cut`]).
     ///
-    /// - Integrals over cells are over their parts inside, those over exterior facets over the parts of these.
+    /// - Integrals over cells are over their parts inside, those over exterior and interior facets over the parts of these.
     /// - `#[interface]` regions are where the function vanishes in the cells of a region; `n` is the outward normal, `h` and `cell_volume`
     ///   are those of the whole cell, and `curvature` is zero.
-    /// - Names of the cut's: the cells "inside" (whole) and "cut", and the interior facets "ghost" between active cells, one of them cut. Other interior
-    ///   facets and contact pairs must be whole.
+    /// - Names of the cut's: the cells "inside" (whole) and "cut", and the interior facets "ghost" between active cells, one of them cut, which are
+    ///   taken whole. Contact pairs must be whole.
     /// - Unknowns outside are held by [`Cut::hold_outside`].
     ///
     /// Histories, split facets, explicit points and values at quadrature points are refused.

@@ -4,9 +4,10 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use forms_core::contract::{FieldSlot, Role, Term};
+use forms_core::contract::{Entity, FieldSlot, Role, Term};
 
 use super::batch::Cells;
+use super::binding::entities::Entities;
 use super::binding::{Binding, Values};
 use super::element_loops::moving_points::PointMotion;
 use super::element_loops::vectors::ElementVectors;
@@ -14,7 +15,7 @@ use super::groups::{Group, OwnPoints, groups};
 use super::kernels::VectorKernel;
 use super::{Assembler, AssemblyError};
 use crate::contract::{Form, Function};
-use crate::cut::{Cut, CutError};
+use crate::cut::{Cut, CutError, CutSide, GHOST};
 use crate::field::{Field, FieldView, views};
 use crate::instantiate::instantiate;
 use crate::space::Space;
@@ -50,7 +51,7 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Errors
     /// An assembler that is on no cut body, a form whose module does not have the option, fields that do not fit, and data without a derivative in space: a
-    /// function of position without a gradient, or one written in Rust.
+    /// function of position without a gradient, or one written in Rust; interior facets that the interface crosses, other than "ghost".
     pub fn derivative_by_level_set(
         &self,
         form: &Form<D>,
@@ -78,6 +79,16 @@ impl<const D: usize> Assembler<D> {
         let mut gradient = vec![0.0; cut.node_count()];
         for term in form.residual() {
             let (integral, constants) = (term.integral, term.kernel.constants());
+            let region = &binding.regions[integral.region];
+            if region.entity == Entity::InteriorFacets
+                && region.name != GHOST
+                && let Entities::InteriorFacets(facets) = binding.entities(integral.region)?
+                && let Some(crossed) = facets.iter().find(|sides| cut.side_of_facet(sides[0]) == CutSide::Cut)
+            {
+                return Err(refused(CutError::InteriorFacet {
+                    position: self.mesh.facet_centre(crossed[0]).to_vec(),
+                }));
+            }
             let (test, element) = (&tests[integral.test], elements[integral.test]);
             let arguments = [(Role::Test(integral.test), &**test.space)];
             let found =

@@ -15,7 +15,9 @@ pub(super) mod split_facets;
 
 use forms_core::contract::{Entity, FieldSlot, Integral, Order, Requirements, Role, Side};
 
-use self::cut_groups::{CutTables, clipped_facets, inside_of_cells, interface_groups, refusals};
+use self::cut_groups::{
+    CutTables, clipped_between, clipped_facets, inside_of_cells, interface_groups, refusals,
+};
 use self::degrees::{Estimate, cells_by_degree, facets_by_degree};
 use self::facet_groups::facet_groups;
 use self::means::{FurtherTables, MeanTables};
@@ -396,7 +398,12 @@ pub(super) fn groups<const D: usize>(
                 };
                 let split = binding.cut.is_some() || matches!(quadrature, Quadrature::Split { .. });
                 let (Entities::Facets(listed), true, None) = (&facets, split, history) else {
-                    groups.extend(grouped(&facets, &rule)?);
+                    let (whole, clipped) = clipped_between(binding, &region.name, facets);
+                    groups.extend(grouped(&whole, &rule)?);
+                    for (sides, pieces) in clipped {
+                        let rule = quadrature.rule_on_pieces(shape, degree, &pieces).map_err(failed)?;
+                        groups.extend(grouped(&Entities::InteriorFacets(vec![sides].into()), &rule)?);
+                    }
                     continue;
                 };
                 let (mut whole, mut clipped) = (vec![], vec![]);

@@ -55,11 +55,7 @@ impl<const D: usize> Cut<D> {
             near[cell] = active[cell] && most > -width;
         }
         let active = self.reached(&active);
-        let is_ghost = |facets: &&[Facet; 2]| {
-            let cells = facets.map(|facet| facet.cell as usize);
-            cells.iter().all(|cell| active[*cell]) && cells.iter().any(|cell| near[*cell])
-        };
-        let ghost = self.mesh.interior_facets().iter().filter(is_ghost).copied().collect();
+        let ghost = self.ties(&active, width);
         Arc::new(CutBand { mesh: self.mesh.clone(), active, removed, near, ghost })
     }
 
@@ -99,13 +95,29 @@ impl<const D: usize> Cut<D> {
         Ok(())
     }
 
-    /// The cells of a band that something of the body reaches, and the ghost facets between them; none without a band.
-    pub(super) fn kept_by_band(&self) -> Option<(Vec<bool>, Vec<[Facet; 2]>)> {
+    /// The cells of a band that something of the body reaches, the ghost facets between them, and those of the cells that have nothing of the body
+    /// and no ghost facet; none without a band.
+    pub(super) fn kept_by_band(&self) -> Option<(Vec<bool>, Vec<[Facet; 2]>, Vec<u32>)> {
         let band = self.band.as_ref()?;
         let kept = self.reached(&band.active);
-        let own = |facets: &&[Facet; 2]| facets.iter().all(|facet| kept[facet.cell as usize]);
-        let ghost = band.ghost.iter().filter(own).copied().collect();
-        Some((kept, ghost))
+        // Tied cells that have lost all of the body follow what is left.
+        let mut held: Vec<bool> =
+            (0..kept.len()).map(|cell| kept[cell] && self.sides[cell] != CutSide::Outside).collect();
+        let of_cells = |sides: &[Facet; 2], own: &[bool]| sides.map(|facet| own[facet.cell as usize]);
+        let mut grows = true;
+        while std::mem::take(&mut grows) {
+            for sides in band.ghost.iter().filter(|sides| of_cells(sides, &kept) == [true; 2]) {
+                if let [true, false] | [false, true] = of_cells(sides, &held) {
+                    sides.iter().for_each(|facet| held[facet.cell as usize] = true);
+                    grows = true;
+                }
+            }
+        }
+        let own =
+            |sides: &&[Facet; 2]| of_cells(sides, &kept) == [true; 2] && of_cells(sides, &held) == [true; 2];
+        let mut ghost: Vec<[Facet; 2]> = band.ghost.iter().filter(own).copied().collect();
+        let untied = self.tie_empty(&kept, &mut held, &mut ghost);
+        Some((kept, ghost, untied))
     }
 
     /// Of some cells, those that are connected over facets between them with one in which something of the body is.

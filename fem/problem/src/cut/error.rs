@@ -46,9 +46,9 @@ pub enum CutError {
     /// Explicit points.
     #[error("explicit points say nothing about pieces of cells and facets; choose a degree")]
     ExplicitPoints,
-    /// Interior facets through which the interface passes.
+    /// Interior facets whose parts inside move with the interface.
     #[error(
-        "the interface passes through a facet of these interior facets, near {position:?}; only the facets \"ghost\" are whole on a cut mesh"
+        "the interface passes through an interior facet near {position:?}; the derivative of such integrals is not known, except on the facets \"ghost\""
     )]
     InteriorFacet { position: Vec<f64> },
     /// Contact pairs on facets that are not whole.

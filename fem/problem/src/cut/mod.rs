@@ -4,6 +4,7 @@
 //! simplices   the pieces of one simplex
 //! pieces   a cell and a facet in pieces, with the points of rules
 //! band     active cells and ghost facets that stay while the function changes a little
+//! ties    facets over which badly cut cells hold on to firm ones
 //! parts    parts of the body that no cell connects
 //! known_points  points of rules, made once
 //! interface  the interface in space, and the distance to it
@@ -20,6 +21,7 @@ pub(crate) mod known_points;
 mod parts;
 mod pieces;
 mod simplices;
+mod ties;
 
 use std::sync::Arc;
 
@@ -90,6 +92,8 @@ pub struct Cut<const D: usize> {
     inside: Vec<u32>,
     cut: Vec<u32>,
     ghost: Vec<[Facet; 2]>,
+    /// Active cells of a band that have nothing of the body and no ghost facet.
+    untied: Vec<u32>,
     known: KnownPoints,
     /// What stays, and the cells that are active therefore.
     band: Option<Arc<CutBand<D>>>,
@@ -145,10 +149,23 @@ impl<const D: usize> Cut<D> {
             sides[cell] = side(of_cell(cell).iter().map(|node| values[*node as usize]));
         }
         let mesh = mesh.clone();
-        let (inside, cut, ghost, known) = (vec![], vec![], vec![], KnownPoints::default());
-        let (band, kept) = (band.cloned(), vec![]);
-        let mut made =
-            Cut { mesh, values, vertices, starts, moved, sides, inside, cut, ghost, known, band, kept };
+        let (inside, cut, ghost, untied) = (vec![], vec![], vec![], vec![]);
+        let (band, kept, known) = (band.cloned(), vec![], KnownPoints::default());
+        let mut made = Cut {
+            mesh,
+            values,
+            vertices,
+            starts,
+            moved,
+            sides,
+            inside,
+            cut,
+            ghost,
+            untied,
+            known,
+            band,
+            kept,
+        };
         made.fit_band()?;
         made.list();
         if made.inside.is_empty() && made.cut.is_empty() {
@@ -163,16 +180,15 @@ impl<const D: usize> Cut<D> {
             (0..self.sides.len() as u32).filter(|cell| self.sides[*cell as usize] == wanted).collect()
         };
         (self.inside, self.cut) = (of_side(CutSide::Inside), of_side(CutSide::Cut));
-        let is_ghost = |facets: &&[Facet; 2]| {
-            let sides = facets.map(|facet| self.sides[facet.cell as usize]);
-            !sides.contains(&CutSide::Outside) && sides.contains(&CutSide::Cut)
-        };
-        self.ghost = match self.kept_by_band() {
-            Some((kept, ghost)) => {
+        (self.ghost, self.untied) = match self.kept_by_band() {
+            Some((kept, ghost, untied)) => {
                 self.kept = kept;
-                ghost
+                (ghost, untied)
             }
-            None => self.mesh.interior_facets().iter().filter(is_ghost).copied().collect(),
+            None => {
+                let active: Vec<bool> = self.sides.iter().map(|side| *side != CutSide::Outside).collect();
+                (self.ties(&active, 0.0), vec![])
+            }
         };
     }
 
@@ -228,7 +244,8 @@ impl<const D: usize> Cut<D> {
         &self.cut
     }
 
-    /// The interior facets between active cells, one of them cut at least, with both sides.
+    /// The interior facets of the ghost penalty, with both sides: over them cut cells whose middle is outside are tied to deeper ones, and so to
+    /// a cell with enough of the body. The body is on each, so that none joins what a gap divides.
     pub fn ghost_facets(&self) -> &[[Facet; 2]] {
         &self.ghost
     }

@@ -17,15 +17,6 @@ pub struct BodyPart<const D: usize> {
     pub place: [f64; D],
 }
 
-/// Connections between cells.
-#[derive(Clone, Copy, PartialEq)]
-enum Joint {
-    /// A facet on which the body is.
-    Body,
-    /// Any facet between active cells of a band; without a band the body's.
-    Band,
-}
-
 impl<const D: usize> Cut<D> {
     /// The parts of the body, the largest first. More than one is a body with islands.
     ///
@@ -42,7 +33,7 @@ impl<const D: usize> Cut<D> {
     /// ```
     #[inline(never)]
     pub fn parts(&self) -> Vec<BodyPart<D>> {
-        self.sorted(self.components(Joint::Body))
+        self.sorted(self.components())
     }
 
     fn sorted(&self, components: Vec<Vec<u32>>) -> Vec<BodyPart<D>> {
@@ -53,9 +44,6 @@ impl<const D: usize> Cut<D> {
     }
 
     /// The cut without the parts that touch none of some regions of exterior facets, and those parts. Their cells count as outside.
-    ///
-    /// Within a band ([`Cut::within`]) a part is what the band's active cells connect, as the ghost penalty holds all of it: what comes off
-    /// in a line search is removed in the next band only, and values of one line search stay comparable.
     ///
     /// # Errors
     /// [`CutError`]: a region that the mesh does not have, and regions that no part touches.
@@ -69,7 +57,7 @@ impl<const D: usize> Cut<D> {
                 touched[facet.cell as usize] |= self.side_of_facet(*facet) != CutSide::Outside;
             }
         }
-        let parts = self.sorted(self.components(Joint::Band));
+        let parts = self.sorted(self.components());
         let (kept, islands): (Vec<_>, Vec<_>) =
             parts.into_iter().partition(|part| part.cells.iter().any(|cell| touched[*cell as usize]));
         if kept.is_empty() {
@@ -85,12 +73,8 @@ impl<const D: usize> Cut<D> {
     }
 
     /// Connected active cells.
-    fn components(&self, joint: Joint) -> Vec<Vec<u32>> {
-        let by_band = joint == Joint::Band && self.band.is_some();
-        let is_active = |cell: u32| match by_band {
-            true => self.is_active(cell),
-            false => self.sides[cell as usize] != CutSide::Outside,
-        };
+    fn components(&self) -> Vec<Vec<u32>> {
+        let is_active = |cell: u32| self.sides[cell as usize] != CutSide::Outside;
         // Each cell points to one of its component with a lower number.
         let mut leaders: Vec<u32> = (0..self.sides.len() as u32).collect();
         fn leader(leaders: &mut [u32], mut cell: u32) -> u32 {
@@ -101,8 +85,7 @@ impl<const D: usize> Cut<D> {
             cell
         }
         for [a, b] in self.mesh.interior_facets() {
-            let are_active = is_active(a.cell) && is_active(b.cell);
-            if are_active && (by_band || self.side_of_facet(*a) != CutSide::Outside) {
+            if is_active(a.cell) && is_active(b.cell) && self.side_of_facet(*a) != CutSide::Outside {
                 let ends = [a, b].map(|facet| leader(&mut leaders, facet.cell));
                 leaders[ends[0].max(ends[1]) as usize] = ends[0].min(ends[1]);
             }

@@ -6,7 +6,7 @@ use forms_core::contract::{Entity, Region};
 
 use super::pair_error;
 use crate::assemble::AssemblyError;
-use crate::cut::{CUT, Cut, CutError, CutSide, GHOST, INSIDE};
+use crate::cut::{CUT, Cut, CutSide, GHOST, INSIDE};
 use crate::instantiate::instantiate;
 use crate::mesh::{Facet, Mesh, MeshError};
 use crate::pairs::PairError;
@@ -48,11 +48,11 @@ impl<'a> Entities<'a> {
         found.map_err(|source| AssemblyError::Region { form, symbol: region.symbol, source })
     }
 
-    /// The entities of a form's region in a cut body: active cells, those with a part of an interface, exterior facets that are not outside, and
-    /// interior facets that are inside. The names that a cut gives are known.
+    /// The entities of a form's region in a cut body: active cells, those with a part of an interface, and facets that are not outside. The
+    /// names that a cut gives are known.
     ///
     /// # Errors
-    /// As [`Entities::of`], and an interior facet through which the interface passes.
+    /// As [`Entities::of`].
     #[inline(never)]
     pub fn inside<const D: usize>(
         cut: Option<&Cut<D>>,
@@ -87,21 +87,8 @@ impl<'a> Entities<'a> {
                 Entities::Facets(facets.iter().copied().filter(is_wanted).collect())
             }
             Entities::InteriorFacets(facets) => {
-                let mut kept = Vec::new();
-                for sides in &*facets {
-                    match cut.side_of_facet(sides[0]) {
-                        CutSide::Inside => kept.push(*sides),
-                        CutSide::Outside => {}
-                        CutSide::Cut => {
-                            let place =
-                                format!("the interior facets `{}` (\"{}\")", region.symbol, region.name);
-                            let position = mesh.facet_centre(sides[0]).to_vec();
-                            let source = CutError::InteriorFacet { position };
-                            return Err(AssemblyError::Cut { form, place, source });
-                        }
-                    }
-                }
-                Entities::InteriorFacets(kept.into())
+                let is_wanted = |sides: &&[Facet; 2]| cut.side_of_facet(sides[0]) != CutSide::Outside;
+                Entities::InteriorFacets(facets.iter().filter(is_wanted).copied().collect())
             }
         })
     }

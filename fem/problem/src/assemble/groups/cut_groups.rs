@@ -13,7 +13,7 @@ use crate::assemble::batch::basis_in_lanes::LaneElement;
 use crate::assemble::binding::Binding;
 use crate::assemble::binding::entities::Entities;
 use crate::cut::known_points::{PieceRule, PointsOn};
-use crate::cut::{Cut, CutError, CutSide};
+use crate::cut::{Cut, CutError, CutSide, GHOST};
 use crate::element::{CellShape, Element};
 use crate::instantiate::instantiate;
 use crate::mesh::Facet;
@@ -194,6 +194,28 @@ pub(in crate::assemble) fn interface_groups<const D: usize>(
         groups.extend(groups_of_pieces(binding, &place, kind, entries, requirements)?);
     }
     Ok(groups)
+}
+
+/// Interior facets that are taken whole, as all of a ghost penalty are, and those that an interface crosses, with their pieces inside.
+pub(in crate::assemble) fn clipped_between<'a, const D: usize>(
+    binding: &Binding<D>,
+    name: &str,
+    facets: Entities<'a>,
+) -> (Entities<'a>, Vec<([Facet; 2], Vec<Piece>)>) {
+    let (Some(cut), Entities::InteriorFacets(listed)) = (binding.cut, &facets) else {
+        return (facets, vec![]);
+    };
+    if name == GHOST {
+        return (facets, vec![]);
+    }
+    let (mut whole, mut clipped) = (vec![], vec![]);
+    for sides in &**listed {
+        match cut.pieces_of_facet(sides[0]) {
+            None => whole.push(*sides),
+            Some(pieces) => clipped.push((*sides, pieces)),
+        }
+    }
+    (Entities::InteriorFacets(whole.into()), clipped)
 }
 
 /// Facets in pieces on their own reference cell.
