@@ -176,7 +176,10 @@ fn histories_are_the_same_with_gradient_and_hessian() {
 /// Each process marks and divides the same cells, between whose sizes nodes hang.
 #[test]
 fn a_cycle_of_adaptivity_is_the_same() {
-    let found = adapted(|mut problem, _| Ok(problem.solve()?.into_field())).unwrap();
+    let solve = |form: &Form<2>, space: &Arc<Space<2>>, constraints: &Constraints<2>| {
+        Ok(Problem::new(form, space).constrained(constraints).solve()?.into_field())
+    };
+    let found = adapted(solve).unwrap();
     let estimates: Vec<f64> = found.steps.iter().map(|step| step.estimate).collect();
     assert!(estimates.len() > 3 && found.mesh.mesh().cell_count() > 100, "{estimates:?}");
     let expected = BTreeMap::from([("estimates", estimates), ("u", found.solution.field.values().to_vec())]);

@@ -7,10 +7,12 @@ use std::process::ExitCode;
 use forms_distributed::cases::adaptive::adapted;
 use forms_distributed::cases::report::tell;
 use forms_distributed::{Method, PetscSolver, World};
+use forms_fem::prelude::*;
 
 fn run(world: &World) -> Result<(), Box<dyn Error>> {
-    let found = adapted(|problem, constraints| {
+    let found = adapted(|form, space, constraints| {
         let mut solver = PetscSolver::new(world, constraints, Method::Direct)?;
+        let problem = Problem::new(form, space).threads(Threads::new(1)).constrained(constraints);
         Ok(problem.on(world).solver(&mut solver).solve()?.into_field())
     })?;
     tell(world, "estimates", &found.steps.iter().map(|step| step.estimate).collect::<Vec<_>>());

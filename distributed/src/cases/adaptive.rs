@@ -34,17 +34,17 @@ pub mod membrane {
 /// Errors of a solution on one of the meshes.
 pub type Failure = Box<dyn Error>;
 
-/// The cycle to 500 unknowns of degree 2, with the solutions that `solve` finds.
+/// The cycle to 500 unknowns of degree 2, with the solutions that `solve` finds of a form on a space under constraints.
 ///
 /// # Errors
 /// Those of `solve`, with the mesh.
 pub fn adapted(
-    mut solve: impl FnMut(Problem<'_, 2>, &Constraints<2>) -> Result<Field<2>, Failure>,
+    mut solve: impl FnMut(&Form<2>, &Arc<Space<2>>, &Constraints<2>) -> Result<Field<2>, Failure>,
 ) -> Result<Adapted<2>, AdaptationError<Failure>> {
     let coarse = rectangle([0.0; 2], [1.0; 2], [4, 3], CellShape::Quadrilateral, 1)?;
     let load = |x: &[f64; 2]| 50.0 * (-60.0 * ((x[0] - 0.3).powi(2) + (x[1] - 0.2).powi(2))).exp();
     let model = membrane::Model::new(membrane::data().load(load));
-    let (balance, threads) = (model.balance(), Threads::new(1));
+    let balance = model.balance();
     Adaptation::to_unknowns(500).run(
         coarse,
         |mesh, _| {
@@ -52,9 +52,8 @@ pub fn adapted(
             let mut constraints = Constraints::new(&space);
             constraints.fix("boundary", |_| 0.0)?;
             constraints.join_hanging_nodes()?;
-            let problem = Problem::new(&balance, &space).threads(threads).constrained(&constraints);
-            let u = solve(problem, &constraints)?;
-            let assembler = Assembler::new(mesh).with_threads(threads);
+            let u = solve(&balance, &space, &constraints)?;
+            let assembler = Assembler::new(mesh).with_threads(Threads::new(1));
             let estimate = ErrorEstimate::residual(&assembler, &model.residual(&u))?;
             Ok(AdaptiveSolution::new(u, estimate))
         },
