@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use forms_contact::ContactProblem;
 use forms_contact::forms;
 use forms_contact::hollow_cylinder::{Settings, hollow_cylinder, solve};
+use forms_distributed::cases::adaptive::adapted;
 use forms_distributed::cases::ball_on_flat::ball_on_flat;
 use forms_distributed::cases::drawn_block::DrawnBlock;
 use forms_distributed::cases::hanging_block::HangingBlock;
@@ -170,6 +171,19 @@ fn histories_are_the_same_with_gradient_and_hessian() {
         ]);
         check(env!("CARGO_BIN_EXE_histories"), &[name], &expected);
     }
+}
+
+/// Each process marks and divides the same cells, between whose sizes nodes hang.
+#[test]
+fn a_cycle_of_adaptivity_is_the_same() {
+    let solve = |form: &Form<2>, space: &Arc<Space<2>>, constraints: &Constraints<2>| {
+        Ok(Problem::new(form, space).constrained(constraints).solve()?.into_field())
+    };
+    let found = adapted(solve).unwrap();
+    let estimates: Vec<f64> = found.steps.iter().map(|step| step.estimate).collect();
+    assert!(estimates.len() > 3 && found.mesh.mesh().cell_count() > 100, "{estimates:?}");
+    let expected = BTreeMap::from([("estimates", estimates), ("u", found.solution.field.values().to_vec())]);
+    check(env!("CARGO_BIN_EXE_adaptive"), &[], &expected);
 }
 
 /// Options of the environment come before the method, by the solver's prefix.

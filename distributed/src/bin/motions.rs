@@ -1,4 +1,4 @@
-//! A motion step by step, on the processes that started this: `mpirun -n 4 motions [impact | explicit | porous] [steps]`. MUMPS solves;
+//! A motion step by step, on the processes that started this: `mpirun -n 4 motions [impact | explicit | lumped | porous] [steps]`. MUMPS solves;
 //! tells the values and rates of all unknowns.
 
 use std::error::Error;

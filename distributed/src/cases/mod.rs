@@ -1,5 +1,6 @@
 //! Problems on which several processes are compared with one.
 
+pub mod adaptive;
 pub mod ball_on_flat;
 pub mod drawn_block;
 pub mod hanging_block;

@@ -5,7 +5,7 @@ use std::error::Error;
 
 use forms_contact::impact::impact;
 use forms_fem::prelude::*;
-use forms_fem::time::{CentralDifferences, GeneralisedAlpha, OneStepTheta, State, Step, TimeLoop};
+use forms_fem::time::{CentralDifferences, GeneralisedAlpha, Mass, OneStepTheta, State, Step, TimeLoop};
 
 /// A porous body (Biot): displacements u, and the pressure p of the water in it.
 #[forms(dimension = 2)]
@@ -42,14 +42,20 @@ pub enum Motion {
     Impact,
     /// The same bar by central differences with the consistent mass matrix: affine in the accelerations.
     Explicit,
+    /// The same with lumped masses, on elements of degree 1.
+    Lumped,
     /// Water that is squeezed out: two unknowns, affine.
     Porous,
 }
 
 impl Motion {
     /// All, with their names.
-    pub const ALL: [(&'static str, Motion); 3] =
-        [("impact", Motion::Impact), ("explicit", Motion::Explicit), ("porous", Motion::Porous)];
+    pub const ALL: [(&'static str, Motion); 4] = [
+        ("impact", Motion::Impact),
+        ("explicit", Motion::Explicit),
+        ("lumped", Motion::Lumped),
+        ("porous", Motion::Porous),
+    ];
 
     /// The one of a name.
     ///
@@ -66,7 +72,8 @@ impl Motion {
     /// Regions that do not exist.
     pub fn conditions(self) -> Result<Vec<Constraints<2>>, Box<dyn Error>> {
         let mesh = rectangle([0.0; 2], [3.0, 1.0], [12, 4], CellShape::Quadrilateral, 1)?;
-        let mut held = Constraints::new(&Space::vector(&mesh, 2)?);
+        let degree = if self == Motion::Lumped { 1 } else { 2 };
+        let mut held = Constraints::new(&Space::vector(&mesh, degree)?);
         if self != Motion::Porous {
             return Ok(vec![held]);
         }
@@ -96,6 +103,10 @@ impl Motion {
         let (motion, size) = match self {
             Motion::Impact => (TimeLoop::new(contact, GeneralisedAlpha::trapezoidal(), moving()?), 0.02),
             Motion::Explicit => (TimeLoop::new(contact, CentralDifferences, moving()?), 0.005),
+            Motion::Lumped => {
+                let motion = TimeLoop::new(contact, CentralDifferences, moving()?).mass(Mass::Lumped);
+                (motion.constant_coefficients(), 0.005)
+            }
             Motion::Porous => {
                 let form = |steps: &[Step<2>; 2]| {
                     porous::Model::new(porous::data_from(steps).mu(1.0).permeability(0.1)).balance()

@@ -11,7 +11,7 @@ use crate::instantiate::instantiate;
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::{
     Communicator, Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, SolverReport, StepMemory,
-    Transpose, on_part_of_cells, solve_linear, solve_linear_transposed, solve_owned,
+    Transpose, on_part_of_cells, solve_linear, solve_linear_transposed, solve_owned, summed,
 };
 use crate::space::Space;
 
@@ -233,12 +233,12 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         p: &[f64],
     ) -> Result<Vec<f64>, HistoryFailure> {
         let own = self.tangent(form, at)?.multiply_transposed(p)?;
-        match self.communicator {
-            None => Ok(own),
-            Some(communicator) => communicator
-                .sum(&own)
-                .map_err(|source| AssemblyError::Communication { form: form.name(), source }.into()),
-        }
+        Ok(self.summed(form, own)?)
+    }
+
+    /// The sum over the processes of what each has of its part.
+    pub fn summed(&self, form: &Form<D>, own: Vec<f64>) -> Result<Vec<f64>, AssemblyError> {
+        summed(self.communicator, form.name(), Ok(own))
     }
 }
 

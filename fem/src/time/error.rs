@@ -101,9 +101,6 @@ pub enum StepFailure {
     /// Lumped masses of related unknowns.
     #[error("masses are lumped where unknowns are free or prescribed; here some are given by others")]
     LumpedRelations,
-    /// Lumped masses on several processes: each has a part of the mass matrix.
-    #[error("masses are not lumped on several processes: take `Mass::Consistent`, or one process")]
-    LumpedOnProcesses,
     /// A prescribed value that moves in an explicit step.
     #[error(
         "an explicit step keeps prescribed values as they are, but unknown {unknown} goes from {from} to {to}"

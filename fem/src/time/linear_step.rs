@@ -4,19 +4,19 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::error::StepFailure;
-use super::mass::{Mass, diagonal, row_sums, with_inertia};
+use super::mass::{Mass, check_inertia, diagonal, largest_of_rows, lumped, row_sums};
 use super::step_cost::StepCost;
-use crate::assemble::{Assembler, BlockPattern, Parts, ValuesBefore};
+use crate::assemble::{Assembler, AssemblyError, BlockPattern, Parts, ValuesBefore};
 use crate::contract::Form;
-use crate::field::{FieldView, views_on};
+use crate::field::views_on;
 use crate::instantiate::instantiate;
-use crate::linear_algebra::BlockMatrix;
 use crate::linear_algebra::equations::Equations;
 use crate::linear_algebra::vector::{add_scaled, largest};
-use crate::solve::{Elimination, LinearSolver, groups_of};
+use crate::linear_algebra::{BlockMatrix, CsrMatrix};
+use crate::solve::{Communicator, Elimination, LinearSolver, SolverError, agreed, groups_of, summed};
 use crate::space::Space;
 
-/// The matrix of steps with the same weights; the solver has its reduced form and the factor.
+/// The matrix of steps with the same weights, on several processes this one's part; the solver has its reduced form and the factor.
 #[derive(Debug)]
 pub(super) struct StepMatrix {
     /// Of each unknown.
@@ -40,10 +40,25 @@ pub(super) struct LinearStep {
 
 /// Who assembles and solves a step.
 pub(super) struct Means<'a, const D: usize> {
+    /// On several processes of this one's part of the cells.
     pub assembler: &'a Assembler<D>,
+    /// The processes that add up what they assemble, if there are several.
+    pub communicator: Option<&'a dyn Communicator>,
     pub pattern: &'a Arc<BlockPattern<D>>,
     pub solver: &'a mut dyn LinearSolver,
     pub mass: Mass,
+}
+
+impl<const D: usize> Means<'_, D> {
+    /// Hands the solver a matrix, on several processes this one's part of it.
+    fn set_matrix(&mut self, own: CsrMatrix) -> Result<(), SolverError> {
+        let Some(communicator) = self.communicator else { return self.solver.set_matrix(own) };
+        self.solver.set_processes(communicator.size())?;
+        let set = self.solver.set_matrix(own);
+        // The next matrix is a whole one, unless its owner says otherwise; a solver that takes none then says so.
+        let _ = self.solver.set_processes(1);
+        set
+    }
 }
 
 /// An equation may be off by these parts of its residual before the solution, and of its terms: far more than rounding leaves, and
@@ -72,10 +87,12 @@ pub(super) fn solve<const D: usize>(
     check: Check,
 ) -> Result<LinearStep, StepFailure> {
     let mut cost = StepCost::default();
+    let (assembler, communicator) = (means.assembler, means.communicator);
     let residual_at = |values: &[f64], cost: &mut StepCost| {
         let begun = Instant::now();
         let views = views_on(spaces, values);
-        let residual = means.assembler.residual_of(form, &views, spaces, Parts::ALL);
+        let own = assembler.residual_of(form, &views, spaces, Parts::ALL);
+        let residual = summed(communicator, form.name(), own);
         cost.residuals += 1;
         cost.residual_seconds += begun.elapsed().as_secs_f64();
         residual
@@ -97,13 +114,13 @@ pub(super) fn solve<const D: usize>(
         let mut unknown = guess.to_vec();
         add_scaled(&mut unknown, 1.0, &step);
         if check == Check::Nothing || matrix.lumped.is_some() {
-            let residual = matrix.residual_after(&before, &step);
+            let residual = matrix.residual_after(&before, &step, form.name(), communicator)?;
             *kept = Some(matrix);
             return Ok(LinearStep { unknown, residual, cost });
         }
         let residual = residual_at(&unknown, &mut cost)?;
         let Some(residual_of_row) =
-            matrix.wrong_row(&residual, &load, &views_on(spaces, &unknown), elimination)?
+            matrix.wrong_row(&residual, (form, &load), (spaces, &unknown), elimination, communicator)?
         else {
             *kept = Some(matrix);
             return Ok(LinearStep { unknown, residual, cost });
@@ -133,20 +150,26 @@ impl StepMatrix {
         let mut matrix = BlockMatrix::zero(means.pattern.sparsity());
         let views = views_on(spaces, at);
         let arguments = (&views[..], spaces);
-        let (assembler, vanish) = (means.assembler, ValuesBefore::Vanish);
-        assembler.write_tangent(form, arguments, Parts::ALL, means.pattern, &mut matrix, vanish)?;
-        let lumped = match means.mass {
-            Mass::Consistent => None,
-            Mass::Lumped => Some(row_sums(&matrix)?),
+        let (assembler, communicator, vanish) = (means.assembler, means.communicator, ValuesBefore::Vanish);
+        let own = assembler.write_tangent(form, arguments, Parts::ALL, means.pattern, &mut matrix, vanish);
+        agreed(communicator, form.name(), own)?;
+        let sum = |own| summed(communicator, form.name(), Ok(own));
+        let (own, lumped) = match means.mass {
+            Mass::Consistent => {
+                let own = elimination.reduce_matrix(&matrix)?;
+                if weights.iter().all(|weights| weights[..2] == [0.0; 2]) {
+                    check_inertia(&sum(largest_of_rows(&own))?, elimination)?;
+                }
+                (own, None)
+            }
+            Mass::Lumped => {
+                let own = row_sums(&matrix)?;
+                let masses = lumped(sum(own.clone())?)?;
+                (diagonal(&own, elimination)?, Some(masses))
+            }
         };
         means.solver.set_local_unknowns(groups_of(spaces, elimination));
-        means.solver.set_matrix(match &lumped {
-            Some(masses) => diagonal(masses, elimination)?,
-            None if weights.iter().all(|weights| weights[..2] == [0.0; 2]) => {
-                with_inertia(elimination.reduce_matrix(&matrix)?, elimination)?
-            }
-            None => elimination.reduce_matrix(&matrix)?,
-        })?;
+        means.set_matrix(own)?;
         cost.matrices += 1;
         cost.matrix_seconds += begun.elapsed().as_secs_f64();
         let (free, held) = (elimination.free().to_vec(), elimination.held());
@@ -158,13 +181,16 @@ impl StepMatrix {
     fn wrong_row<const D: usize>(
         &self,
         residual: &[f64],
-        load: &[f64],
-        found: &[FieldView<D>],
+        (form, load): (&Form<D>, &[f64]),
+        (spaces, found): (&[&Arc<Space<D>>], &[f64]),
         elimination: &Elimination,
+        communicator: Option<&dyn Communicator>,
     ) -> Result<Option<f64>, StepFailure> {
-        let of_unknown = |view: &FieldView<D>| vec![largest(view.values); view.values.len()];
-        let amplitudes: Vec<f64> = found.iter().flat_map(of_unknown).collect();
-        let sizes = elimination.reduce_amounts(&self.matrix.products(&amplitudes)?.1)?;
+        let views = views_on(spaces, found);
+        let amplitudes = views.iter().flat_map(|view| vec![largest(view.values); view.values.len()]);
+        let amplitudes: Vec<f64> = amplitudes.collect();
+        let own = self.matrix.products(&amplitudes)?.1;
+        let sizes = elimination.reduce_amounts(&summed(communicator, form.name(), Ok(own))?)?;
         let rows = elimination.reduce(residual)?.into_iter().zip(load).zip(sizes);
         // A residual that is no number does not hold.
         let holds = |residual: f64, load: f64, size: f64| residual <= HOLDS[0] * load + HOLDS[1] * size;
@@ -173,16 +199,28 @@ impl StepMatrix {
     }
 
     /// The residual after a step in the rows in which constraints act, by the matrix; the others are solved for.
-    fn residual_after(&self, before: &[f64], step: &[f64]) -> Vec<f64> {
+    fn residual_after(
+        &self,
+        before: &[f64],
+        step: &[f64],
+        form: &'static str,
+        communicator: Option<&dyn Communicator>,
+    ) -> Result<Vec<f64>, AssemblyError> {
+        let held = self.held.iter();
+        let forces = match &self.lumped {
+            Some(masses) => held.map(|&row| masses[row] * step[row]).collect(),
+            None => {
+                let product = |row: &usize| {
+                    self.matrix.row(*row).map(|(column, value)| value * step[column]).sum::<f64>()
+                };
+                summed(communicator, form, Ok(held.map(product).collect()))?
+            }
+        };
         let mut after = vec![0.0; before.len()];
-        for &row in &self.held {
-            let force = match &self.lumped {
-                Some(masses) => masses[row] * step[row],
-                None => self.matrix.row(row).map(|(column, value)| value * step[column]).sum(),
-            };
+        for (&row, force) in self.held.iter().zip(forces) {
             after[row] = before[row] + force;
         }
-        after
+        Ok(after)
     }
 }
 

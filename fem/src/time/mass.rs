@@ -1,6 +1,7 @@
 //! Mass matrices: those of explicit steps, and what a matrix of inertia has to have.
 
 use super::error::StepFailure;
+use crate::linear_algebra::vector::largest;
 use crate::linear_algebra::{BlockMatrix, CsrMatrix};
 use crate::solve::Elimination;
 
@@ -15,9 +16,13 @@ pub enum Mass {
     Lumped,
 }
 
-/// The row sums of a mass matrix.
+/// The row sums of a mass matrix, on several processes of a part of it.
 pub(crate) fn row_sums(matrix: &BlockMatrix) -> Result<Vec<f64>, StepFailure> {
-    let masses = matrix.multiply(&vec![1.0; matrix.columns()])?;
+    Ok(matrix.multiply(&vec![1.0; matrix.columns()])?)
+}
+
+/// Lumped masses: row sums of the whole matrix, which are positive.
+pub(crate) fn lumped(masses: Vec<f64>) -> Result<Vec<f64>, StepFailure> {
     match masses.iter().position(|mass| !(mass.is_finite() && *mass > 0.0)) {
         Some(unknown) => Err(StepFailure::NoMass { unknown, mass: masses[unknown] }),
         None => Ok(masses),
@@ -35,13 +40,14 @@ pub(super) fn diagonal(masses: &[f64], elimination: &Elimination) -> Result<CsrM
     Ok(CsrMatrix::from_triplets(free.len(), free.len(), &entries)?)
 }
 
-/// A reduced mass matrix in which every free unknown has inertia.
-pub(super) fn with_inertia(matrix: CsrMatrix, elimination: &Elimination) -> Result<CsrMatrix, StepFailure> {
-    let rows = matrix.row_pointers().windows(2).map(|ends| &matrix.values()[ends[0]..ends[1]]);
-    let empty = rows.zip(elimination.free()).filter(|(row, _)| row.iter().all(|value| *value == 0.0));
+/// The largest entry of each row of a matrix, by its size.
+pub(super) fn largest_of_rows(matrix: &CsrMatrix) -> Vec<f64> {
+    matrix.row_pointers().windows(2).map(|ends| largest(&matrix.values()[ends[0]..ends[1]])).collect()
+}
+
+/// An error where a free unknown has no inertia: its row of the reduced mass matrix has only zeros.
+pub(super) fn check_inertia(largest: &[f64], elimination: &Elimination) -> Result<(), StepFailure> {
+    let empty = largest.iter().zip(elimination.free()).filter(|(largest, _)| **largest == 0.0);
     let unknowns: Vec<usize> = empty.map(|(_, unknown)| *unknown).collect();
-    match unknowns.is_empty() {
-        true => Ok(matrix),
-        false => Err(StepFailure::Massless { unknowns }),
-    }
+    if unknowns.is_empty() { Ok(()) } else { Err(StepFailure::Massless { unknowns }) }
 }

@@ -18,9 +18,10 @@ use crate::constraints::{Constraints, ConstraintsError};
 use crate::contract::Form;
 use crate::field::{Field, fields_on};
 use crate::instantiate::instantiate;
+use crate::solve::communicator::Fingerprint;
 use crate::solve::{
-    Communicator, Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, SolvedForm, StepMemory,
-    solve_owned,
+    Communicator, Elimination, GivenEquations, LentSolver, LinearSolver, NewtonOptions, OwnedForm,
+    SolvedForm, StepMemory, agreed, on_part_of_cells, solve_owned,
 };
 
 /// A form of motion that is followed step by step, from a state, by a scheme. Forms of up to four unknowns are
@@ -52,8 +53,8 @@ pub struct TimeLoop<'a, const D: usize> {
     kept: Option<StepMatrix>,
 }
 
-/// The unknowns of affine equations, their residual, and the cost, which is not counted on several processes.
-type AffineStep<const D: usize> = (Vec<Field<D>>, Vec<f64>, Option<StepCost>);
+/// The unknowns of affine equations, their residual, and the cost.
+type AffineStep<const D: usize> = (Vec<Field<D>>, Vec<f64>, StepCost);
 
 type FormOfStep<'a, const D: usize> = Box<dyn Fn(&[Step<D>]) -> Form<D> + 'a>;
 
@@ -199,12 +200,11 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
     }
 
     /// Steps on several processes: each assembles the integrals over its part of the cells. The linear solver has to take
-    /// matrices that are sums over the processes. All processes have the same states, and take the same steps. Affine forms are assembled in each step,
-    /// and masses cannot be lumped.
+    /// matrices that are sums over the processes. All processes have the same states, and take the same steps.
     pub fn on(mut self, communicator: &'a dyn Communicator) -> Self {
         self.communicator = Some(communicator).filter(|communicator| communicator.size() > 1);
         // Each process has the positions of its own entries only.
-        self.pattern = None;
+        (self.pattern, self.kept) = (None, None);
         self
     }
 
@@ -322,11 +322,11 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
                 }
                 let homogeneous: Vec<_> = constraints.iter().map(Constraints::homogeneous).collect();
                 let (x, residual, cost) = self.solve_affine(&form, &weights, &homogeneous)?;
-                (x, residual, vec![], cost)
+                (x, residual, vec![], Some(cost))
             }
             SolvedFor::Value if form.is_affine() => {
                 let (x, residual, cost) = self.solve_affine(&form, &weights, &constraints)?;
-                (x, residual, vec![], cost)
+                (x, residual, vec![], Some(cost))
             }
             SolvedFor::Value => {
                 let SolvedForm { fields, residual, history, .. } =
@@ -461,6 +461,25 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         Ok(())
     }
 
+    /// Takes this process's part of the cells, and compares what the processes were given.
+    fn agree_on_step(&mut self, form: &Form<D>, constraints: &[&Constraints<D>]) -> Result<(), StepFailure> {
+        let Some(communicator) = self.communicator else { return Ok(()) };
+        let spaces: Vec<_> = self.states[0].iter().map(|state| state.value.space()).collect();
+        if !self.assembler.has_owned_cells() {
+            let own = on_part_of_cells(&self.assembler, spaces[0].mesh(), communicator, form.name());
+            self.assembler = agreed(Some(communicator), form.name(), own)?;
+        }
+        let promises = [self.mass == Mass::Lumped, self.constant_coefficients].map(u64::from);
+        let given = GivenEquations {
+            form,
+            spaces: &spaces,
+            assembler: &self.assembler,
+            constraints,
+            others: vec![("the options of a motion", Fingerprint::default().numbers(promises).finish())],
+        };
+        Ok(given.agree(communicator)?)
+    }
+
     fn pattern(&mut self, form: &Form<D>) -> Result<Arc<BlockPattern<D>>, StepFailure> {
         if let Some(known) = &self.pattern {
             return Ok(Arc::clone(known));
@@ -478,17 +497,10 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         constraints: &[Constraints<D>],
     ) -> Result<AffineStep<D>, StepFailure> {
         let of_second_rate = weights.iter().all(|weights| weights[0] == 0.0);
-        if self.communicator.is_some() {
-            if of_second_rate && self.mass == Mass::Lumped {
-                return Err(StepFailure::LumpedOnProcesses);
-            }
-            let start: Vec<_> = self.states().iter().map(|state| Field::zero(state.value.space())).collect();
-            let SolvedForm { fields, residual, .. } =
-                self.solve_by_newton(form.clone(), &start, constraints)?;
-            return Ok((fields, residual, None));
-        }
+        let constraints: Vec<_> = constraints.iter().collect();
+        self.agree_on_step(form, &constraints)?;
         let pattern = self.pattern(form)?;
-        let mut elimination = Elimination::of(&constraints.iter().collect::<Vec<_>>())?;
+        let mut elimination = Elimination::of(&constraints)?;
         // From zero where masses are lumped: the form's residual knows the consistent ones.
         let values = self.states[0].iter().flat_map(|state| state.value.values());
         let mut guess: Vec<f64> = values.map(|value| if of_second_rate { 0.0 } else { *value }).collect();
@@ -501,13 +513,14 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         };
         let mut means = Means {
             assembler: &self.assembler,
+            communicator: self.communicator,
             pattern: &pattern,
             solver: self.solver.get(),
             mass: if of_second_rate { self.mass } else { Mass::Consistent },
         };
         let LinearStep { unknown, residual, cost } =
             solve((form, weights), (&spaces, &guess), &mut elimination, &mut self.kept, &mut means, check)?;
-        Ok((fields_on(&spaces, &unknown)?, residual, Some(cost)))
+        Ok((fields_on(&spaces, &unknown)?, residual, cost))
     }
 
     fn solve_nonlinear(

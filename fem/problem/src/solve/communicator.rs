@@ -116,7 +116,11 @@ pub fn on_part_of_cells<const D: usize>(
 }
 
 /// A result of this process, if all have one; else an error on all, so that none waits for another for ever.
-pub(crate) fn agreed<T>(
+///
+/// # Errors
+/// This process's own error, or [`AssemblyError::Communication`].
+#[doc(hidden)]
+pub fn agreed<T>(
     communicator: Option<&dyn Communicator>,
     form: &'static str,
     own: Result<T, AssemblyError>,
@@ -132,7 +136,11 @@ pub(crate) fn agreed<T>(
 }
 
 /// The sum over all processes of what each has; what this one has where it is alone.
-pub(crate) fn summed(
+///
+/// # Errors
+/// As [`agreed`].
+#[doc(hidden)]
+pub fn summed(
     communicator: Option<&dyn Communicator>,
     form: &'static str,
     own: Result<Vec<f64>, AssemblyError>,

@@ -36,7 +36,7 @@ pub mod solver_report;
 pub mod tangent_solver;
 
 pub use crate::assemble::Terms;
-pub use communicator::{CommunicationError, Communicator, on_part_of_cells};
+pub use communicator::{CommunicationError, Communicator, agreed, on_part_of_cells, summed};
 pub use condensed_solver::CondensedSolver;
 pub use continuation::{
     Branch, BranchEnd, BranchEvent, BranchPoint, Continuation, ContinuationError, ContinuationFailure,
@@ -65,6 +65,8 @@ pub use newton::{
     UnknownBounds, WorstEquation, newton, newton_bounded, newton_eliminating,
 };
 pub use per_unknown::PerUnknown;
+#[doc(hidden)]
+pub use problem::agreement::GivenEquations;
 #[doc(hidden)]
 pub use problem::{OwnedForm, SolvedForm, StepMemory, solve_owned};
 pub use problem::{PositivityError, Problem, SolveError};

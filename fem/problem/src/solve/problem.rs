@@ -1,7 +1,7 @@
 //! A compiled form with its spaces and constraints as a problem that solves itself.
 
 mod affine;
-mod agreement;
+pub mod agreement;
 mod bounded;
 mod deflated;
 mod diagnosis;

@@ -11,7 +11,7 @@ use crate::field::{Field, fields_on};
 use crate::inverse::error::HistoryFailure;
 use crate::inverse::step_equations::{reads_no_history, views};
 use crate::inverse::step_map::StepMap;
-use crate::time::mass::row_sums;
+use crate::time::mass::{lumped, row_sums};
 use crate::time::{Mass, SolvedFor, StepFailure};
 
 impl StepMap {
@@ -32,15 +32,12 @@ impl<const D: usize> MotionHistory<'_, D> {
 
     /// The masses at a start.
     pub(super) fn masses_at(&mut self, start: &[f64]) -> Result<Vec<f64>, HistoryFailure> {
-        if self.equations.communicator.is_some() {
-            return Err(StepFailure::LumpedOnProcesses.into());
-        }
         let interval = self.interval_at_start();
         let steps = interval.steps_from(&self.unknowns_on(), start)?;
         let form = self.form(&interval, &steps)?;
         reads_no_history(&form)?;
         let matrix = self.equations.tangent(&form, &self.zero())?;
-        Ok(row_sums(&matrix)?)
+        Ok(lumped(self.equations.summed(&form, row_sums(&matrix)?)?)?)
     }
 
     /// The second rates by the form's residual at zero.

@@ -59,7 +59,8 @@ impl OwnedCells {
 
 impl<const D: usize> Assembler<D> {
     /// Whether it assembles the integrals over some cells alone.
-    pub(crate) fn has_owned_cells(&self) -> bool {
+    #[doc(hidden)]
+    pub fn has_owned_cells(&self) -> bool {
         self.owned.is_some()
     }
 

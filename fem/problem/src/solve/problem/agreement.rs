@@ -6,8 +6,9 @@ use std::sync::Arc;
 use forms_core::contract::{Entity, Region, Source};
 
 use super::Problem;
-use crate::assemble::AssemblyError;
+use crate::assemble::{Assembler, AssemblyError};
 use crate::constraints::Constraints;
+use crate::contract::Form;
 use crate::field::Field;
 use crate::history::commits;
 use crate::mesh::{Facet, Mesh};
@@ -17,24 +18,59 @@ use crate::space::Space;
 /// A part of a problem, and the number that tells it apart.
 type Part = (&'static str, u64);
 
+/// Equations that processes assemble together, as one of them was given them.
+#[doc(hidden)]
+pub struct GivenEquations<'a, const D: usize> {
+    pub form: &'a Form<D>,
+    pub spaces: &'a [&'a Arc<Space<D>>],
+    pub assembler: &'a Assembler<D>,
+    /// Conditions, for each unknown.
+    pub constraints: &'a [&'a Constraints<D>],
+    /// What else must be the same, by a name and a number.
+    pub others: Vec<Part>,
+}
+
 impl<const D: usize, const N: usize> Problem<'_, D, N> {
-    /// Compares what the processes were given, but for the values of functions of position, and which cells each has.
+    /// Compares what the processes were given.
     pub(super) fn agree_on_problem(&self, constraints: &[&Constraints<D>; N]) -> Result<(), AssemblyError> {
         let Some(communicator) = self.communicator else { return Ok(()) };
-        let form = self.system.form.name();
-        let agreed =
-            self.compare(communicator, constraints).and_then(|()| self.check_partition(communicator));
+        let system = &self.system;
+        let starts = [self.start, self.last_state].map(|state| add_state(Fingerprint::default(), state));
+        let entries = system.loads.iter().flat_map(|loads| &loads.entries).flat_map(|(_, entries)| entries);
+        let loads = Fingerprint::default()
+            .numbers(entries.clone().map(|(unknown, _)| *unknown as u64))
+            .reals(entries.map(|(_, force)| force));
+        let options = Fingerprint::default().text(&format!("{:?}", self.options));
+        let given = GivenEquations {
+            form: &system.form,
+            spaces: &system.spaces.each_ref(),
+            assembler: &system.assembler,
+            constraints,
+            others: vec![
+                ("the loads of rigid surfaces", loads.finish()),
+                ("the start", Fingerprint::default().numbers(starts.map(|start| start.finish())).finish()),
+                ("Newton's options", options.finish()),
+            ],
+        };
+        given.agree(communicator)
+    }
+}
+
+impl<const D: usize> GivenEquations<'_, D> {
+    /// Compares what the processes were given, but for the values of functions of position, and which cells each has.
+    ///
+    /// # Errors
+    /// [`AssemblyError::Communication`] with all that differs.
+    pub fn agree(self, communicator: &dyn Communicator) -> Result<(), AssemblyError> {
+        let form = self.form.name();
+        let agreed = self.compare(communicator).and_then(|()| self.check_partition(communicator));
         agreed.map_err(|source| AssemblyError::Communication { form, source })
     }
 
-    fn compare(
-        &self,
-        communicator: &dyn Communicator,
-        constraints: &[&Constraints<D>; N],
-    ) -> Result<(), CommunicationError> {
+    fn compare(&self, communicator: &dyn Communicator) -> Result<(), CommunicationError> {
         let differ =
             |number: u64| communicator.gather(number).map(|all| all.iter().any(|one| *one != all[0]));
-        let parts = self.parts(constraints);
+        let parts = self.parts();
         let whole = Fingerprint::default().numbers(parts.iter().map(|(_, number)| *number));
         if !differ(whole.finish())? {
             return Ok(());
@@ -48,27 +84,22 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
         Err(CommunicationError::Different { what: different.join(", ") })
     }
 
-    fn parts(&self, constraints: &[&Constraints<D>; N]) -> Vec<Part> {
-        let system = &self.system;
-        let inputs = system.form.inputs();
-        let mesh = system.spaces[0].mesh();
-        let spaces = system.spaces.iter().fold(Fingerprint::default(), add_space);
+    fn parts(&self) -> Vec<Part> {
+        let inputs = self.form.inputs();
+        let mesh = self.spaces[0].mesh();
+        let spaces = self.spaces.iter().fold(Fingerprint::default(), |all, one| add_space(all, one));
         let constraints =
-            constraints.iter().fold(Fingerprint::default(), |all, one| add_constraints(all, one));
+            self.constraints.iter().fold(Fingerprint::default(), |all, one| add_constraints(all, one));
         let fields = inputs.sources.iter().flatten().fold(Fingerprint::default(), add_source);
         let parameters =
             Fingerprint::default().reals(&inputs.parameters).text(&format!("{:?}", inputs.tables));
         let regions =
             inputs.regions.iter().fold(Fingerprint::default(), |all, one| add_region(all, one, mesh));
         // Kernels have the factors of a sum, which are among no parameters.
-        let factors: Vec<f64> = system.form.factors().collect();
-        let form = Fingerprint::default().text(system.form.name()).reals(&factors);
-        let starts = [self.start, self.last_state].map(|state| add_state(Fingerprint::default(), state));
-        let entries = system.loads.iter().flat_map(|loads| &loads.entries).flat_map(|(_, entries)| entries);
-        let loads = Fingerprint::default()
-            .numbers(entries.clone().map(|(unknown, _)| *unknown as u64))
-            .reals(entries.map(|(_, force)| force));
-        vec![
+        let factors: Vec<f64> = self.form.factors().collect();
+        let form = Fingerprint::default().text(self.form.name()).reals(&factors);
+        let quadrature = Fingerprint::default().text(&format!("{:?}", self.assembler.quadrature()));
+        let mut parts = vec![
             ("the form", form.finish()),
             ("the mesh", Fingerprint::default().mesh(mesh).finish()),
             ("a space", spaces.finish()),
@@ -76,25 +107,21 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
             ("the parameters", parameters.finish()),
             ("a given field or history", fields.numbers([commits(inputs)]).finish()),
             ("a region", regions.finish()),
-            (
-                "the quadrature",
-                Fingerprint::default().text(&format!("{:?}", system.assembler.quadrature())).finish(),
-            ),
-            ("the loads of rigid surfaces", loads.finish()),
-            ("the start", Fingerprint::default().numbers(starts.map(|start| start.finish())).finish()),
-            ("Newton's options", Fingerprint::default().text(&format!("{:?}", self.options)).finish()),
-        ]
+            ("the quadrature", quadrature.finish()),
+        ];
+        parts.extend(&self.others);
+        parts
     }
 
     /// Each cell is to be owned by one process.
     fn check_partition(&self, communicator: &dyn Communicator) -> Result<(), CommunicationError> {
-        let count = self.system.spaces[0].mesh().cell_count() as u32;
+        let count = self.spaces[0].mesh().cell_count() as u32;
         // Two sums: of the cells' number, and of numbers that represent the cells.
         let number = |cell: u32| Fingerprint::default().numbers([u64::from(cell)]).finish();
         let sums = |cells: &mut dyn Iterator<Item = u32>| {
             cells.fold([0_u64; 2], |[count, sum], cell| [count + 1, sum.wrapping_add(number(cell))])
         };
-        let own = sums(&mut (0..count).filter(|cell| self.system.assembler.owns_cell(*cell)));
+        let own = sums(&mut (0..count).filter(|cell| self.assembler.owns_cell(*cell)));
         let all = sums(&mut (0..count));
         for (own, all) in own.into_iter().zip(all) {
             let found = communicator.gather(own)?.into_iter().fold(0, u64::wrapping_add);
