@@ -47,9 +47,9 @@ impl SymmetricFactor {
                 for (target, &unknown) in x.iter_mut().zip(&analysis.order) {
                     *target = b[unknown as usize];
                 }
-                self.solve_with_lower(&mut x);
+                self.solve_with_lower(&mut [&mut x]);
                 self.apply_signs(&mut x);
-                self.solve_with_upper(&mut x);
+                self.solve_with_upper(&mut [&mut x]);
                 for (value, &unknown) in x.iter().zip(&analysis.order) {
                     b[unknown as usize] = *value;
                 }
