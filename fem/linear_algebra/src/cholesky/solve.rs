@@ -84,6 +84,26 @@ impl SymmetricFactor {
         check_finite("the solution", b)
     }
 
+    /// A⁻¹ b in place of each of several right-hand sides, without refinement. LLᵀ and LSLᵀ are read once for all of them. Each solution
+    /// has the bits of [`SymmetricFactor::solve_in_place`].
+    ///
+    /// # Errors
+    /// As [`SymmetricFactor::solve_in_place`].
+    pub fn solve_each_in_place(&self, sides: &mut [Vec<f64>]) -> Result<(), LinearAlgebraError> {
+        if let Kind::Pivoted(_) = &self.kind {
+            return sides.iter_mut().try_for_each(|b| self.solve_in_place(b));
+        }
+        sides.iter().try_for_each(|b| check_finite("the right-hand side", b))?;
+        let loads: Vec<&[f64]> = sides.iter().map(Vec::as_slice).collect();
+        let mut found = self.solve_lower_each(&loads)?;
+        found.iter_mut().for_each(|y| self.apply_signs(y));
+        for (b, x) in sides.iter_mut().zip(self.solve_upper_each(found)?) {
+            *b = x;
+            check_finite("the solution", b)?;
+        }
+        Ok(())
+    }
+
     /// Solution of A x = b with iterative refinement, at most `max_steps` of it, until the residual is at the rounding
     /// level of the whole system or no longer halves; and further, as long as an equation is off by more than 1e-12
     /// of its own terms. `matrix` may differ slightly from the one that was factored.
