@@ -18,10 +18,10 @@ use std::time::Instant;
 
 pub(super) use condensed_system::CondensedSystem;
 
-use super::StepMemory;
 use super::elimination::Elimination;
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use super::solver_report::{SolverPath, SolverReport};
+use super::step_memory::StepMemory;
 use super::tangent_solver::{TangentSolver, TangentSolverOptions};
 use crate::linear_algebra::Transpose;
 use crate::linear_algebra::backward_error::Refinement;

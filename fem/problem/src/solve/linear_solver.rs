@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use super::StepMemory;
 use super::condensed_solver::CondensedSolver;
 use super::elimination::Elimination;
 use super::floating::Floating;
 use super::solver_report::SolverReport;
+use super::step_memory::StepMemory;
 use crate::linear_algebra::{
     BlockMatrix, CsrMatrix, GmresReport, Groups, KrylovReport, LinearAlgebraError, ResidualHistory,
     SparsityPattern, Transpose,

@@ -9,22 +9,13 @@ use crate::constraints::Constraints;
 use crate::field::Field;
 use crate::history::commits;
 use crate::instantiate::instantiate;
-use crate::linear_algebra::{BlockMatrix, Restriction};
 use crate::solve::communicator::agreed;
 use crate::solve::linear_part::{Assembled, System};
 use crate::solve::local_unknowns::groups_of;
 use crate::solve::{
     Elimination, LinearSolver, LocalUnknowns, NewtonFailure, NewtonStep, Oscillation, Solved, Start,
-    newton_bounded,
+    StepMemory, newton_bounded,
 };
-
-/// Memory that one step of a history leaves to the next, and the map from its matrix to the reduced one: nothing that a result depends on.
-#[derive(Debug, Default)]
-#[doc(hidden)]
-pub struct StepMemory {
-    pub(in crate::solve) matrix: Option<BlockMatrix>,
-    pub(in crate::solve) restriction: Option<Restriction>,
-}
 
 /// The problem's own linear solver, or one that is lent to it.
 pub(in crate::solve) enum Solver<'a> {
