@@ -17,7 +17,7 @@ COUNTS = [
     ("#[inline(never)]", r"#\[inline\(never\)\]", False, 276),
     ("instantiate! blocks", r"^\s*instantiate!\(", False, 96),
 ]
-LINES = [("lines of Rust without tests", False, 169_300), ("lines of Rust", True, 237_800)]
+LINES = [("lines of Rust without tests", False, 170_500), ("lines of Rust", True, 239_500)]
 
 
 def sources():

@@ -184,7 +184,8 @@ impl Analysis {
         self.elimination().factorisation.shared_work()
     }
 
-    /// Counted work of a solve with L and one right-hand side, in entries of L, and how far threads can share it.
+    /// Counted work of a solve with L and one right-hand side, in entries of L, and how far threads can share it. Several right-hand sides
+    /// at once multiply each task's work by their number: the speed-ups are the same.
     pub fn solve_work(&self) -> SharedWork {
         self.elimination().forward.shared_work()
     }

@@ -169,25 +169,36 @@ impl Condensation {
         x
     }
 
-    /// T⁻¹ b, or T⁻ᵀ b, of all unknowns, with the dense factor of S + B; none where B = 0.
+    /// T⁻¹ b, or T⁻ᵀ b, of all unknowns for several B and b, with the dense factor of each S + B; none where B = 0. The factor of K is read
+    /// once for all of them, and each has the bits that it has by itself.
     ///
     /// # Errors
-    /// If the size is wrong.
-    pub fn solve(
-        &self,
-        b: &[f64],
-        dense: Option<&DenseFactor>,
-        transpose: Transpose,
-    ) -> Result<Vec<f64>, LinearAlgebraError> {
-        let mut y = self.forward(b)?;
-        if let Some(dense) = dense {
-            let mut x = self.condensed_load(&y);
-            dense.solve(&mut x, transpose);
-            let first = y.len() - self.unknowns.len();
-            y[first..].copy_from_slice(&self.shifted(&x));
+    /// If a size is wrong.
+    pub fn solve_each(&self, systems: &[CondensedSide<'_>]) -> Result<Vec<Vec<f64>>, LinearAlgebraError> {
+        let sides: Vec<&[f64]> = systems.iter().map(|system| system.b).collect();
+        let mut found = self.factor.solve_lower_each(&sides)?;
+        for (y, system) in found.iter_mut().zip(systems) {
+            self.factor.apply_signs(y);
+            if let Some(dense) = system.dense {
+                let mut x = self.condensed_load(y);
+                dense.solve(&mut x, system.transpose);
+                let first = y.len() - self.unknowns.len();
+                y[first..].copy_from_slice(&self.shifted(&x));
+            }
         }
-        self.factor.solve_upper(y)
+        self.factor.solve_upper_each(found)
     }
+}
+
+/// The right-hand side of a condensed solve, and what tells its matrix from K.
+#[derive(Clone, Copy, Debug)]
+pub struct CondensedSide<'a> {
+    /// On all unknowns.
+    pub b: &'a [f64],
+    /// The dense factor of S + B; none where B = 0.
+    pub dense: Option<&'a DenseFactor>,
+    /// Whether T or its transposed is solved with.
+    pub transpose: Transpose,
 }
 
 fn as_column(x: &[f64]) -> Mat<f64> {

@@ -67,7 +67,7 @@ pub use block_sparsity::{BlockRows, BlockSparsity, NodeSet};
 pub use cells::Cells;
 pub use cg::cg;
 pub use cholesky::{Refined, Remainder, SymmetricFactor};
-pub use condensation::{Condensation, DenseFactor};
+pub use condensation::{Condensation, CondensedSide, DenseFactor};
 pub use condition::{ConditionEstimate, condition_estimate};
 pub use csr::{CsrMatrix, Entry};
 pub use determinant::{Sign, determinant_sign};

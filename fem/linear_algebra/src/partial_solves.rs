@@ -14,26 +14,48 @@ impl SymmetricFactor {
     /// # Errors
     /// If the size is wrong.
     pub fn solve_lower(&self, b: &[f64]) -> Result<Vec<f64>, LinearAlgebraError> {
+        self.solve_lower_each(&[b]).map(|mut found| found.swap_remove(0))
+    }
+
+    /// L⁻¹ P b of several right-hand sides, which read L once. Each has the bits of [`SymmetricFactor::solve_lower`].
+    ///
+    /// # Errors
+    /// If a size is wrong.
+    pub fn solve_lower_each(&self, sides: &[&[f64]]) -> Result<Vec<Vec<f64>>, LinearAlgebraError> {
         let order = self.analysis().elimination_order();
-        check_size("the right-hand side", order.len(), b.len())?;
-        let mut x: Vec<f64> = order.iter().map(|unknown| b[*unknown as usize]).collect();
-        self.solve_with_lower(&mut x);
-        Ok(x)
+        let mut found = Vec::with_capacity(sides.len());
+        for b in sides {
+            check_size("the right-hand side", order.len(), b.len())?;
+            found.push(order.iter().map(|unknown| b[*unknown as usize]).collect());
+        }
+        self.solve_with_lower(&mut in_place(&mut found));
+        Ok(found)
     }
 
     /// Pᵀ L⁻ᵀ y, from elimination order back to the order of the unknowns.
     ///
     /// # Errors
     /// If the size is wrong.
-    pub fn solve_upper(&self, mut y: Vec<f64>) -> Result<Vec<f64>, LinearAlgebraError> {
+    pub fn solve_upper(&self, y: Vec<f64>) -> Result<Vec<f64>, LinearAlgebraError> {
+        self.solve_upper_each(vec![y]).map(|mut found| found.swap_remove(0))
+    }
+
+    /// Pᵀ L⁻ᵀ y of several right-hand sides, which read L once. Each has the bits of [`SymmetricFactor::solve_upper`].
+    ///
+    /// # Errors
+    /// If a size is wrong.
+    pub fn solve_upper_each(&self, mut sides: Vec<Vec<f64>>) -> Result<Vec<Vec<f64>>, LinearAlgebraError> {
         let order = self.analysis().elimination_order();
-        check_size("the right-hand side", order.len(), y.len())?;
-        self.solve_with_upper(&mut y);
-        let mut x = vec![0.0; y.len()];
-        for (value, unknown) in y.into_iter().zip(order) {
-            x[*unknown as usize] = value;
+        sides.iter().try_for_each(|y| check_size("the right-hand side", order.len(), y.len()))?;
+        self.solve_with_upper(&mut in_place(&mut sides));
+        let mut x = vec![0.0; order.len()];
+        for side in &mut sides {
+            for (value, unknown) in side.iter().zip(order) {
+                x[*unknown as usize] = *value;
+            }
+            std::mem::swap(side, &mut x);
         }
-        Ok(x)
+        Ok(sides)
     }
 
     /// The last `count` rows and columns of L, dense and lower triangular.
@@ -60,6 +82,10 @@ impl SymmetricFactor {
         }
         block
     }
+}
+
+fn in_place(sides: &mut [Vec<f64>]) -> Vec<&mut [f64]> {
+    sides.iter_mut().map(Vec::as_mut_slice).collect()
 }
 
 /// L D Lᵀ of a dense lower triangular L and a diagonal of signs.

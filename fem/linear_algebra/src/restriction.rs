@@ -178,6 +178,57 @@ impl Restriction {
         Ok(CsrMatrix::of_checked(&self.target, filling.into_list()))
     }
 
+    /// The entries by which the submatrix differs from another matrix on its pattern: what is added to them there. None if there are
+    /// more than `most`. Nothing of the submatrix is stored.
+    ///
+    /// # Errors
+    /// As [`Restriction::apply`], also if the other matrix is on another pattern; an entry that is not finite.
+    pub fn differences(
+        &self,
+        matrix: &BlockMatrix,
+        base: &CsrMatrix,
+        most: usize,
+    ) -> Result<Option<Vec<Entry>>, LinearAlgebraError> {
+        self.check(matrix)?;
+        if !Arc::ptr_eq(base.pattern(), &self.target) && **base.pattern() != *self.target {
+            return Err(LinearAlgebraError::PatternMismatch { what: "comparing a submatrix" });
+        }
+        let (source, mut found) = (matrix.values(), Vec::new());
+        let kept = self.new_rows.iter().enumerate().filter(|(_, new)| **new != DROPPED);
+        for (old, &row) in kept {
+            let (columns, known) = base.row(row as usize);
+            let mut place = 0;
+            let mut compare = |values: &[f64]| {
+                let known = &known[place..place + values.len()];
+                // A number that is none differs from every other.
+                for (k, (value, base)) in values.iter().zip(known).enumerate() {
+                    if *value != *base {
+                        found.push(Entry { row, column: columns[place + k], value: value - base });
+                    }
+                }
+                place += values.len();
+            };
+            if self.whole[row as usize] {
+                self.source.visit_pieces(old, |place, count| compare(&source[place..place + count]));
+            } else {
+                self.source.visit_row(old, |column, place, width| {
+                    let columns = self.new_columns[column..column + width].iter();
+                    let values = columns.zip(source[place..place + width].chunks_exact(1));
+                    values.filter(|(column, _)| **column != DROPPED).for_each(|(_, value)| compare(value));
+                });
+            }
+            if found.len() > most {
+                return Ok(None);
+            }
+        }
+        match found.iter().find(|entry| !entry.value.is_finite()) {
+            None => Ok(Some(found)),
+            Some(&Entry { row, column, value }) => {
+                Err(LinearAlgebraError::EntryNotFinite { row: row as usize, column: column as usize, value })
+            }
+        }
+    }
+
     /// The entries of the submatrix whose values are at some places of the matrix, as ranges of whole blocks.
     ///
     /// # Errors
@@ -255,6 +306,32 @@ mod tests {
             [([1, 2], &[0, 2, 3][..]), ([1, 3], &[0, 2]), ([1, 3], &[0, 1, 3]), ([1, 9], &[0, 2, 3])]
         {
             assert!(!restriction.keeps(&rows, columns), "{rows:?} {columns:?}");
+        }
+    }
+
+    #[test]
+    fn differences_are_what_is_added() {
+        let matrix = dense();
+        let other_pattern = &CsrMatrix::from_triplets(2, 2, &[(0, 0, 1.0)]).unwrap();
+        let all = [0, 1, 2, 3];
+        for (rows, columns) in [(&all[1..], &all[..]), (&[1, 3][..], &[0, 2, 3][..])] {
+            let restriction = Restriction::new(matrix.sparsity(), rows, columns).unwrap();
+            let base = restriction.apply(&matrix).unwrap();
+            assert_eq!(restriction.differences(&matrix, &base, 0).unwrap(), Some(vec![]));
+            let added = Entry { row: 1, column: 1, value: 0.5 };
+            let other = base.plus(&[Entry { value: -0.5, ..added }, Entry { row: 0, ..added }]).unwrap();
+            let expected = vec![Entry { row: 0, value: -0.5, ..added }, added];
+            assert_eq!(restriction.differences(&matrix, &other, 2).unwrap(), Some(expected));
+            assert_eq!(restriction.differences(&matrix, &other, 1).unwrap(), None);
+            let mut wrong = dense();
+            let place = wrong.sparsity().find(rows[1], columns[2]).unwrap();
+            wrong.values_mut()[place] = f64::NAN;
+            let error = restriction.differences(&wrong, &base, 9).unwrap_err();
+            assert!(
+                matches!(error, LinearAlgebraError::EntryNotFinite { row: 1, column: 2, .. }),
+                "{error:?}"
+            );
+            assert!(restriction.differences(&matrix, &other_pattern, 9).is_err());
         }
     }
 

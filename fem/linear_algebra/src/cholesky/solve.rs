@@ -47,9 +47,9 @@ impl SymmetricFactor {
                 for (target, &unknown) in x.iter_mut().zip(&analysis.order) {
                     *target = b[unknown as usize];
                 }
-                self.solve_with_lower(&mut x);
+                self.solve_with_lower(&mut [&mut x]);
                 self.apply_signs(&mut x);
-                self.solve_with_upper(&mut x);
+                self.solve_with_upper(&mut [&mut x]);
                 for (value, &unknown) in x.iter().zip(&analysis.order) {
                     b[unknown as usize] = *value;
                 }
@@ -82,6 +82,26 @@ impl SymmetricFactor {
             }
         }
         check_finite("the solution", b)
+    }
+
+    /// A⁻¹ b in place of each of several right-hand sides, without refinement. LLᵀ and LSLᵀ are read once for all of them. Each solution
+    /// has the bits of [`SymmetricFactor::solve_in_place`].
+    ///
+    /// # Errors
+    /// As [`SymmetricFactor::solve_in_place`].
+    pub fn solve_each_in_place(&self, sides: &mut [Vec<f64>]) -> Result<(), LinearAlgebraError> {
+        if let Kind::Pivoted(_) = &self.kind {
+            return sides.iter_mut().try_for_each(|b| self.solve_in_place(b));
+        }
+        sides.iter().try_for_each(|b| check_finite("the right-hand side", b))?;
+        let loads: Vec<&[f64]> = sides.iter().map(Vec::as_slice).collect();
+        let mut found = self.solve_lower_each(&loads)?;
+        found.iter_mut().for_each(|y| self.apply_signs(y));
+        for (b, x) in sides.iter_mut().zip(self.solve_upper_each(found)?) {
+            *b = x;
+            check_finite("the solution", b)?;
+        }
+        Ok(())
     }
 
     /// Solution of A x = b with iterative refinement, at most `max_steps` of it, until the residual is at the rounding

@@ -286,7 +286,21 @@ fn many_units_are_factored_and_solved_with_the_same_bits_on_any_number_of_thread
         factor.solve_in_place(&mut x).unwrap();
         assert!(error(&x, &wanted) < 1e-11, "{threads} threads: {}", error(&x, &wanted));
         let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
-        (bits(&factor.values), bits(&x))
+        // One of them is zero but for a few unknowns.
+        let mut local = vec![0.0; load.len()];
+        local[40..50].copy_from_slice(&wanted[40..50]);
+        let lower = factor.solve_lower_each(&[&load, &local, &wanted]).unwrap();
+        let upper = factor.solve_upper_each(lower.clone()).unwrap();
+        for ((b, y), x) in [&load, &local, &wanted].into_iter().zip(&lower).zip(&upper) {
+            let alone = factor.solve_lower(b).unwrap();
+            assert!(bits(&alone) == bits(y), "{threads} threads");
+            assert!(bits(&factor.solve_upper(alone).unwrap()) == bits(x), "{threads} threads");
+        }
+        let mut in_place = [load.clone(), local];
+        factor.solve_each_in_place(&mut in_place).unwrap();
+        assert!(bits(&in_place.concat()) == bits(&upper[..2].concat()), "{threads} threads");
+        assert!(bits(&upper[0]) == bits(&x), "{threads} threads");
+        (bits(&factor.values), bits(&x), bits(&upper.concat()))
     };
     let one = found(1);
     for threads in [2, 3, 7, 16] {

@@ -8,109 +8,129 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use super::SymmetricFactor;
 use crate::elimination::Unit;
 
-/// Values of all unknowns in elimination order, cut into those of units. A task changes those of its unit, and publishes them then.
+/// Values of all unknowns in elimination order for each right-hand side, cut into those of units. A task changes those of its unit, and
+/// publishes them then.
 struct Parts<'x> {
-    free: Vec<Mutex<Option<&'x mut [f64]>>>,
-    known: Vec<OnceLock<&'x [f64]>>,
+    free: Vec<Mutex<Vec<&'x mut [f64]>>>,
+    known: Vec<OnceLock<Vec<&'x [f64]>>>,
     /// Places of the units' first unknowns, and the number of unknowns.
     starts: Vec<usize>,
 }
 
 impl<'x> Parts<'x> {
-    fn new(starts: Vec<usize>, x: &'x mut [f64]) -> Self {
-        let (mut free, mut rest) = (Vec::with_capacity(starts.len()), x);
-        for ends in starts.windows(2) {
-            let (own, others) = rest.split_at_mut(ends[1] - ends[0]);
-            free.push(Mutex::new(Some(own)));
-            rest = others;
+    fn new(starts: Vec<usize>, sides: &'x mut [&mut [f64]]) -> Self {
+        let count = starts.len() - 1;
+        let mut free: Vec<Vec<&mut [f64]>> = vec![];
+        free.resize_with(count, Vec::new);
+        for side in sides {
+            let mut rest = &mut **side;
+            for (ends, free) in starts.windows(2).zip(&mut free) {
+                let (own, others) = rest.split_at_mut(ends[1] - ends[0]);
+                free.push(own);
+                rest = others;
+            }
         }
         let mut known = vec![];
-        known.resize_with(free.len(), OnceLock::new);
-        Parts { free, known, starts }
+        known.resize_with(count, OnceLock::new);
+        Parts { free: free.into_iter().map(Mutex::new).collect(), known, starts }
     }
 
-    fn take(&self, unit: usize) -> Option<&'x mut [f64]> {
-        self.free[unit].lock().unwrap_or_else(PoisonError::into_inner).take()
+    fn take(&self, unit: usize) -> Vec<&'x mut [f64]> {
+        std::mem::take(&mut *self.free[unit].lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
-/// Memory of a thread: numbers for rows outside of a unit, zero between tasks, and those below a supernode.
+/// Memory of a thread for a right-hand side: numbers for rows outside of a unit, zero between tasks, and those below a supernode.
 #[derive(Default)]
-struct Outside {
-    values: Vec<f64>,
-    below: Vec<f64>,
+pub(super) struct Outside {
+    pub(super) values: Vec<f64>,
+    pub(super) below: Vec<f64>,
+    /// Whether the right-hand side is zero at a supernode.
+    pub(super) rests: bool,
 }
 
-impl Outside {
-    fn begin(&mut self, size: usize) {
-        if self.values.is_empty() {
-            // Memory that is zero from the start costs nothing where it is not touched.
-            self.values = vec![0.0; size];
-        }
+/// Memory of a thread for all right-hand sides.
+fn begin(memory: &mut Vec<Outside>, count: usize, size: usize) {
+    if memory.is_empty() {
+        // Memory that is zero from the start costs nothing where it is not touched.
+        memory.resize_with(count, || Outside { values: vec![0.0; size], ..Outside::default() });
     }
 }
 
 impl SymmetricFactor {
-    /// Replaces x, in elimination order, by L⁻¹ x.
-    pub(crate) fn solve_with_lower(&self, x: &mut [f64]) {
-        let (elimination, size) = (self.analysis.elimination(), x.len());
+    /// Replaces each x, in elimination order, by L⁻¹ x: with the bits that it has by itself.
+    pub(crate) fn solve_with_lower(&self, sides: &mut [&mut [f64]]) {
+        let (elimination, size, count) = (self.analysis.elimination(), self.analysis.size(), sides.len());
         if let [only] = &elimination.units[..] {
-            let (mut below, mut none) = (vec![], vec![]);
-            return self.forward(only, (0, x), &mut none, &mut below);
+            let mut memory = vec![];
+            memory.resize_with(count, Outside::default);
+            return self.forward(only, (0, sides), &mut memory);
         }
-        let parts = Parts::new(self.starts(&elimination.units, size), x);
+        let parts = Parts::new(self.starts(&elimination.units, size), sides);
         let mut children = vec![vec![]; elimination.units.len()];
         for (number, unit) in elimination.units.iter().enumerate() {
             unit.parent.into_iter().for_each(|parent| children[parent as usize].push(number));
         }
+        // Of each unit, for one right-hand side after the other.
         let sums: Vec<OnceLock<Vec<f64>>> = elimination.units.iter().map(|_| OnceLock::new()).collect();
-        elimination.forward.run(self.threads, &mut Outside::default(), |number, outside| {
-            let (unit, start) = (&elimination.units[number], parts.starts[number]);
-            let Some(own) = parts.take(number) else { return };
-            outside.begin(size);
-            let end = start + own.len();
+        elimination.forward.run(self.threads, &mut vec![], |number, memory: &mut Vec<Outside>| {
+            let (unit, start, mut own) =
+                (&elimination.units[number], parts.starts[number], parts.take(number));
+            begin(memory, count, size);
+            let end = parts.starts[number + 1];
             for child in &children[number] {
-                let changes = sums[*child].get().into_iter().flatten();
-                for (row, change) in elimination.units[*child].outer.iter().zip(changes) {
-                    let row = *row as usize;
-                    let target = if row < end { &mut own[row - start] } else { &mut outside.values[row] };
-                    *target += change;
+                let mut changes = sums[*child].get().into_iter().flatten();
+                for (own, Outside { values, .. }) in own.iter_mut().zip(&mut *memory) {
+                    for (row, change) in elimination.units[*child].outer.iter().zip(&mut changes) {
+                        let row = *row as usize;
+                        let target = if row < end { &mut own[row - start] } else { &mut values[row] };
+                        *target += change;
+                    }
                 }
             }
-            self.forward(unit, (start, own), &mut outside.values, &mut outside.below);
-            let taken = unit.outer.iter().map(|row| std::mem::take(&mut outside.values[*row as usize]));
-            let _ = sums[number].set(taken.collect());
+            self.forward(unit, (start, &mut own), memory);
+            let mut taken = Vec::with_capacity(count * unit.outer.len());
+            for Outside { values, .. } in memory {
+                taken.extend(unit.outer.iter().map(|row| std::mem::take(&mut values[*row as usize])));
+            }
+            let _ = sums[number].set(taken);
         });
     }
 
-    /// Replaces y, in elimination order, by L⁻ᵀ y.
-    pub(crate) fn solve_with_upper(&self, y: &mut [f64]) {
-        let (elimination, size) = (self.analysis.elimination(), y.len());
+    /// Replaces each y, in elimination order, by L⁻ᵀ y: with the bits that it has by itself.
+    pub(crate) fn solve_with_upper(&self, sides: &mut [&mut [f64]]) {
+        let (elimination, size, sides_count) =
+            (self.analysis.elimination(), self.analysis.size(), sides.len());
         let count = elimination.units.len();
         if count < 2 {
-            return self.substitute_back(0..self.analysis.supernodes.n_supernodes() as u32, y);
+            let mut memory = vec![];
+            memory.resize_with(sides_count, Outside::default);
+            let all = 0..self.analysis.supernodes.n_supernodes() as u32;
+            return self.backward(all, (0, sides), &mut memory);
         }
-        let parts = Parts::new(self.starts(&elimination.units, size), y);
-        elimination.backward.run(self.threads, &mut Outside::default(), |number, outside| {
+        let parts = Parts::new(self.starts(&elimination.units, size), sides);
+        elimination.backward.run(self.threads, &mut vec![], |number, memory: &mut Vec<Outside>| {
             let number = count - 1 - number;
-            let (unit, start) = (&elimination.units[number], parts.starts[number]);
-            let Some(own) = parts.take(number) else { return };
-            outside.begin(size);
+            let (unit, start, mut own) =
+                (&elimination.units[number], parts.starts[number], parts.take(number));
+            begin(memory, sides_count, size);
             let mut rest = &unit.outer[..];
             while let Some(first) = rest.first() {
                 // Neighbours are in one unit.
                 let holder = parts.starts.partition_point(|start| *start <= *first as usize) - 1;
                 let (start, end) = (parts.starts[holder], parts.starts[holder + 1]);
                 let held = rest.partition_point(|row| (*row as usize) < end);
-                let known = parts.known[holder].get().copied().unwrap_or_default();
-                for row in &rest[..held] {
-                    outside.values[*row as usize] = known[*row as usize - start];
+                let known = parts.known[holder].get().into_iter().flatten();
+                for (known, Outside { values, .. }) in known.zip(&mut *memory) {
+                    for row in &rest[..held] {
+                        values[*row as usize] = known[*row as usize - start];
+                    }
                 }
                 rest = &rest[held..];
             }
             let supernodes = unit.supernodes.start as u32..unit.supernodes.end as u32;
-            self.backward(supernodes, (start, &mut *own), &outside.values, &mut outside.below);
-            let _ = parts.known[number].set(own);
+            self.backward(supernodes, (start, &mut own), memory);
+            let _ = parts.known[number].set(own.into_iter().map(|own| &*own).collect());
         });
     }
 

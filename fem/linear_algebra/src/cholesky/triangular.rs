@@ -1,9 +1,11 @@
-//! Solves with the triangles of an LLᵀ factor for one right-hand side, supernode by supernode of a unit.
+//! Solves with the triangles of an LLᵀ factor for a few right-hand sides, supernode by supernode of a unit.
 //!
 //! faer's solves are made for many right-hand sides: each product with a supernode's block is a call of its general kernels, which
-//! takes longer than the product where supernodes are small.
+//! takes longer than the product where supernodes are small. Here each right-hand side is treated as it would be by itself, with the same
+//! bits, while the columns of the factor that all of them read are at hand.
 
 use super::SymmetricFactor;
+use super::tree_solves::Outside;
 use crate::ahead::ask_for;
 use crate::elimination::Unit;
 
@@ -99,60 +101,72 @@ impl SymmetricFactor {
         Supernode { block, first, width, rows: symbolic.supernode(number).pattern() }
     }
 
-    /// Solves with L in the supernodes of a unit, whose unknowns are given with the place of the first one. What they take from later ones is
-    /// added to `outside`, by rows of the matrix.
+    /// Solves with L in the supernodes of a unit, whose unknowns are given for each right-hand side with the place of the first one. What they
+    /// take from later ones is added to the values outside, by rows of the matrix.
     pub(super) fn forward(
         &self,
         unit: &Unit,
-        (start, x): (usize, &mut [f64]),
-        outside: &mut [f64],
-        below: &mut Vec<f64>,
+        (start, sides): (usize, &mut [&mut [f64]]),
+        memory: &mut [Outside],
     ) {
-        let end = start + x.len();
+        let Some(end) = sides.first().map(|side| start + side.len()) else { return };
         for number in unit.supernodes.clone() {
             let node = self.supernode(number);
-            let own = &mut x[node.first - start..][..node.width];
-            // As away from the loads, where these are on a boundary.
-            if own.iter().all(|value| *value == 0.0) {
+            let own = node.first - start..node.first - start + node.width;
+            let mut changes = false;
+            for (side, memory) in sides.iter().zip(&mut *memory) {
+                // As away from the loads, where these are on a boundary.
+                memory.rests = side[own.clone()].iter().all(|value| *value == 0.0);
+                if !memory.rests {
+                    memory.below.clear();
+                    memory.below.resize(node.rows.len(), 0.0);
+                    changes = true;
+                }
+            }
+            if !changes {
                 continue;
             }
             if number + 1 < unit.supernodes.end {
                 let next = self.supernode(number + 1).block;
                 ask_for(&next[..next.len().min(AHEAD)]);
             }
-            below.clear();
-            below.resize(node.rows.len(), 0.0);
-            let mut from = 0;
-            while from + AT_ONCE <= node.width {
-                node.forward::<AT_ONCE>(from, own, below);
-                from += AT_ONCE;
+            let fours = node.width / AT_ONCE * AT_ONCE;
+            for from in (0..fours).step_by(AT_ONCE).chain(fours..node.width) {
+                for (side, memory) in sides.iter_mut().zip(&mut *memory).filter(|(_, memory)| !memory.rests) {
+                    let (own, below) = (&mut side[own.clone()], &mut memory.below[..]);
+                    match from < fours {
+                        true => node.forward::<AT_ONCE>(from, own, below),
+                        false => node.forward::<1>(from, own, below),
+                    }
+                }
             }
-            (from..node.width).for_each(|from| node.forward::<1>(from, own, below));
             let inside = node.rows.partition_point(|row| (*row as usize) < end);
-            for (row, change) in node.rows[..inside].iter().zip(&below[..]) {
-                x[*row as usize - start] += change;
-            }
-            for (row, change) in node.rows[inside..].iter().zip(&below[inside..]) {
-                outside[*row as usize] += change;
+            for (side, memory) in sides.iter_mut().zip(&mut *memory).filter(|(_, memory)| !memory.rests) {
+                let Outside { values, below, .. } = memory;
+                for (row, change) in node.rows[..inside].iter().zip(&below[..]) {
+                    side[*row as usize - start] += change;
+                }
+                for (row, change) in node.rows[inside..].iter().zip(&below[inside..]) {
+                    values[*row as usize] += change;
+                }
             }
         }
     }
 
     /// Solves with Lᵀ in some supernodes, ascending, with all above them in the elimination tree.
     pub(crate) fn substitute_back(&self, supernodes: impl DoubleEndedIterator<Item = u32>, y: &mut [f64]) {
-        self.backward(supernodes, (0, y), &[], &mut vec![]);
+        self.backward(supernodes, (0, &mut [y]), &mut [Outside::default()]);
     }
 
-    /// Solves with Lᵀ in some supernodes, ascending, whose unknowns are given with the place of the first one. The values of later ones are
-    /// `outside`, by rows of the matrix.
+    /// Solves with Lᵀ in some supernodes, ascending, whose unknowns are given for each right-hand side with the place of the first one. The
+    /// values of later ones are those outside, by rows of the matrix.
     pub(super) fn backward(
         &self,
         supernodes: impl DoubleEndedIterator<Item = u32>,
-        (start, y): (usize, &mut [f64]),
-        outside: &[f64],
-        below: &mut Vec<f64>,
+        (start, sides): (usize, &mut [&mut [f64]]),
+        memory: &mut [Outside],
     ) {
-        let end = start + y.len();
+        let Some(end) = sides.first().map(|side| start + side.len()) else { return };
         let mut supernodes = supernodes.rev().peekable();
         while let Some(number) = supernodes.next() {
             let node = self.supernode(number as usize);
@@ -161,15 +175,22 @@ impl SymmetricFactor {
                 ask_for(&next[next.len().saturating_sub(AHEAD)..]);
             }
             let (inside, beyond) = node.rows.split_at(node.rows.partition_point(|row| (*row as usize) < end));
-            below.clear();
-            below.extend(inside.iter().map(|row| y[*row as usize - start]));
-            below.extend(beyond.iter().map(|row| outside[*row as usize]));
-            let own = &mut y[node.first - start..][..node.width];
+            for (side, Outside { values, below, .. }) in sides.iter().zip(&mut *memory) {
+                below.clear();
+                below.extend(inside.iter().map(|row| side[*row as usize - start]));
+                below.extend(beyond.iter().map(|row| values[*row as usize]));
+            }
+            let own = node.first - start..node.first - start + node.width;
             let fours = node.width / AT_ONCE * AT_ONCE;
-            (fours..node.width).rev().for_each(|from| node.backward::<1>(from, own, below));
-            (0..fours).step_by(AT_ONCE).rev().for_each(|from| {
-                node.backward::<AT_ONCE>(from, own, below);
-            });
+            for from in (fours..node.width).rev().chain((0..fours).step_by(AT_ONCE).rev()) {
+                for (side, Outside { below, .. }) in sides.iter_mut().zip(&*memory) {
+                    let own = &mut side[own.clone()];
+                    match from < fours {
+                        true => node.backward::<AT_ONCE>(from, own, below),
+                        false => node.backward::<1>(from, own, below),
+                    }
+                }
+            }
         }
     }
 }
@@ -211,12 +232,12 @@ mod tests {
                 let b = matrix.multiply(&exact).unwrap();
                 let order = analysis.elimination_order();
                 let mut x: Vec<f64> = order.iter().map(|unknown| b[*unknown as usize]).collect();
-                factor.solve_with_lower(&mut x);
+                factor.solve_with_lower(&mut [&mut x]);
                 // ‖L⁻¹ P b‖² = b·x.
                 let square: f64 = x.iter().map(|value| value * value).sum();
                 let work: f64 = b.iter().zip(&exact).map(|(b, x)| b * x).sum();
                 assert!((square - work).abs() < 1e-13 * work, "{m}: {square} is not {work}");
-                factor.solve_with_upper(&mut x);
+                factor.solve_with_upper(&mut [&mut x]);
                 for (value, unknown) in x.iter().zip(order) {
                     let expected = exact[*unknown as usize];
                     assert!((value - expected).abs() < 1e-14, "{m}: {value} is not {expected}");

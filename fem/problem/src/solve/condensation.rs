@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use self::changes::{Reduced, differences, nonlinear_changes};
 use self::few_unknowns::FewUnknowns;
+use super::LinearSolver;
 use super::newton::equations::{Change, Equations, Verdict, iterate};
 use super::newton::free_equations::{FreeEquations, checked_tangent};
 use super::newton::{LineSearch, NewtonFailure};
@@ -39,6 +40,10 @@ fn share_linear_part(free: &mut FreeEquations<'_>) -> Result<Option<Reduced>, Ne
     match part.is_symmetric || part.matrix.equals_transposed() {
         true => solver.set_symmetric_linear_part(&reduced)?,
         false => solver.set_linear_part(&reduced)?,
+    }
+    // Adjoint problems with this solver take it from there.
+    if let (Some(memory), Some(map)) = (solver.memory(), elimination.known_restriction()) {
+        memory.restriction = Some(map);
     }
     let full = (!elimination.only_prescribes()).then(|| part.matrix.clone());
     Ok(Some(Reduced { matrix: reduced, full }))

@@ -18,8 +18,10 @@ use std::time::Instant;
 
 pub(super) use condensed_system::CondensedSystem;
 
+use super::elimination::Elimination;
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use super::solver_report::{SolverPath, SolverReport};
+use super::step_memory::StepMemory;
 use super::tangent_solver::{TangentSolver, TangentSolverOptions};
 use crate::linear_algebra::Transpose;
 use crate::linear_algebra::backward_error::Refinement;
@@ -27,8 +29,8 @@ use crate::linear_algebra::equations::Side;
 use crate::linear_algebra::singularity::check_regular;
 use crate::linear_algebra::vector::norm;
 use crate::linear_algebra::{
-    Analysis, Condensation, CsrMatrix, DenseFactor, Entry, LinearAlgebraError, Ordering, SparsityPattern,
-    SymmetricFactor,
+    Analysis, BlockMatrix, Condensation, CondensedSide, CsrMatrix, DenseFactor, Entry, LinearAlgebraError,
+    Ordering, SparsityPattern, SymmetricFactor,
 };
 use crate::threads::Threads;
 
@@ -43,6 +45,9 @@ const SYMMETRIC: f64 = 1e-12;
 /// about what the Krylov iterations it replaces would cost.
 const DENSE_COST: f64 = 400.0;
 
+/// A matrix with more than this part of its entries other than those of the linear part is stored by itself.
+const CHANGED: usize = 8;
+
 /// Relative residual below which refinement of the whole solution stops.
 const ACCURATE: f64 = 1e-15;
 /// A factor with a pivot below this part of its scale is asked whether K is singular.
@@ -52,6 +57,10 @@ const DOUBTFUL: f64 = 1e-9;
 const REFINEMENTS: usize = 4;
 
 /// A solver that condenses to the unknowns that change. Its fallback is a [`TangentSolver`].
+///
+/// Problems that are solved with it one after the other, as the adjoint states of several criteria, share the factor of K and the map
+/// to their free unknowns. Affine ones share the memory of one matrix, which the solver keeps, and each is known by its difference from K:
+/// what it does not change is not stored again.
 #[derive(Debug, Default)]
 pub struct CondensedSolver {
     fallback: TangentSolver,
@@ -63,6 +72,8 @@ pub struct CondensedSolver {
     refused: bool,
     current: Option<Current>,
     report: SolverReport,
+    /// Of the problems that were solved.
+    memory: StepMemory,
 }
 
 /// K and the sizes √K_ii of its unknowns.
@@ -220,6 +231,7 @@ impl CondensedSolver {
         {
             return Ok(true);
         }
+        self.current = None; // it belongs to the factor
         let earlier = self.condensation.take().map(|known| known.unknowns().to_vec()).unwrap_or_default();
         let expected = std::mem::take(&mut self.expected);
         let mut all = [touched, &earlier[..], &expected].concat();
@@ -336,6 +348,39 @@ impl LinearSolver for CondensedSolver {
         }
     }
 
+    fn set_reduced(
+        &mut self,
+        matrix: &BlockMatrix,
+        elimination: &mut Elimination,
+    ) -> Result<(), SolverError> {
+        let known = self.linear_part.as_ref().filter(|_| !self.refused && elimination.only_prescribes());
+        if let Some(base) = known.map(|known| known.matrix.clone()) {
+            // Where most of the matrix is the linear part, bit by bit, nothing of it is copied.
+            let most = base.values().len() / CHANGED;
+            let found = elimination.reduce_difference_from(matrix, &base, most);
+            if found.is_err() {
+                self.current = None;
+            }
+            if let Some(additions) = found? {
+                return match &self.current {
+                    // Another criterion at the same state.
+                    Some(Current::Condensed { matrix, .. })
+                        if Arc::ptr_eq(&matrix.base, &base) && matrix.additions == additions =>
+                    {
+                        Ok(())
+                    }
+                    _ => self.set_added(&base, additions, &[]),
+                };
+            }
+        }
+        let pattern = self.pattern().cloned();
+        self.set_matrix(elimination.reduce_matrix_sharing(matrix, pattern.as_ref())?)
+    }
+
+    fn memory(&mut self) -> Option<&mut StepMemory> {
+        Some(&mut self.memory)
+    }
+
     fn pattern(&self) -> Option<&Arc<SparsityPattern>> {
         match &self.linear_part {
             Some(known) => Some(known.matrix.pattern()),
@@ -372,12 +417,16 @@ impl LinearSolver for CondensedSolver {
         let start = Instant::now();
         let scale = norm(b);
         let relative = |rest: &[f64]| if scale == 0.0 { 0.0 } else { norm(rest) / scale };
+        let solved = |b: &[f64]| -> Result<Vec<f64>, LinearAlgebraError> {
+            let side = CondensedSide { b, dense: dense.as_ref(), transpose };
+            condensation.solve_each(&[side]).map(|mut found| found.swap_remove(0))
+        };
         let solve = |change: &mut Vec<f64>| -> Result<(), LinearAlgebraError> {
-            *change = condensation.solve(change, dense.as_ref(), transpose)?;
+            *change = solved(change)?;
             Ok(())
         };
         let (side, threads) = (matrix.side(transpose), self.fallback.threads());
-        let x = condensation.solve(b, dense.as_ref(), transpose)?;
+        let x = solved(b)?;
         let mut found = Refinement::new(&side, threads, b, x)?;
         let mut relative_residual = relative(&found.residual.rest);
         for _ in 0..REFINEMENTS {

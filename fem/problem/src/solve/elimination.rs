@@ -125,6 +125,11 @@ impl Elimination {
         self
     }
 
+    /// The map between matrices once more, where there is one.
+    pub(crate) fn known_restriction(&self) -> Option<Restriction> {
+        self.restriction.clone()
+    }
+
     /// The map between matrices, where there is one.
     pub(crate) fn into_restriction(self) -> Option<Restriction> {
         self.restriction
@@ -286,6 +291,35 @@ impl Elimination {
         self.weighted(matrix, known)?.apply(matrix)
     }
 
+    /// The entries by which the reduced matrix differs from another one: what is added to them there. None if there are more than `most`, or
+    /// the patterns differ. Nothing of the reduced matrix is stored.
+    ///
+    /// # Errors
+    /// If the matrix has the wrong size, an entry that differs is not finite, or unknowns are given by free ones.
+    pub(crate) fn reduce_difference_from(
+        &mut self,
+        matrix: &BlockMatrix,
+        base: &CsrMatrix,
+        most: usize,
+    ) -> Result<Option<Vec<Entry>>, LinearAlgebraError> {
+        self.check_only_prescribes()?;
+        let restriction = self.restriction(matrix, Some(base.pattern()))?;
+        if !Arc::ptr_eq(restriction.pattern(), base.pattern()) && **restriction.pattern() != **base.pattern()
+        {
+            return Ok(None);
+        }
+        restriction.differences(matrix, base, most)
+    }
+
+    fn check_only_prescribes(&self) -> Result<(), LinearAlgebraError> {
+        match self.only_prescribes() {
+            true => Ok(()),
+            false => {
+                Err(LinearAlgebraError::PatternMismatch { what: "taking entries out of related unknowns" })
+            }
+        }
+    }
+
     /// The entries of the reduced matrix whose values are at some places of the full one, as ranges of whole
     /// blocks. It takes a time proportional to their number, once a matrix of these positions has been reduced.
     ///
@@ -296,11 +330,7 @@ impl Elimination {
         matrix: &BlockMatrix,
         places: &[Range<usize>],
     ) -> Result<Vec<Entry>, LinearAlgebraError> {
-        if !self.only_prescribes() {
-            return Err(LinearAlgebraError::PatternMismatch {
-                what: "taking entries out of related unknowns",
-            });
-        }
+        self.check_only_prescribes()?;
         self.restriction(matrix, None)?.apply_to_places(matrix, places)
     }
 

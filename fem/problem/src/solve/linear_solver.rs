@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use super::condensed_solver::CondensedSolver;
+use super::elimination::Elimination;
 use super::floating::Floating;
 use super::solver_report::SolverReport;
+use super::step_memory::StepMemory;
 use crate::linear_algebra::{
-    CsrMatrix, GmresReport, Groups, KrylovReport, LinearAlgebraError, ResidualHistory, SparsityPattern,
-    Transpose,
+    BlockMatrix, CsrMatrix, GmresReport, Groups, KrylovReport, LinearAlgebraError, ResidualHistory,
+    SparsityPattern, Transpose,
 };
 
 /// A solver of systems with one square matrix after another. An implementation may keep whatever serves the next
@@ -32,6 +34,26 @@ pub trait LinearSolver {
     /// # Errors
     /// If the matrix cannot be factored.
     fn set_matrix(&mut self, matrix: CsrMatrix) -> Result<(), SolverError>;
+
+    /// Takes the matrix of the next solves as the part of a larger one that an elimination leaves.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::set_matrix`], and if the matrix does not fit the elimination.
+    #[doc(hidden)]
+    fn set_reduced(
+        &mut self,
+        matrix: &BlockMatrix,
+        elimination: &mut Elimination,
+    ) -> Result<(), SolverError> {
+        let known = self.pattern().cloned();
+        self.set_matrix(elimination.reduce_matrix_sharing(matrix, known.as_ref())?)
+    }
+
+    /// The memory that one problem leaves to the next, of a solver that keeps it.
+    #[doc(hidden)]
+    fn memory(&mut self) -> Option<&mut StepMemory> {
+        None
+    }
 
     /// Solves A x = b or Aᵀ x = b, so that each equation holds relative to the sizes of its own terms,
     /// |b − A x|_i small relative to (|A| |x| + |b|)_i: fields of different units and parts of different stiffness are right

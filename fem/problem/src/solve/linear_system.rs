@@ -89,8 +89,7 @@ pub(super) fn solve_reduced(
     solver: &mut dyn LinearSolver,
     transpose: Transpose,
 ) -> Result<LinearSolution, SolverError> {
-    let known = solver.pattern().cloned();
-    solver.set_matrix(elimination.reduce_matrix_sharing(matrix, known.as_ref())?)?;
+    solver.set_reduced(matrix, elimination)?;
     solver.solve_with(load, 0.0, transpose)
 }
 

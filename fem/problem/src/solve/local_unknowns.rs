@@ -13,7 +13,7 @@ pub use of_spaces::groups_of;
 pub(in crate::solve) use pencils::LeftPencil;
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
-use super::{CondensedSolver, SolverReport, TangentSolver};
+use super::{CondensedSolver, SolverReport, StepMemory, TangentSolver};
 use crate::linear_algebra::backward_error::Refinement;
 use crate::linear_algebra::equations::Side;
 use crate::linear_algebra::error::check_size;
@@ -256,6 +256,10 @@ impl<S: LinearSolver> LinearSolver for LocalUnknowns<S> {
             }
             found => found,
         }
+    }
+
+    fn memory(&mut self) -> Option<&mut StepMemory> {
+        self.solver.memory()
     }
 
     fn judges_equations(&self) -> bool {

@@ -33,6 +33,7 @@ pub mod problem;
 mod rigid_loads;
 pub mod solved;
 pub mod solver_report;
+mod step_memory;
 pub mod tangent_solver;
 
 pub use crate::assemble::Terms;
@@ -68,11 +69,13 @@ pub use per_unknown::PerUnknown;
 #[doc(hidden)]
 pub use problem::agreement::GivenEquations;
 #[doc(hidden)]
-pub use problem::{OwnedForm, SolvedForm, StepMemory, solve_owned};
+pub use problem::{OwnedForm, SolvedForm, solve_owned};
 pub use problem::{PositivityError, Problem, SolveError};
 pub use rigid_loads::{RigidLoadError, RigidLoads};
 pub use solved::{ReactionError, Solved};
 pub use solver_report::{SolverPath, SolverReport};
+#[doc(hidden)]
+pub use step_memory::StepMemory;
 pub use tangent_solver::{TangentSolver, TangentSolverOptions};
 
 pub use crate::linear_algebra::Transpose;

@@ -20,8 +20,6 @@ use std::ops::Range;
 use std::sync::Arc;
 
 pub use self::positivity::PositivityError;
-#[doc(hidden)]
-pub use self::solution::StepMemory;
 use self::solution::{EachStep, Solver};
 use super::communicator::Communicator;
 use super::deflation::{Deflation, Repulsion};
@@ -29,7 +27,7 @@ use super::linear_and_nonlinear::SplitSystem;
 use super::linear_part::{Assembled, System};
 use super::{
     HeldUnknown, Increment, LinearSolver, NewtonError, NewtonOptions, NewtonStep, PerUnknown, RigidLoads,
-    Solved,
+    Solved, StepMemory,
 };
 use crate::assemble::{Assembler, AssemblyError, BlockPattern};
 use crate::bounds::Bounds;

@@ -52,7 +52,7 @@ pub(super) fn by_factor(mass: &CsrMatrix, systems: Systems) -> Result<Vec<Vec<f6
     let analysis = Arc::new(Analysis::new(mass.pattern(), &Ordering::default())?);
     let factor = SymmetricFactor::cholesky(&analysis, mass, Vec::new())?;
     let mut found: Vec<Vec<f64>> = systems.into_iter().map(|(load, _)| load).collect();
-    found.iter_mut().try_for_each(|load| factor.solve_in_place(load))?;
+    factor.solve_each_in_place(&mut found)?;
     Ok(found)
 }
 

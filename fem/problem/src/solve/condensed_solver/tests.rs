@@ -125,3 +125,40 @@ fn changed_entries_make_the_same_matrix() {
     }
     assert_eq!((condensed.report().factorisations, condensed.report().condensed_unknowns), (1, Some(3)));
 }
+
+/// The part of a larger matrix that an elimination leaves is solved as it would be if it were given by itself: as additions to the
+/// linear part where it differs in few entries, else stored.
+#[test]
+fn a_part_of_a_larger_matrix_is_compared_with_the_linear_part() {
+    let prescribed = std::collections::BTreeMap::from([(0, 1.0), (70, -1.0)]);
+    let mut elimination = Elimination::new(SIDE * SIDE, &prescribed).unwrap();
+    let linear_part = Arc::new(elimination.reduce_matrix(&laplacian(&[], 0.0).into()).unwrap());
+    let mut solver = CondensedSolver::default();
+    solver.set_linear_part(&linear_part).unwrap();
+    let b = load()[2..].to_vec();
+    let few = [(3, 4, 20.0), (4, 3, -7.0), (4, 4, 50.0), (5, 4, 1.0)];
+    let rounding: Vec<_> = (0..SIDE * SIDE).map(|k| (k, k, 4e-15)).collect();
+    for changes in [&few[..], &few[..], &[(4, 4, 1.0)], &rounding] {
+        let mut whole = BlockMatrix::from(laplacian(changes, 0.0));
+        solver.set_reduced(&whole, &mut elimination).unwrap();
+        let adds = matches!(&solver.current, Some(Current::Condensed { matrix, .. }) if Arc::ptr_eq(&matrix.base, &linear_part));
+        assert_eq!(adds, changes.len() < 5);
+        let reduced = elimination.reduce_matrix(&whole).unwrap();
+        for transpose in [Transpose::No, Transpose::Yes] {
+            let found = solver.solve_with(&b, 0.0, transpose).unwrap();
+            let rest = rest(&Sum::of(reduced.clone()), &found.solution, &b, transpose);
+            assert!(norm(&rest) <= 1e-13 * norm(&b), "residual {:e}", norm(&rest));
+        }
+        let place = whole.sparsity().find(5, 5).unwrap();
+        whole.values_mut()[place] = f64::INFINITY;
+        let error = solver.set_reduced(&whole, &mut elimination).unwrap_err();
+        assert!(
+            matches!(
+                error,
+                SolverError::LinearAlgebra(LinearAlgebraError::EntryNotFinite { row: 4, column: 4, .. })
+            ),
+            "{error}"
+        );
+    }
+    assert_eq!((solver.report().factorisations, solver.report().condensed_unknowns), (1, Some(3)));
+}

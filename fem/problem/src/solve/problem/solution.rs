@@ -9,22 +9,13 @@ use crate::constraints::Constraints;
 use crate::field::Field;
 use crate::history::commits;
 use crate::instantiate::instantiate;
-use crate::linear_algebra::{BlockMatrix, Restriction};
 use crate::solve::communicator::agreed;
 use crate::solve::linear_part::{Assembled, System};
 use crate::solve::local_unknowns::groups_of;
 use crate::solve::{
     Elimination, LinearSolver, LocalUnknowns, NewtonFailure, NewtonStep, Oscillation, Solved, Start,
-    newton_bounded,
+    StepMemory, newton_bounded,
 };
-
-/// Memory that one step of a history leaves to the next, and the map from its matrix to the reduced one: nothing that a result depends on.
-#[derive(Debug, Default)]
-#[doc(hidden)]
-pub struct StepMemory {
-    pub(in crate::solve) matrix: Option<BlockMatrix>,
-    pub(in crate::solve) restriction: Option<Restriction>,
-}
 
 /// The problem's own linear solver, or one that is lent to it.
 pub(in crate::solve) enum Solver<'a> {
@@ -121,14 +112,33 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         let mut elimination = Elimination::of(&constraints).map_err(NewtonFailure::Mismatch)?;
         solver.set_local_unknowns(groups_of(&self.system.spaces.each_ref(), &elimination));
         if self.system.form.is_affine() && self.bounds.is_empty() && self.positive.is_empty() {
+            self.take_memory_of(solver);
             elimination = elimination.with_restriction(self.memory.restriction.take());
             self.repel(&elimination, &vec![0.0; self.system.unknowns()])?;
             let found = self.solve_affine(&mut elimination, solver);
             let found = found.and_then(|found| self.refuse_known(&found.0).map(|()| found));
             self.memory.restriction = elimination.into_restriction();
+            self.leave_memory_to(solver);
             return found;
         }
         self.iterate_from_starts(elimination, constraints, solver)
+    }
+
+    /// Takes what an earlier problem has left to the solver, where this one has no memory of its own.
+    fn take_memory_of(&mut self, solver: &mut dyn LinearSolver) {
+        let Some(left) = solver.memory().map(std::mem::take) else { return };
+        self.memory.restriction = self.memory.restriction.take().or(left.restriction);
+        if self.assembled.is_none() {
+            self.memory.matrix = self.memory.matrix.take().or(left.matrix);
+        }
+    }
+
+    /// Leaves the matrix and the map to the reduced one to the next problem with this solver.
+    fn leave_memory_to(&mut self, solver: &mut dyn LinearSolver) {
+        if let Some(memory) = solver.memory() {
+            let matrix = self.assembled.take().map(Assembled::into_matrix);
+            *memory = StepMemory { matrix, restriction: self.memory.restriction.take() };
+        }
     }
 
     /// Semismooth Newton from a start.
