@@ -237,6 +237,9 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     }
 
     /// The sum over the processes of what each has of its part.
+    ///
+    /// # Errors
+    /// A failed exchange.
     pub fn summed(&self, form: &Form<D>, own: Vec<f64>) -> Result<Vec<f64>, AssemblyError> {
         summed(self.communicator, form.name(), Ok(own))
     }

@@ -57,7 +57,8 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
 }
 
 impl<const D: usize> GivenEquations<'_, D> {
-    /// Compares what the processes were given, but for the values of functions of position, and which cells each has.
+    /// An error on all processes where they were given different equations, or cells that are no partition. Values of functions of position are
+    /// not compared.
     ///
     /// # Errors
     /// [`AssemblyError::Communication`] with all that differs.
