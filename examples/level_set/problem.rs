@@ -127,7 +127,7 @@ impl LoadedBody {
     /// # Errors
     /// No cells.
     pub fn bridge(along: usize) -> Result<Self, Failure> {
-        Self::new(along, Kind::Bridge, 0.12, 0.1)
+        Self::new(along, Kind::Bridge, 0.12)
     }
 
     /// A cantilever, with the price 0.35. Its load ends at nodes if sixteen divides the number of cells along it.
@@ -135,12 +135,11 @@ impl LoadedBody {
     /// # Errors
     /// No cells.
     pub fn cantilever(along: usize) -> Result<Self, Failure> {
-        // A large ghost penalty carries load across gaps of a cell, and struts become rows of islands.
-        Self::new(along, Kind::Cantilever, 0.35, 0.003)
+        Self::new(along, Kind::Cantilever, 0.35)
     }
 
     /// A background of triangles, 2 × (cells along)²/2 of them.
-    fn new(along: usize, kind: Kind, price: f64, ghost: f64) -> Result<Self, Failure> {
+    fn new(along: usize, kind: Kind, price: f64) -> Result<Self, Failure> {
         let mut mesh = rectangle([0.0; 2], SIZE, [along, along / 2], CellShape::Triangle, 1)?;
         match kind {
             Kind::Bridge => mesh.name_facets("loaded", "top", |x| x[0] < LOADED)?,
@@ -165,7 +164,7 @@ impl LoadedBody {
             .theta(1.0)
             .load([0.0, -LOAD])
             .price(price)
-            .ghost_slopes(ghost);
+            .ghost_slopes(0.1);
         let regions = loaded::Regions::default().ghost("ghost").gamma("all");
         Ok(LoadedBody {
             kind,

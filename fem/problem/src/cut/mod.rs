@@ -4,7 +4,7 @@
 //! simplices   the pieces of one simplex
 //! pieces   a cell and a facet in pieces, with the points of rules
 //! band     active cells and ghost facets that stay while the function changes a little
-//! ties    facets over which badly cut cells hold on to firm ones
+//! ties    facets that join badly cut cells to well-posed ones
 //! parts    parts of the body that no cell connects
 //! known_points  points of rules, made once
 //! interface  the interface in space, and the distance to it

@@ -1,7 +1,7 @@
-//! Ties: the facets over which badly cut cells hold on to cells that have enough of the body, for ghost penalties.
+//! Ties: the facets that join badly cut cells to cells with enough of the body, for ghost penalties.
 //!
-//! A cell whose middle is in the body has at least (D/(D+1))^D of its volume there (B. Grünbaum, Pacific J. Math. 10 (1960)): it is *firm*.
-//! Any other one is tied over one facet to a deeper cell, and over this one, or more, to a firm cell. The facet has a part of the body, so that
+//! A cell whose middle is in the body has at least (D/(D+1))^D of its volume there (B. Grünbaum, Pacific J. Math. 10 (1960)): it is *well-posed*.
+//! Any other one is tied over one facet to a deeper cell, and over this one, or more, to a well-posed cell. The facet has a part of the body, so that
 //! ties do not reach across gaps, and the penalty acts inside these aggregates only (S. Badia, E. Neiva, F. Verdugo, Comput. Methods
 //! Appl. Mech. Engrg. 388 (2022)): even a large one does not lock.
 
@@ -29,8 +29,8 @@ impl<const D: usize> Cut<D> {
         -nodes.iter().map(|node| self.values[*node as usize]).sum::<f64>() / nodes.len() as f64
     }
 
-    /// The ties of some cells. Where φ may grow by a `margin` a cell is firm if its middle stays in the body. Of cells that hold none of the
-    /// body, those are tied whose vertices belong to no other tied or firm cell: what has a vertex in a gap follows one of the gap's sides.
+    /// The ties of some cells. Where φ may grow by a `margin` a cell is well-posed if its middle stays in the body. Of cells that hold none of the
+    /// body, those with a vertex that no other tied or well-posed cell has are tied: what has a vertex in a gap follows one of the gap's sides.
     pub(super) fn ties(&self, active: &[bool], margin: f64) -> Vec<[Facet; 2]> {
         let has_body = |cell: u32| active[cell as usize] && self.sides[cell as usize] != CutSide::Outside;
         let mut reached: Vec<bool> = (0..self.sides.len() as u32)
@@ -43,7 +43,7 @@ impl<const D: usize> Cut<D> {
                 && self.side_of_facet(sides[0]) != CutSide::Outside
         };
         let links: Vec<[Facet; 2]> = self.mesh.interior_facets().iter().filter(in_body).copied().collect();
-        // In thin parts of the body no middle is far inside: their deepest cells are firm as they are.
+        // In thin parts of the body no middle is far inside: their deepest cells count as well-posed.
         let mut tops: Vec<bool> =
             (0..self.sides.len() as u32).map(|cell| has_body(cell) && self.depth(cell) > 0.0).collect();
         for [a, b] in &links {
