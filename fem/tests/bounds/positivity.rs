@@ -114,6 +114,23 @@ fn a_start_that_is_inside_out_is_refused_by_name_and_place() -> Outcome {
     Ok(())
 }
 
+#[test]
+fn prescribed_values_may_lead_out_of_a_start_that_is_inside_out() -> Outcome {
+    let space = space()?;
+    let form = form!(|u: Unknown<Vector>, v: Test<Vector>| integral(cells("all"), inner(grad(u), grad(v))));
+    let mut held = Constraints::new(&space);
+    held.fix("bottom", |_| [0.0; 2])?;
+    held.fix("top", |_| [0.0, 0.1])?;
+    let start = Field::interpolate(&space, |x| [0.0, -2.0 * x[1]])?;
+    let volume = model(1.0).volume();
+    let problem = Problem::new(&form, &space).start(&start).constrained(&held);
+    let solved = problem.keep_positive(&volume).solve()?;
+    for (u, x) in solved.field().values().chunks_exact(2).zip(space.positions()) {
+        assert!(u[0].abs() < 1e-12 && (u[1] - 0.1 * x[1]).abs() < 1e-12, "{u:?} at {x:?}");
+    }
+    Ok(())
+}
+
 /// The forces are no numbers where ln J is none: the report names what was to be kept positive, and where.
 #[test]
 fn an_infeasible_start_is_told_from_infeasible_conditions() -> Outcome {

@@ -37,10 +37,15 @@ impl FreeEquations<'_> {
         for number in 0..self.iterates.options.max_iterations.max(1) {
             let from = self.iterates.u.clone();
             let Some(jump) = self.jump_from(&from)? else { break };
-            let Ok(part) = self.problem.largest_step(&from, &jump.values) else { break };
+            let part = match self.problem.largest_step(&from, &jump.values) {
+                Ok(part) => part,
+                // The whole jump may lead out of a start that is not feasible itself.
+                Err(_) if number == 0 => 1.0,
+                Err(_) => break,
+            };
             self.go_along(&from, &jump, part)?;
             let found = self.residuals_at_last()?;
-            if !norm(&found.reduced).is_finite() {
+            if !norm(&found.reduced).is_finite() || part >= 1.0 && !self.may_begin() {
                 break;
             }
             self.residuals = found;
