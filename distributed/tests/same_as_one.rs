@@ -15,6 +15,7 @@ use forms_distributed::cases::motions::Motion;
 use forms_distributed::cases::poisson::Poisson;
 use forms_distributed::cases::report::read;
 use forms_fem::prelude::*;
+use forms_fem::time::Mass;
 
 mod programs;
 
@@ -146,11 +147,11 @@ fn motions_are_the_same_step_by_step() {
     }
 }
 
-/// Value, gradient and Hessian of load histories and of motions.
+/// Value, gradient and Hessian of load histories and of motions, with consistent and lumped masses.
 #[test]
 fn histories_are_the_same_with_gradient_and_hessian() {
     let direction = [0.3, -0.7];
-    for name in ["creep", "swing"] {
+    for name in ["creep", "swing", "lumped"] {
         let held = held(name).unwrap();
         let found = match name {
             "creep" => {
@@ -158,7 +159,8 @@ fn histories_are_the_same_with_gradient_and_hessian() {
                 history.hessian(&m, &direction)
             }
             _ => {
-                let (mut history, m) = swinging_motion(&held).unwrap();
+                let mass = if name == "lumped" { Mass::Lumped } else { Mass::Consistent };
+                let (mut history, m) = swinging_motion(&held, mass).unwrap();
                 history.hessian(&m, &direction)
             }
         };

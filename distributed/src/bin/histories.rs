@@ -1,5 +1,5 @@
 //! The criterion of a history with its gradient, and its Hessian along a direction, on the processes that started this:
-//! `mpirun -n 4 histories [creep | swing]`. MUMPS solves.
+//! `mpirun -n 4 histories [creep | swing | lumped]`. MUMPS solves.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -8,6 +8,7 @@ use forms_distributed::cases::histories::{creeping, held, swinging_motion};
 use forms_distributed::cases::report::tell;
 use forms_distributed::{Method, PetscSolver, World};
 use forms_fem::inverse::Hessian;
+use forms_fem::time::Mass;
 
 /// The direction of the Hessian.
 const DIRECTION: [f64; 2] = [0.3, -0.7];
@@ -22,7 +23,8 @@ fn run(world: &World) -> Result<(), Box<dyn Error>> {
             history.on(world).solver(&mut solver).hessian(&m, &DIRECTION)?
         }
         _ => {
-            let (history, m) = swinging_motion(&held)?;
+            let mass = if name == "lumped" { Mass::Lumped } else { Mass::Consistent };
+            let (history, m) = swinging_motion(&held, mass)?;
             history.on(world).solver(&mut solver).hessian(&m, &DIRECTION)?
         }
     };

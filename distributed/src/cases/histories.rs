@@ -7,7 +7,7 @@ use forms_fem::inverse::{
     StepContext,
 };
 use forms_fem::prelude::*;
-use forms_fem::time::GeneralisedAlpha;
+use forms_fem::time::{GeneralisedAlpha, Mass};
 
 /// Steps of each history.
 const STEPS: usize = 4;
@@ -104,7 +104,7 @@ pub fn held(name: &str) -> Result<Constraints<2>, Box<dyn Error>> {
             held.fix("left", |_| 0.0)?;
             Ok(held)
         }
-        "swing" => {
+        "swing" | "lumped" => {
             let mut held = Constraints::new(&Space::vector(&mesh, 1)?);
             held.fix("left", |_| [0.0; 2])?;
             Ok(held)
@@ -130,12 +130,13 @@ pub fn creeping<'a>(held: &Constraints<2>) -> (LoadHistory<'a, 2>, [f64; 2]) {
     (history, m)
 }
 
-/// The motion by the trapezoidal rule, whose first acceleration is that of the form.
+/// The motion by the trapezoidal rule, whose first acceleration is that of the form with a mass matrix.
 ///
 /// # Errors
 /// A criterion that does not fit.
 pub fn swinging_motion<'a>(
     held: &Constraints<2>,
+    mass: Mass,
 ) -> Result<(MotionHistory<'a, 2>, [f64; 2]), Box<dyn Error>> {
     let m = [1.3, 0.5];
     let controls = Controls::new().number("density", m[0]).number("pull", m[1]);
@@ -144,6 +145,7 @@ pub fn swinging_motion<'a>(
     let criterion = swinging::Model::new(criterion);
     let history = MotionHistory::new(held.space(), (STEPS, 0.2), GeneralisedAlpha::trapezoidal(), controls)
         .assembler(&Assembler::new(held.space().mesh()).with_threads(Threads::new(1)))
+        .mass(mass)
         .motion(|during| Ok(swung(during, None)?.motion()))
         .sensitivities(|during, u, p| Ok(swung(during, None)?.motion_sensitivities(u, p)))
         .second_sensitivities(|during, states| {
