@@ -20,6 +20,16 @@ pub struct CutBand<const D: usize> {
     ghost: Vec<[Facet; 2]>,
 }
 
+/// The part of a band that belongs to a cut within it.
+pub(super) struct Kept {
+    /// Cells that something of the body reaches.
+    pub cells: Vec<bool>,
+    /// The ghost facets between them.
+    pub ghost: Vec<[Facet; 2]>,
+    /// Those of the cells that have nothing of the body and no ghost facet.
+    pub untied: Vec<u32>,
+}
+
 impl<const D: usize> Cut<D> {
     /// The band |φ| < `width` \[unit of φ\]: its cells stay active, and the facets of these keep the ghost penalty.
     ///
@@ -95,9 +105,8 @@ impl<const D: usize> Cut<D> {
         Ok(())
     }
 
-    /// The cells of a band that something of the body reaches, the ghost facets between them, and those of the cells that have nothing of the body
-    /// and no ghost facet; none without a band.
-    pub(super) fn kept_by_band(&self) -> Option<(Vec<bool>, Vec<[Facet; 2]>, Vec<u32>)> {
+    /// The cells and facets that a band keeps; none without a band.
+    pub(super) fn kept_by_band(&self) -> Option<Kept> {
         let band = self.band.as_ref()?;
         let kept = self.reached(&band.active);
         // Tied cells that have lost all of the body follow what is left.
@@ -117,7 +126,7 @@ impl<const D: usize> Cut<D> {
             |sides: &&[Facet; 2]| of_cells(sides, &kept) == [true; 2] && of_cells(sides, &held) == [true; 2];
         let mut ghost: Vec<[Facet; 2]> = band.ghost.iter().filter(own).copied().collect();
         let untied = self.tie_empty(&kept, &mut held, &mut ghost);
-        Some((kept, ghost, untied))
+        Some(Kept { cells: kept, ghost, untied })
     }
 
     /// Of some cells, those that are connected over facets between them with one in which something of the body is.

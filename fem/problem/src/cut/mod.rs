@@ -26,6 +26,7 @@ mod ties;
 use std::sync::Arc;
 
 pub use self::band::CutBand;
+use self::band::Kept;
 pub use self::body::CutBody;
 pub use self::error::CutError;
 use self::known_points::KnownPoints;
@@ -181,8 +182,8 @@ impl<const D: usize> Cut<D> {
         };
         (self.inside, self.cut) = (of_side(CutSide::Inside), of_side(CutSide::Cut));
         (self.ghost, self.untied) = match self.kept_by_band() {
-            Some((kept, ghost, untied)) => {
-                self.kept = kept;
+            Some(Kept { cells, ghost, untied }) => {
+                self.kept = cells;
                 (ghost, untied)
             }
             None => {

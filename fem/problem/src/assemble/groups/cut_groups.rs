@@ -196,12 +196,15 @@ pub(in crate::assemble) fn interface_groups<const D: usize>(
     Ok(groups)
 }
 
+/// An interior facet that an interface crosses, with its pieces inside.
+type ClippedBetween = ([Facet; 2], Vec<Piece>);
+
 /// Interior facets that are taken whole, as all of a ghost penalty are, and those that an interface crosses, with their pieces inside.
 pub(in crate::assemble) fn clipped_between<'a, const D: usize>(
     binding: &Binding<D>,
     name: &str,
     facets: Entities<'a>,
-) -> (Entities<'a>, Vec<([Facet; 2], Vec<Piece>)>) {
+) -> (Entities<'a>, Vec<ClippedBetween>) {
     let (Some(cut), Entities::InteriorFacets(listed)) = (binding.cut, &facets) else {
         return (facets, vec![]);
     };
