@@ -331,7 +331,7 @@ mod tests {
                 matches!(error, LinearAlgebraError::EntryNotFinite { row: 1, column: 2, .. }),
                 "{error:?}"
             );
-            assert!(restriction.differences(&matrix, &other_pattern, 9).is_err());
+            assert!(restriction.differences(&matrix, other_pattern, 9).is_err());
         }
     }
 

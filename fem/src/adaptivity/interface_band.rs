@@ -42,8 +42,11 @@ use crate::space::{Space, SpaceError};
 pub struct InterfaceBand<'a, const D: usize> {
     width: f64,
     size: f64,
-    place: Option<&'a dyn Fn(&[f64; D]) -> bool>,
+    place: Option<Place<'a, D>>,
 }
+
+/// Whether a position \[length\] belongs to a place.
+type Place<'a, const D: usize> = &'a dyn Fn(&[f64; D]) -> bool;
 
 /// Numbers with which there is no band.
 #[derive(Clone, Debug, Error, PartialEq)]
