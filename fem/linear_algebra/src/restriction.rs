@@ -11,6 +11,7 @@ use super::csr::{CsrMatrix, Entry};
 use super::error::LinearAlgebraError;
 use super::large_pages::Filling;
 use super::pattern::SparsityPattern;
+use super::threads::Threads;
 pub use weighted::{WeightedRestriction, Weights};
 
 /// Marks a column that is not kept.
@@ -179,12 +180,13 @@ impl Restriction {
     }
 
     /// The entries by which the submatrix differs from another matrix on its pattern: what is added to them there. None if there are
-    /// more than `most`. Nothing of the submatrix is stored.
+    /// more than `most`. Nothing of the submatrix is stored. The same entries come from any number of threads.
     ///
     /// # Errors
     /// As [`Restriction::apply`], also if the other matrix is on another pattern; an entry that is not finite.
     pub fn differences(
         &self,
+        threads: Threads,
         matrix: &BlockMatrix,
         base: &CsrMatrix,
         most: usize,
@@ -193,9 +195,33 @@ impl Restriction {
         if !Arc::ptr_eq(base.pattern(), &self.target) && **base.pattern() != *self.target {
             return Err(LinearAlgebraError::PatternMismatch { what: "comparing a submatrix" });
         }
-        let (source, mut found) = (matrix.values(), Vec::new());
-        let kept = self.new_rows.iter().enumerate().filter(|(_, new)| **new != DROPPED);
-        for (old, &row) in kept {
+        let rows = self.new_rows.len().div_ceil(threads.for_work(base.values().len())).max(1);
+        let pieces = (0..self.new_rows.len()).step_by(rows);
+        let pieces = pieces.map(|first| first..(first + rows).min(self.new_rows.len())).collect();
+        let found = threads.run(pieces, |rows| self.differences_in(rows, matrix.values(), base, most));
+        if found.iter().map(Vec::len).sum::<usize>() > most {
+            return Ok(None);
+        }
+        let found = found.concat();
+        match found.iter().find(|entry| !entry.value.is_finite()) {
+            None => Ok(Some(found)),
+            Some(&Entry { row, column, value }) => {
+                Err(LinearAlgebraError::EntryNotFinite { row: row as usize, column: column as usize, value })
+            }
+        }
+    }
+
+    /// The differences in some rows of the matrix; once there are more than `most`, those of the rows so far.
+    fn differences_in(
+        &self,
+        rows: Range<usize>,
+        source: &[f64],
+        base: &CsrMatrix,
+        most: usize,
+    ) -> Vec<Entry> {
+        let mut found = Vec::new();
+        for old in rows.filter(|old| self.new_rows[*old] != DROPPED) {
+            let row = self.new_rows[old];
             let (columns, known) = base.row(row as usize);
             let mut place = 0;
             let mut compare = |values: &[f64]| {
@@ -218,15 +244,10 @@ impl Restriction {
                 });
             }
             if found.len() > most {
-                return Ok(None);
+                break;
             }
         }
-        match found.iter().find(|entry| !entry.value.is_finite()) {
-            None => Ok(Some(found)),
-            Some(&Entry { row, column, value }) => {
-                Err(LinearAlgebraError::EntryNotFinite { row: row as usize, column: column as usize, value })
-            }
-        }
+        found
     }
 
     /// The entries of the submatrix whose values are at some places of the matrix, as ranges of whole blocks.
@@ -317,21 +338,21 @@ mod tests {
         for (rows, columns) in [(&all[1..], &all[..]), (&[1, 3][..], &[0, 2, 3][..])] {
             let restriction = Restriction::new(matrix.sparsity(), rows, columns).unwrap();
             let base = restriction.apply(&matrix).unwrap();
-            assert_eq!(restriction.differences(&matrix, &base, 0).unwrap(), Some(vec![]));
+            assert_eq!(restriction.differences(Threads::ONE, &matrix, &base, 0).unwrap(), Some(vec![]));
             let added = Entry { row: 1, column: 1, value: 0.5 };
             let other = base.plus(&[Entry { value: -0.5, ..added }, Entry { row: 0, ..added }]).unwrap();
             let expected = vec![Entry { row: 0, value: -0.5, ..added }, added];
-            assert_eq!(restriction.differences(&matrix, &other, 2).unwrap(), Some(expected));
-            assert_eq!(restriction.differences(&matrix, &other, 1).unwrap(), None);
+            assert_eq!(restriction.differences(Threads::ONE, &matrix, &other, 2).unwrap(), Some(expected));
+            assert_eq!(restriction.differences(Threads::ONE, &matrix, &other, 1).unwrap(), None);
             let mut wrong = dense();
             let place = wrong.sparsity().find(rows[1], columns[2]).unwrap();
             wrong.values_mut()[place] = f64::NAN;
-            let error = restriction.differences(&wrong, &base, 9).unwrap_err();
+            let error = restriction.differences(Threads::ONE, &wrong, &base, 9).unwrap_err();
             assert!(
                 matches!(error, LinearAlgebraError::EntryNotFinite { row: 1, column: 2, .. }),
                 "{error:?}"
             );
-            assert!(restriction.differences(&matrix, other_pattern, 9).is_err());
+            assert!(restriction.differences(Threads::ONE, &matrix, other_pattern, 9).is_err());
         }
     }
 

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::*;
 use crate::vector::norm;
-use crate::{Ordering, SharedWork};
+use crate::{Ordering, PartialBackSubstitution, SharedWork};
 
 /// The block matrix (five-point Laplacian on an m × m grid) ⊗ B, and one of its closed-form solutions:
 /// B w at the nodes times the eigenvector sin(kπx) sin(lπy), whose eigenvalue is known.
@@ -296,6 +296,10 @@ fn many_units_are_factored_and_solved_with_the_same_bits_on_any_number_of_thread
             assert!(bits(&alone) == bits(y), "{threads} threads");
             assert!(bits(&factor.solve_upper(alone).unwrap()) == bits(x), "{threads} threads");
         }
+        let few = [7, 8, 3200, 50_000];
+        let mut partial = PartialBackSubstitution::new(&factor, &few).unwrap();
+        let of_few = bits(&few.map(|unknown| x[unknown as usize]));
+        assert!(bits(&partial.solve(&factor, &lower[0]).unwrap()) == of_few, "{threads} threads");
         let mut in_place = [load.clone(), local];
         factor.solve_each_in_place(&mut in_place).unwrap();
         assert!(bits(&in_place.concat()) == bits(&upper[..2].concat()), "{threads} threads");

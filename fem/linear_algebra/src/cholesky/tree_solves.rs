@@ -99,20 +99,31 @@ impl SymmetricFactor {
 
     /// Replaces each y, in elimination order, by L⁻ᵀ y: with the bits that it has by itself.
     pub(crate) fn solve_with_upper(&self, sides: &mut [&mut [f64]]) {
+        let all: Vec<u32> = (0..self.analysis.supernodes.n_supernodes() as u32).collect();
+        self.solve_with_upper_at(&all, sides);
+    }
+
+    /// The part of [`SymmetricFactor::solve_with_upper`] in some supernodes, ascending, with all above them in the elimination tree. Nothing
+    /// else is read or replaced.
+    pub(crate) fn solve_with_upper_at(&self, supernodes: &[u32], sides: &mut [&mut [f64]]) {
         let (elimination, size, sides_count) =
             (self.analysis.elimination(), self.analysis.size(), sides.len());
         let count = elimination.units.len();
         if count < 2 {
             let mut memory = vec![];
             memory.resize_with(sides_count, Outside::default);
-            let all = 0..self.analysis.supernodes.n_supernodes() as u32;
-            return self.backward(all, (0, sides), &mut memory);
+            return self.backward(supernodes, (0, sides), &mut memory);
         }
         let parts = Parts::new(self.starts(&elimination.units, size), sides);
         elimination.backward.run(self.threads, &mut vec![], |number, memory: &mut Vec<Outside>| {
             let number = count - 1 - number;
-            let (unit, start, mut own) =
-                (&elimination.units[number], parts.starts[number], parts.take(number));
+            let unit = &elimination.units[number];
+            let place = |supernode: usize| supernodes.partition_point(|known| (*known as usize) < supernode);
+            let asked = &supernodes[place(unit.supernodes.start)..place(unit.supernodes.end)];
+            if asked.is_empty() {
+                return;
+            }
+            let (start, mut own) = (parts.starts[number], parts.take(number));
             begin(memory, sides_count, size);
             let mut rest = &unit.outer[..];
             while let Some(first) = rest.first() {
@@ -128,8 +139,7 @@ impl SymmetricFactor {
                 }
                 rest = &rest[held..];
             }
-            let supernodes = unit.supernodes.start as u32..unit.supernodes.end as u32;
-            self.backward(supernodes, (start, &mut own), memory);
+            self.backward(asked, (start, &mut own), memory);
             let _ = parts.known[number].set(own.into_iter().map(|own| &*own).collect());
         });
     }

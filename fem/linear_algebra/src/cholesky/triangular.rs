@@ -153,25 +153,20 @@ impl SymmetricFactor {
         }
     }
 
-    /// Solves with Lᵀ in some supernodes, ascending, with all above them in the elimination tree.
-    pub(crate) fn substitute_back(&self, supernodes: impl DoubleEndedIterator<Item = u32>, y: &mut [f64]) {
-        self.backward(supernodes, (0, &mut [y]), &mut [Outside::default()]);
-    }
-
     /// Solves with Lᵀ in some supernodes, ascending, whose unknowns are given for each right-hand side with the place of the first one. The
     /// values of later ones are those outside, by rows of the matrix.
     pub(super) fn backward(
         &self,
-        supernodes: impl DoubleEndedIterator<Item = u32>,
+        supernodes: &[u32],
         (start, sides): (usize, &mut [&mut [f64]]),
         memory: &mut [Outside],
     ) {
         let Some(end) = sides.first().map(|side| start + side.len()) else { return };
-        let mut supernodes = supernodes.rev().peekable();
+        let mut supernodes = supernodes.iter().rev().peekable();
         while let Some(number) = supernodes.next() {
-            let node = self.supernode(number as usize);
+            let node = self.supernode(*number as usize);
             if let Some(next) = supernodes.peek() {
-                let next = self.supernode(*next as usize).block;
+                let next = self.supernode(**next as usize).block;
                 ask_for(&next[next.len().saturating_sub(AHEAD)..]);
             }
             let (inside, beyond) = node.rows.split_at(node.rows.partition_point(|row| (*row as usize) < end));

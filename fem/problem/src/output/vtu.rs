@@ -3,7 +3,7 @@
 mod error;
 mod xml;
 
-use std::io::Write;
+use std::borrow::Cow;
 use std::path::Path;
 
 use super::write_whole;
@@ -146,34 +146,31 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     /// # Errors
     /// [`VtuError`] if the file cannot be written.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), VtuError> {
-        let text = self.encode()?;
-        write_whole(path, |writer| writer.write_all(text.as_bytes()))
-            .map_err(|source| VtuError::Write { source })
+        let grid = self.grid()?;
+        write_whole(path, |writer| grid.write(writer)).map_err(|source| VtuError::Write { source })
     }
 
-    /// The text of the file.
+    /// The points, cells and arrays of the file.
     #[inline(never)]
-    fn encode(&self) -> Result<String, VtuError> {
+    fn grid(&self) -> Result<xml::Grid<'_>, VtuError> {
         let cell_count = self.mesh.body_cells().len();
-        let coordinates: Vec<f64> = self.mesh.nodes().iter().flatten().copied().collect();
-        let mut points = Array::new::<D>("coordinates", D, &coordinates, self.mesh.nodes().len(), [])?;
         let separate = !self.corners.is_empty();
-        let (mut data, mut cells) = (self.points.clone(), self.cells.clone());
-        if separate {
-            // Points of the cells, one after the other, in place of the nodes that they share.
-            for array in data.iter_mut().chain([&mut points]) {
-                let count = array.components;
-                let nodes = self.mesh.cells().iter().map(|&node| node as usize);
-                array.values =
-                    nodes.flat_map(|node| &array.values[node * count..][..count]).copied().collect();
-            }
-            data.extend(self.corners.iter().cloned());
-        }
         // Cells that carry rigid surfaces are the last ones, and their nodes too.
         let (node_count, corner_count) = self.mesh.body_nodes();
-        let kept = if separate { corner_count } else { node_count };
-        data.iter_mut().chain([&mut points]).for_each(|array| array.values.truncate(kept * array.components));
-        cells.iter_mut().for_each(|array| array.values.truncate(cell_count * array.components));
+        let at_points = match separate {
+            // Points of the cells, one after the other, in place of the nodes that they share.
+            true => Places::Of(&self.mesh.cells()[..corner_count]),
+            false => Places::First(node_count),
+        };
+        let (nodes, name) = (self.mesh.nodes(), "coordinates");
+        let coordinates = Array::new::<D>(name, D, nodes.as_flattened(), nodes.len(), [])?;
+        let values = xml::Values::Reals(Cow::Owned(coordinates.values_at(&at_points).into_owned()));
+        let points = xml::Array { name, components: coordinates.components, values };
+        let (at_corners, at_cells) = (Places::First(corner_count), Places::First(cell_count));
+        let at_corners = self.corners.iter().map(|array| array.written(&at_corners));
+        let point_data =
+            self.points.iter().map(|array| array.written(&at_points)).chain(at_corners).collect();
+        let cell_data = self.cells.iter().map(|array| array.written(&at_cells)).collect();
         let mut connectivity = Vec::with_capacity(self.mesh.cells().len());
         let (mut offsets, mut types) = (Vec::with_capacity(cell_count), Vec::with_capacity(cell_count));
         for block in self.mesh.body_blocks() {
@@ -187,11 +184,16 @@ impl<'a, const D: usize> VtuFile<'a, D> {
                 types.push(cell_type);
             }
         }
-        let point_data = data.iter().map(Array::written).collect();
-        let cell_data = cells.iter().map(Array::written).collect();
-        let points = points.written();
-        Ok(xml::Grid { points, connectivity, offsets, types, point_data, cell_data }.encode())
+        Ok(xml::Grid { points, connectivity, offsets, types, point_data, cell_data })
     }
+}
+
+/// The places of an array that a file holds.
+enum Places<'p> {
+    /// This many from the first one on.
+    First(usize),
+    /// Those of nodes.
+    Of(&'p [u32]),
 }
 
 impl Array {
@@ -234,12 +236,24 @@ impl Array {
     }
 
     /// The array as the file holds it.
-    fn written(&self) -> xml::Array<'_> {
+    fn written(&self, places: &Places<'_>) -> xml::Array<'_> {
+        let values = self.values_at(places);
         let values = match self.whole {
-            true => xml::Values::Integers(self.values.iter().map(|&value| value as i32).collect()),
-            false => xml::Values::Reals(&self.values),
+            true => xml::Values::Integers(values.iter().map(|&value| value as i32).collect()),
+            false => xml::Values::Reals(values),
         };
         xml::Array { name: &self.name, components: self.components, values }
+    }
+
+    fn values_at(&self, places: &Places<'_>) -> Cow<'_, [f64]> {
+        let count = self.components;
+        match places {
+            Places::First(places) => Cow::Borrowed(&self.values[..places * count]),
+            Places::Of(nodes) => {
+                let values = nodes.iter().flat_map(|node| &self.values[*node as usize * count..][..count]);
+                Cow::Owned(values.copied().collect())
+            }
+        }
     }
 }
 
@@ -264,7 +278,7 @@ instantiate!(
     VtuFile::<D>::point_values,
     VtuFile::<D>::cell_data,
     VtuFile::<D>::regions,
-    VtuFile::<D>::encode
+    VtuFile::<D>::grid
 );
 
 #[cfg(test)]
@@ -277,7 +291,9 @@ mod tests {
     use crate::space::Space;
 
     fn grid(file: &VtuFile<'_, 2>) -> UnstructuredGridPiece {
-        let vtk = Vtk::parse_xml(file.encode().unwrap().as_bytes()).unwrap();
+        let mut text = vec![];
+        file.grid().unwrap().write(&mut text).unwrap();
+        let vtk = Vtk::parse_xml(&text[..]).unwrap();
         let DataSet::UnstructuredGrid { mut pieces, .. } = vtk.data else { panic!("{:?}", vtk.data) };
         pieces.remove(0).into_loaded_piece_data(None).unwrap()
     }

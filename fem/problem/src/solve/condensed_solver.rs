@@ -357,7 +357,8 @@ impl LinearSolver for CondensedSolver {
         if let Some(base) = known.map(|known| known.matrix.clone()) {
             // Where most of the matrix is the linear part, bit by bit, nothing of it is copied.
             let most = base.values().len() / CHANGED;
-            let found = elimination.reduce_difference_from(matrix, &base, most);
+            let threads = self.fallback.threads();
+            let found = elimination.reduce_difference_from(threads, matrix, &base, most);
             if found.is_err() {
                 self.current = None;
             }

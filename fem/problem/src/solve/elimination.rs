@@ -11,6 +11,7 @@ use crate::linear_algebra::{
     BlockMatrix, CsrMatrix, Entry, LinearAlgebraError, Restriction, SparsityPattern, WeightedRestriction,
     Weights,
 };
+use crate::threads::Threads;
 
 /// The free unknowns y of a problem whose other unknowns are prescribed or given by free ones, u = C y + d, and the
 /// passage between full and reduced vectors and matrices: Cᵀ r and Cᵀ K C. The map between matrices is computed at the first one.
@@ -298,6 +299,7 @@ impl Elimination {
     /// If the matrix has the wrong size, an entry that differs is not finite, or unknowns are given by free ones.
     pub(crate) fn reduce_difference_from(
         &mut self,
+        threads: Threads,
         matrix: &BlockMatrix,
         base: &CsrMatrix,
         most: usize,
@@ -308,7 +310,7 @@ impl Elimination {
         {
             return Ok(None);
         }
-        restriction.differences(matrix, base, most)
+        restriction.differences(threads, matrix, base, most)
     }
 
     fn check_only_prescribes(&self) -> Result<(), LinearAlgebraError> {

@@ -1,6 +1,13 @@
 //! An unstructured grid as VTK's XML, each array in base64 behind the number of its bytes.
+//!
+//! Arrays are coded in blocks on several threads, and written block by block: the text is never in memory as a whole.
+
+use std::borrow::Cow;
+use std::io::{self, Write};
 
 use forms_mesh::files::base64;
+
+use crate::threads::Threads;
 
 /// The start of a file whose arrays this module writes: numbers in little endian, 64 bits for the number of bytes.
 const HEAD: &str = concat!(
@@ -8,6 +15,9 @@ const HEAD: &str = concat!(
     "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n",
     "<UnstructuredGrid>\n",
 );
+
+/// Bytes of a block, with those of the number before the array: whole numbers of each type, and whole groups of three.
+const BLOCK: usize = 24 << 13;
 
 /// Points and cells with their data.
 pub(super) struct Grid<'a> {
@@ -31,46 +41,42 @@ pub(super) struct Array<'a> {
 
 /// The numbers of an array.
 pub(super) enum Values<'a> {
-    Reals(&'a [f64]),
+    Reals(Cow<'a, [f64]>),
     Integers(Vec<i32>),
 }
 
 impl Grid<'_> {
-    /// The text of the file.
-    pub(super) fn encode(&self) -> String {
-        let mut text = HEAD.to_owned();
+    /// Writes the text of the file.
+    pub(super) fn write(&self, writer: &mut dyn Write) -> io::Result<()> {
         let points = match &self.points.values {
             Values::Reals(values) => values.len(),
             Values::Integers(values) => values.len(),
         } / self.points.components;
-        let piece = format!("<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{}\">\n", self.types.len());
-        text.push_str(&piece);
-        let part = |text: &mut String, name: &str, arrays: &[Array]| {
-            text.push_str(&format!("<{name}{}>\n", active(arrays)));
-            arrays.iter().for_each(|array| array.append(text));
-            text.push_str(&format!("</{name}>\n"));
-        };
-        part(&mut text, "PointData", &self.point_data);
-        part(&mut text, "CellData", &self.cell_data);
-        text.push_str("<Points>\n");
-        self.points.append(&mut text);
-        text.push_str("</Points>\n<Cells>\n");
-        let words = |numbers: &[u64]| little_endian(numbers, |number| number.to_le_bytes());
-        append(&mut text, "connectivity", 1, "UInt64", words(&self.connectivity));
-        append(&mut text, "offsets", 1, "UInt64", words(&self.offsets));
-        append(&mut text, "types", 1, "UInt8", little_endian(&self.types, |kind| [kind]));
-        text.push_str("</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
-        text
+        let cells = self.types.len();
+        write!(writer, "{HEAD}<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n")?;
+        for (name, arrays) in [("PointData", &self.point_data), ("CellData", &self.cell_data)] {
+            writeln!(writer, "<{name}{}>", active(arrays))?;
+            arrays.iter().try_for_each(|array| array.write(writer))?;
+            writeln!(writer, "</{name}>")?;
+        }
+        writeln!(writer, "<Points>")?;
+        self.points.write(writer)?;
+        write!(writer, "</Points>\n<Cells>\n")?;
+        let words = |number: u64| number.to_le_bytes();
+        write_array(writer, ("connectivity", 1, "UInt64"), &self.connectivity, words)?;
+        write_array(writer, ("offsets", 1, "UInt64"), &self.offsets, words)?;
+        write_array(writer, ("types", 1, "UInt8"), &self.types, |kind| [kind])?;
+        writer.write_all(b"</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n")
     }
 }
 
 impl Array<'_> {
-    fn append(&self, text: &mut String) {
-        let (kind, bytes) = match &self.values {
-            Values::Reals(values) => ("Float64", little_endian(values, |value| value.to_le_bytes())),
-            Values::Integers(values) => ("Int32", little_endian(values, |value| value.to_le_bytes())),
-        };
-        append(text, self.name, self.components, kind, bytes);
+    fn write(&self, writer: &mut dyn Write) -> io::Result<()> {
+        let head = |kind| (self.name, self.components, kind);
+        match &self.values {
+            Values::Reals(values) => write_array(writer, head("Float64"), values, f64::to_le_bytes),
+            Values::Integers(values) => write_array(writer, head("Int32"), values, i32::to_le_bytes),
+        }
     }
 }
 
@@ -85,26 +91,40 @@ fn active(arrays: &[Array]) -> String {
     text
 }
 
-/// The bytes of an array, behind their number.
-fn little_endian<T: Copy, const N: usize>(numbers: &[T], bytes_of: impl Fn(T) -> [u8; N]) -> Vec<u8> {
-    let mut bytes = vec![0; size_of::<u64>() + N * numbers.len()];
-    let (head, rest) = bytes.split_at_mut(size_of::<u64>());
-    head.copy_from_slice(&((N * numbers.len()) as u64).to_le_bytes());
-    for (target, number) in rest.chunks_exact_mut(N).zip(numbers) {
-        target.copy_from_slice(&bytes_of(*number));
-    }
-    bytes
-}
-
-/// Appends an array of numbers of VTK's type `kind`, whose `bytes` follow their number.
-fn append(text: &mut String, name: &str, components: usize, kind: &str, bytes: Vec<u8>) {
+/// Writes an array of numbers of VTK's type `kind`, behind the number of their bytes.
+fn write_array<T: Copy + Sync, const N: usize>(
+    writer: &mut dyn Write,
+    (name, components, kind): (&str, usize, &str),
+    numbers: &[T],
+    bytes_of: impl Fn(T) -> [u8; N] + Sync,
+) -> io::Result<()> {
     let name = escaped(name);
-    let head = format!(
+    write!(
+        writer,
         "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">"
-    );
-    text.push_str(&head);
-    base64::append(text, &bytes);
-    text.push_str("</DataArray>\n");
+    )?;
+    const HEADER: usize = size_of::<u64>();
+    let size = N * numbers.len();
+    let coded = |start: usize| {
+        let end = (start + BLOCK).min(HEADER + size);
+        let mut bytes = Vec::with_capacity(BLOCK);
+        if start == 0 {
+            bytes.extend((size as u64).to_le_bytes());
+        }
+        let first = start.saturating_sub(HEADER) / N;
+        bytes.extend(numbers[first..(end - HEADER) / N].iter().flat_map(|number| bytes_of(*number)));
+        let mut text = String::new();
+        base64::append(&mut text, &bytes);
+        text
+    };
+    let threads = Threads::all();
+    let starts: Vec<usize> = (0..HEADER + size).step_by(BLOCK).collect();
+    for starts in starts.chunks(threads.count()) {
+        for text in threads.run(starts.to_vec(), coded) {
+            writer.write_all(text.as_bytes())?;
+        }
+    }
+    writeln!(writer, "</DataArray>")
 }
 
 /// A name as the value of an attribute. White space other than a blank would be read as one.
@@ -131,16 +151,17 @@ mod tests {
     #[test]
     fn a_file_in_full() {
         let array = |name, values| Array { name, components: 1, values };
+        let reals = |values: &'static [f64]| Values::Reals(Cow::Borrowed(values));
         let grid = Grid {
             points: Array {
                 name: "coordinates",
                 components: 3,
-                values: Values::Reals(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]),
+                values: reals(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]),
             },
             connectivity: vec![0, 1],
             offsets: vec![2],
             types: vec![3],
-            point_data: vec![array("σ < \"τ\" & t", Values::Reals(&[0.5, -2.0]))],
+            point_data: vec![array("σ < \"τ\" & t", reals(&[0.5, -2.0]))],
             cell_data: vec![array("region", Values::Integers(vec![-1]))],
         };
         let expected = "<?xml version=\"1.0\"?>
@@ -165,6 +186,28 @@ mod tests {
 </UnstructuredGrid>
 </VTKFile>
 ";
-        assert_eq!(grid.encode(), expected);
+        let mut text = vec![];
+        grid.write(&mut text).unwrap();
+        assert_eq!(String::from_utf8(text).unwrap(), expected);
+    }
+
+    /// Arrays of several blocks, whose ends are before, at and behind the end of a block.
+    #[test]
+    fn blocks_follow_each_other() {
+        for count in [BLOCK - 9, BLOCK - 8, BLOCK - 7, 3 * BLOCK + 5] {
+            let bytes: Vec<u8> = (0..count).map(|k| (k * k / 7) as u8).collect();
+            let integers: Vec<i32> = bytes.iter().map(|byte| i32::from(*byte) - 99).collect();
+            let (mut written, mut expected) = (vec![], String::new());
+            write_array(&mut written, ("t", 1, "UInt8"), &bytes, |byte| [byte]).unwrap();
+            write_array(&mut written, ("i", 1, "Int32"), &integers, i32::to_le_bytes).unwrap();
+            let four: Vec<u8> = integers.iter().flat_map(|number| number.to_le_bytes()).collect();
+            for (head, bytes) in [("UInt8\" Name=\"t", bytes), ("Int32\" Name=\"i", four)] {
+                expected +=
+                    &format!("<DataArray type=\"{head}\" NumberOfComponents=\"1\" format=\"binary\">");
+                base64::append(&mut expected, &[&(bytes.len() as u64).to_le_bytes(), &bytes[..]].concat());
+                expected += "</DataArray>\n";
+            }
+            assert!(written == expected.as_bytes(), "{count} bytes");
+        }
     }
 }
