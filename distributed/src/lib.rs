@@ -36,6 +36,7 @@ mod method;
 mod mpi;
 mod node_rows;
 mod object;
+mod part;
 mod petsc;
 mod petsc_solver;
 mod rows;
@@ -45,6 +46,8 @@ mod world;
 
 pub use error::{DistributedError, PetscError};
 pub use functional::distributed_functional;
+pub use meeting::Traffic;
 pub use method::{Method, TOLERANCE, UnknownMethod};
+pub use part::MeshPart;
 pub use petsc_solver::{PetscReport, PetscSolver};
 pub use world::World;

@@ -1,0 +1,179 @@
+//! Problems on parts of a mesh give what one process gives with the solvers of `forms_fem` on the whole mesh, and what is not divided is
+//! refused.
+
+use std::collections::BTreeMap;
+
+use forms_distributed::cases::ball_on_flat::ball_on_flat;
+use forms_distributed::cases::hanging_block::HangingBlock;
+use forms_distributed::cases::mixed_block::MixedBlock;
+use forms_distributed::cases::parts::{at_vertices, model, scalars, stretched};
+use forms_distributed::cases::report::read;
+use forms_fem::prelude::*;
+
+mod programs;
+
+use programs::mpirun;
+
+const SAME: f64 = 1e-9;
+/// 7 and 3 do not divide the meshes; the parts of 7 meet in edges and vertices only, too.
+const PROCESSES: [usize; 5] = [1, 2, 3, 4, 7];
+
+type Numbers = BTreeMap<&'static str, Vec<f64>>;
+
+fn told(processes: usize, arguments: &[&str]) -> String {
+    let output = mpirun(processes, env!("CARGO_BIN_EXE_parts"), arguments).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?} on {processes}: {said}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// ‖a − b‖∞ / ‖b‖∞.
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
+    largest(&mut a.iter().zip(b).map(|(a, b)| a - b)) / largest(&mut b.iter().copied())
+}
+
+fn check(processes: &[usize], arguments: &[&str], expected: &Numbers) {
+    for processes in processes {
+        let told = told(*processes, arguments);
+        let found = read(&told);
+        for (name, expected) in expected {
+            let difference = difference(&found[name], expected);
+            println!("{arguments:?} on {processes}: {name} differs by {difference:.1e}");
+            assert!(difference < SAME, "{arguments:?} on {processes}: {name} differs by {difference:e}");
+        }
+    }
+}
+
+fn cube(divisions: usize, shape: CellShape) -> Mesh<3> {
+    cuboid([0.0; 3], [1.0; 3], [divisions; 3], shape, 1).unwrap()
+}
+
+fn vertices(field: &Field<3>) -> Vec<f64> {
+    let count = field.space().mesh().node_count();
+    let numbers: Vec<u64> = (0..count as u64).collect();
+    at_vertices(field, &numbers, count).0
+}
+
+fn steps(history: &[NewtonStep]) -> Vec<f64> {
+    vec![history.len() as f64 - 1.0]
+}
+
+fn poisson(shape: CellShape, degree: usize) -> Numbers {
+    let (space, held) = scalars(&cube(4, shape), degree).unwrap();
+    let solved = Problem::new(&model().diffusion(), &space).constrained(&held).solve().unwrap();
+    let u = solved.field();
+    let reactions = [solved.reaction("left").unwrap(), solved.reaction("top").unwrap()].concat();
+    let size = solved.functional(&model().scalar_size(u)).unwrap();
+    BTreeMap::from([("u", vertices(u)), ("size", vec![size]), ("reactions", reactions)])
+}
+
+#[test]
+fn diffusion_on_boxes_is_the_same() {
+    check(&PROCESSES, &["poisson", "4", "1", "cg"], &poisson(CellShape::Hexahedron, 1));
+    check(&PROCESSES, &["poisson", "4", "2", "direct"], &poisson(CellShape::Hexahedron, 2));
+    // Edges with two nodes, faces with one, in the order that each side sees.
+    check(&[2, 7], &["tetrahedra", "4", "3", "direct"], &poisson(CellShape::Tetrahedron, 3));
+}
+
+/// Cells along a curve meet others in all ways, and touch sides in edges and vertices only.
+#[test]
+fn diffusion_on_pieces_of_a_curve_is_the_same() {
+    check(&PROCESSES, &["divided", "4", "1", "direct"], &poisson(CellShape::Tetrahedron, 1));
+    check(&[3, 7], &["divided", "4", "2", "direct"], &poisson(CellShape::Tetrahedron, 2));
+}
+
+#[test]
+fn elasticity_on_boxes_is_the_same_by_both_solvers() {
+    let HangingBlock { form, space, constraints } =
+        HangingBlock::on(&cube(4, CellShape::Hexahedron), Given::constant([0.0, 0.0, -1.0])).unwrap();
+    let solved = Problem::new(&form, &space).constrained(&constraints).solve().unwrap();
+    let size = solved.functional(&model().vector_size(solved.field())).unwrap();
+    let expected = BTreeMap::from([
+        ("u", vertices(solved.field())),
+        ("size", vec![size]),
+        ("reactions", solved.reaction("top").unwrap()),
+    ]);
+    // The weight hangs at the top.
+    assert!((expected["reactions"][2] - 1.0).abs() < 1e-9);
+    check(&PROCESSES, &["hanging", "4", "2", "cg"], &expected);
+    check(&[3], &["hanging", "4", "2", "direct"], &expected);
+    // GAMG has the rigid motions of the whole body on any number of processes.
+    let iterations = |processes| read(&told(processes, &["hanging", "4", "2", "cg"]))["iterations"][0];
+    let (one, four) = (iterations(1), iterations(4));
+    assert!(four <= 1.5 * one, "{one} and {four} iterations");
+}
+
+#[test]
+fn two_unknowns_are_the_same() {
+    let block = MixedBlock::on(&cube(3, CellShape::Hexahedron)).unwrap();
+    let solved = block.problem().solve().unwrap();
+    let [u, p] = &solved.fields;
+    let reactions = solved.reaction_of(0, "bottom").unwrap();
+    let expected = BTreeMap::from([("u", vertices(u)), ("p", vertices(p)), ("reactions", reactions)]);
+    check(&[1, 3, 4], &["mixed", "3", "2", "direct"], &expected);
+    check(&[2], &["mixed", "3", "2", "gmres"], &expected);
+}
+
+/// Newton's method judges each row on all processes.
+#[test]
+fn a_stretched_cube_of_rubber_is_the_same_step_by_step() {
+    for degree in [1, 2] {
+        let (space, held) = stretched(&cube(3, CellShape::Hexahedron), degree).unwrap();
+        let solved = Problem::new(&model().rubber(), &space).constrained(&held).solve().unwrap();
+        assert!(solved.iterations() > 3);
+        let size = solved.functional(&model().vector_size(solved.field())).unwrap();
+        let expected = BTreeMap::from([
+            ("u", vertices(solved.field())),
+            ("size", vec![size]),
+            ("reactions", solved.reaction("right").unwrap()),
+            ("steps", steps(&solved.history)),
+        ]);
+        let processes: &[usize] = if degree == 1 { &PROCESSES } else { &[4] };
+        check(processes, &["rubber", "3", &degree.to_string(), "direct"], &expected);
+    }
+}
+
+#[test]
+fn a_ball_on_a_flat_is_the_same() {
+    for (theta, method, processes) in [(-1.0, "direct", &PROCESSES[..]), (1.0, "cg", &[4])] {
+        let problem = ball_on_flat(4, theta).unwrap();
+        let solved = problem.direct().unwrap().solver(&mut TangentSolver::default()).solve().unwrap();
+        let (u, law) = (solved.field(), &problem.law);
+        let value = |functional: &Functional<3>| problem.assembler.functional(functional).unwrap();
+        let force = value(&law.contact_force(u));
+        assert!(force > 1.0, "the ball is in contact");
+        let active = solved.history.iter().filter_map(|step| step.active_points).map(|count| count as f64);
+        let expected = BTreeMap::from([
+            ("J", vec![value(&law.criterion(u))]),
+            ("force", vec![force]),
+            ("u", vertices(u)),
+            ("steps", steps(&solved.history)),
+            ("active", active.collect()),
+        ]);
+        check(processes, &["ball", "4", "2", method], &expected);
+    }
+}
+
+/// Nothing is silently the answer of one process's piece.
+#[test]
+fn what_is_not_divided_is_refused() {
+    let refusals = [
+        ("without on", "would add up over processes"),
+        ("on the world", "other processes than those of the part"),
+        ("nearest", "the nearest node: this mesh is one process's piece"),
+        ("sliding", "there are no relations between unknowns"),
+        ("interior", "interior facets"),
+        ("reaction", "reactions, which the part of the mesh adds up"),
+        ("functional", "would add up over processes"),
+    ];
+    for (name, refusal) in refusals {
+        let output = mpirun(2, env!("CARGO_BIN_EXE_parts"), &[name, "3"]).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && said.contains(refusal), "{name}: {said}");
+    }
+    let output = mpirun(3, env!("CARGO_BIN_EXE_parts"), &["poisson", "1"]).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("3 processes cannot each have cells of a mesh of 1"), "{said}");
+}
