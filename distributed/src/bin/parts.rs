@@ -1,5 +1,5 @@
 //! Problems on parts of a mesh, on the processes that started this:
-//! `mpirun -n 4 parts CASE [blocks along an edge] [degree] [direct | cg | gmres]`. Tells values at the vertices, integrals, reactions.
+//! `mpirun -n 4 parts CASE [blocks along an edge] [degree] [direct | cg | gmres] [file of hanging]`. Tells values at the vertices, integrals, reactions.
 //! `parts memory 80 1 cg` tells the peak memory of each process, and what it sent, instead.
 
 use std::error::Error;
@@ -9,9 +9,10 @@ use forms_contact::threshold::of_law;
 use forms_distributed::cases::ball_on_flat::{is_near, place, pressed};
 use forms_distributed::cases::hanging_block::HangingBlock;
 use forms_distributed::cases::mixed_block::MixedBlock;
-use forms_distributed::cases::parts::{model, scalars, stretched, whole};
+use forms_distributed::cases::parts::{by_tangent, model, scalars, stretched, whole};
 use forms_distributed::cases::report::{tell, tell_steps};
 use forms_distributed::{MeshPart, Method, PetscSolver, World};
+use forms_fem::output::VtuFile;
 use forms_fem::prelude::*;
 
 type Outcome = Result<(), Box<dyn Error>>;
@@ -74,6 +75,9 @@ fn hanging(part: &MeshPart<'_, 3>, method: Method) -> Outcome {
     tell(world, "u", &whole(part, u, nodes(part)?)?);
     tell(world, "size", &[part.functional(solved.assembler(), &model.vector_size(u))?]);
     tell(world, "reactions", &part.reaction(&solved, 0, "top")?);
+    if let Some(path) = std::env::args().nth(5) {
+        part.write(path, &VtuFile::new(part).point_data("u", u)?)?;
+    }
     tell(
         world,
         "iterations",
@@ -99,7 +103,7 @@ fn rubber(part: &MeshPart<'_, 3>, degree: usize, method: Method) -> Outcome {
     let form = model.rubber();
     let before = world.traffic();
     let problem = Problem::new(&form, &space).on(part).constrained(&held).threads(Threads::new(1));
-    let solved = problem.solver(&mut solver).solve()?;
+    let solved = problem.options(by_tangent()).solver(&mut solver).solve()?;
     tell_traffic(world, before, solved.iterations())?;
     let u = solved.field();
     tell_steps(world, &solved.history);
@@ -126,6 +130,8 @@ fn ball(mut part: MeshPart<'_, 3>, method: Method) -> Outcome {
     tell(world, "J", &[part.functional(&problem.assembler, &law.criterion(u))?]);
     tell(world, "force", &[part.functional(&problem.assembler, &law.contact_force(u))?]);
     tell(world, "u", &whole(&part, u, nodes(&part)?)?);
+    let adjoint = problem.adjoint(u)?.on(&part).solver(&mut solver).solve()?;
+    tell(world, "adjoint", &whole(&part, adjoint.field(), nodes(&part)?)?);
     Ok(())
 }
 
@@ -180,12 +186,14 @@ fn refused(part: &MeshPart<'_, 3>, name: &str) -> Outcome {
     match name {
         "without on" => Problem::new(&form, &space).constrained(&held).solve().map(drop)?,
         "on the world" => {
-            let mut problem = Problem::new(&form, &space).on(part.world()).constrained(&held);
-            problem.solve().map(drop)?;
+            let mut solver = PetscSolver::for_part(part, &[&held], Method::Direct)?;
+            let problem = Problem::new(&form, &space).on(part.world()).constrained(&held);
+            problem.solver(&mut solver).solve().map(drop)?;
         }
         "nearest" => held.fix_nearest(&[0.5; 3], [0.0; 3])?,
         "sliding" => {
-            held.slide_along("top", |_| 0.0)?;
+            held = Constraints::new(&space);
+            held.slide("top", |_| [0.6, 0.0, 0.8], |_| 0.0)?;
             let mut solver = PetscSolver::for_part(part, &[&held], Method::Direct)?;
             Problem::new(&form, &space).on(part).constrained(&held).solver(&mut solver).solve().map(drop)?;
         }

@@ -76,6 +76,11 @@ pub fn stretched(mesh: &Mesh<3>, degree: usize) -> Result<Held, Box<dyn Error>> 
     Ok((space, held))
 }
 
+/// Newton's method whose first step takes the body along with the prescribed values.
+pub fn by_tangent() -> NewtonOptions {
+    NewtonOptions { prescribed_values: PrescribedValues::ByTangent, ..NewtonOptions::default() }
+}
+
 /// The values of a field at the vertices of its mesh, which has the given numbers in a larger mesh with `count` nodes; and 1 for each of its vertices.
 pub fn at_vertices(field: &Field<3>, numbers: &[u64], count: usize) -> (Vec<f64>, Vec<f64>) {
     let (space, components) = (field.space(), field.space().components());

@@ -23,6 +23,9 @@ fn halve<const D: usize>(whole: Box<D>, count: usize, found: &mut Vec<Box<D>>) -
         return None;
     }
     let lower = ((length * first + count / 2) / count).clamp(1, length - 1);
+    let across: usize = whole.iter().map(Range::len).product::<usize>() / length;
+    // Where blocks are few, each half has processes for its blocks.
+    let first = first.max(count.saturating_sub(across * (length - lower))).min(across * lower);
     let cut = whole[axis].start + lower;
     let (mut low, mut high) = (whole.clone(), whole);
     low[axis].end = cut;
@@ -37,7 +40,9 @@ mod tests {
 
     #[test]
     fn boxes_are_a_partition_of_about_equal_sizes() {
-        for (divisions, count) in [([8, 8, 8], 1), ([8, 8, 8], 7), ([80, 80, 80], 16), ([3, 1, 2], 6)] {
+        for (divisions, count) in
+            [([8, 8, 8], 1), ([8, 8, 8], 7), ([80, 80, 80], 16), ([3, 1, 2], 6), ([3, 3, 3], 16)]
+        {
             let found = boxes(divisions, count).unwrap();
             let size = |one: &Box<3>| one.iter().map(Range::len).product::<usize>();
             let sizes: Vec<usize> = found.iter().map(size).collect();

@@ -8,11 +8,15 @@ mod shared_nodes;
 
 use std::any::Any;
 use std::cell::RefCell;
+use std::ffi::OsStr;
+use std::fs;
 use std::ops::{Deref, Range};
+use std::path::Path;
 use std::rc::Rc;
 
 use forms_fem::element::Elements;
 use forms_fem::mesh::MeshError;
+use forms_fem::output::VtuFile;
 use forms_fem::prelude::*;
 use forms_fem::solve::{CommunicationError, Communicator, DividedVectors};
 use forms_fem::space::Scope;
@@ -135,12 +139,15 @@ impl<'w, const D: usize> MeshPart<'w, D> {
         assembler: &Assembler<D>,
         functional: &Functional<D>,
     ) -> Result<f64, DistributedError<AssemblyError>> {
+        let form = functional.name();
         let all: Vec<u32> = (0..assembler.mesh().cell_count() as u32).collect();
-        let own = assembler.clone().on_owned_cells(&all).map_err(|source| AssemblyError::Region {
-            form: functional.name(),
-            symbol: "this process's cells",
-            source,
-        });
+        let own = if assembler.mesh().is_same(&self.mesh) {
+            let own = assembler.clone().on_owned_cells(&all);
+            own.map_err(|source| AssemblyError::Region { form, symbol: "this process's cells", source })
+        } else {
+            let source = CommunicationError::Divided { what: "functionals on other meshes".to_owned() };
+            Err(AssemblyError::Communication { form, source })
+        };
         let own = self.world.agree(own.and_then(|local| local.functional(functional)))?;
         Ok(self.world.sum(&[own])?[0])
     }
@@ -177,6 +184,34 @@ impl<'w, const D: usize> MeshPart<'w, D> {
             }
         }
         self.world.sum(&sums)
+    }
+
+    /// Files of all parts, which ParaView opens as one mesh: `out/block.pvd` lists `block_0000.vtu`, the part of the first process, and so on.
+    ///
+    /// # Errors
+    /// [`PetscError::Unfit`] where a file cannot be written, or the path names none.
+    pub fn write(&self, path: impl AsRef<Path>, file: &VtuFile<'_, D>) -> Result<(), PetscError> {
+        let (path, unfit) = (path.as_ref(), |message: String| PetscError::Unfit { message });
+        let name = |rank: usize| {
+            let stem = path.file_stem().and_then(OsStr::to_str);
+            let stem = stem.ok_or_else(|| unfit(format!("{} names no file", path.display())))?;
+            Ok::<_, PetscError>(format!("{stem}_{rank:04}.vtu"))
+        };
+        let own = name(self.world.rank())
+            .and_then(|own| file.write(path.with_file_name(own)).map_err(|error| unfit(error.to_string())));
+        self.world.agree(own)?;
+        let list = || {
+            let mut list =
+                "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n"
+                    .to_owned();
+            for rank in 0..self.world.size() {
+                let name = name(rank)?.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
+                list.push_str(&format!("<DataSet timestep=\"0\" part=\"{rank}\" file=\"{name}\"/>\n"));
+            }
+            list.push_str("</Collection>\n</VTKFile>\n");
+            fs::write(path, list).map_err(|error| unfit(format!("{}: {error}", path.display())))
+        };
+        Ok(self.world.agree(if self.world.rank() == 0 { list() } else { Ok(()) })?)
     }
 
     /// The vectors over the unknowns of spaces on this part.
