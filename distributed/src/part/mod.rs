@@ -5,6 +5,7 @@ mod divided_unknowns;
 mod divided_vectors;
 mod division;
 mod shared_nodes;
+mod unknown_rows;
 
 use std::any::Any;
 use std::cell::RefCell;
@@ -54,7 +55,7 @@ use crate::world::World;
 /// # }
 /// ```
 ///
-/// The process's own share of what is not divided is refused by name: integrals over interior facets and contact pairs, histories and
+/// What is not divided is refused by name: integrals over interior facets and contact pairs, histories and
 /// motions, relations between unknowns, bounds, projections to continuous spaces, adaptivity.
 pub struct MeshPart<'w, const D: usize> {
     world: &'w World,
@@ -244,7 +245,7 @@ impl<'w, const D: usize> MeshPart<'w, D> {
     /// The rows of the free unknowns of spaces on this part.
     pub(crate) fn node_rows(&self, constraints: &[&Constraints<D>]) -> Result<NodeRows, PetscError> {
         let spaces: Vec<&Arc<Space<D>>> = constraints.iter().map(|one| one.space()).collect();
-        DividedUnknowns::rows(self.world, &self.vectors(&spaces)?, constraints)
+        unknown_rows::rows(self.world, &self.vectors(&spaces)?, constraints)
     }
 }
 

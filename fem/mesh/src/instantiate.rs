@@ -45,7 +45,6 @@ impl<const D: usize> Compiled<D> {
             Self::octree(),
             Self::octree_coarsening(),
             Self::part(),
-            Self::piece(),
             Self::quality(),
             Self::refine(),
             Self::regions(),

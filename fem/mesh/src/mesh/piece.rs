@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use super::{BOUNDARY, EVERYWHERE, Facet, Mesh, MeshError};
-use crate::instantiate;
 
 /// The extent of a mesh's cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -28,7 +27,6 @@ impl<const D: usize> Mesh<D> {
     /// regions of the larger mesh, empty ones where nothing of them is here, and no interior facets, because no process has both sides of those
     /// between pieces.
     #[doc(hidden)]
-    #[inline(never)]
     #[must_use]
     pub fn into_piece(mut self, cut: &[Facet], names: RegionNames<'_>) -> Self {
         let data = self.data_mut();
@@ -64,8 +62,6 @@ impl<const D: usize> Mesh<D> {
         if self.is_piece() { Err(MeshError::Piece { what }) } else { Ok(()) }
     }
 }
-
-instantiate!(piece: Mesh::<D>::into_piece);
 
 #[cfg(test)]
 mod tests {
