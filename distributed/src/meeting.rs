@@ -116,7 +116,7 @@ pub(crate) struct Meetings {
 const TAG: c_int = 1;
 
 impl Meetings {
-    /// Between all `size` processes of a communicator, of which this is the one with number `rank`.
+    /// Between all `size` processes of a communicator. This one has the number `rank`.
     pub fn new(among: Handle, rank: usize, size: usize) -> Result<Self, PetscError> {
         let mut communicator = null_mut();
         // SAFETY: MPI has been started, and writes the handle.

@@ -166,7 +166,7 @@ pub(crate) fn product(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// A product of two vectors, of which a process may have some rows only.
+/// A product of two vectors. A process may have some of their rows only.
 pub(crate) type Product<'a> = dyn Fn(&[f64], &[f64]) -> Result<f64, PetscError> + 'a;
 
 /// Gram and Schmidt's basis of some vectors that are zero in the held rows.

@@ -247,8 +247,13 @@ impl<const D: usize> Constraints<D> {
             return Err(ConstraintsError::NotNodal { place: place.to_owned() });
         }
         let nodes = self.space.nodes_on(region)?;
-        // Other processes may have some of them.
-        if nodes.is_empty() && !self.space.mesh().is_piece() {
+        // Other processes may have some of them, where this one has nothing of the region.
+        let mesh = self.space.mesh();
+        let is_elsewhere = mesh.is_piece()
+            && mesh
+                .facet_region(region)
+                .map_or_else(|_| mesh.cell_region(region).is_ok_and(<[_]>::is_empty), <[_]>::is_empty);
+        if nodes.is_empty() && !is_elsewhere {
             let (elements, scope) = (self.space.elements().clone(), self.space.scope().clone());
             return Err(ConstraintsError::NoNodes { place: place.to_owned(), elements, scope });
         }

@@ -116,7 +116,10 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         let inputs = self.system.form.inputs();
         let is_local = |region: &Region| matches!(region.entity, Entity::Cells | Entity::Facets);
         let region = inputs.regions.iter().find(|region| !is_local(region));
+        let (assembler, mesh) = (&self.system.assembler, self.system.spaces[0].mesh());
+        let all_cells = (0..mesh.cell_count() as u32).all(|cell| assembler.owns_cell(cell));
         let refused = [
+            (!all_cells, "cells that no process assembles"),
             (region.is_some(), "contact pairs, interfaces or interior facets"),
             (inputs.sources.iter().flatten().any(|source| matches!(source, Source::History(_))), "histories"),
             (
