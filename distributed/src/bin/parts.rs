@@ -44,16 +44,16 @@ fn solve(part: &MeshPart<'_, 3>, name: &str, degree: usize, method: Method) -> O
     let mut solver = PetscSolver::for_part(part, &[&case.held], method)?;
     let solved = case.problem().on(part).solver(&mut solver).solve()?;
     let (u, now, steps) = (solved.field(), world.traffic(), solved.iterations() as f64);
-    let all = |own: f64| -> Result<Vec<f64>, Box<dyn Error>> {
-        Ok(world.gather(own.to_bits())?.into_iter().map(f64::from_bits).collect())
-    };
-    let largest = |own: f64| Ok::<_, Box<dyn Error>>(all(own)?.into_iter().fold(f64::NAN, f64::max));
     let (messages, bytes) = (now.messages - before.messages, now.bytes - before.bytes);
     let calls = (now.collective - before.collective) as f64;
-    tell(world, "sent", &[largest(messages as f64)? / steps, largest(bytes as f64)? / steps, calls / steps]);
+    tell(
+        world,
+        "sent",
+        &[largest(world, messages as f64)? / steps, largest(world, bytes as f64)? / steps, calls / steps],
+    );
     let iterations = solver.report().iterations.iter().map(|count| *count as f64);
     tell(world, "iterations", &iterations.collect::<Vec<_>>());
-    tell(world, "megabytes", &[largest(peak())?]);
+    tell(world, "megabytes", &[largest(world, peak())?]);
     if name == "memory" {
         return Ok(());
     }
@@ -88,12 +88,12 @@ fn ball(mut part: MeshPart<'_, 3>, method: Method) -> Outcome {
     let mut problem = pressed(&part, 1.0)?;
     // The worst contact cell is on one of the processes.
     let required = of_law(&problem.law, &problem.assembler, &problem.space)?.required;
-    let all = world.gather(required.to_bits())?.into_iter().map(f64::from_bits);
-    problem.law.data.gamma0 = 1.5 * all.fold(0.0, f64::max);
+    problem.law.data.gamma0 = 1.5 * largest(world, required)?;
     problem.law.data.theta = if matches!(method, Method::ConjugateGradients { .. }) { 1.0 } else { -1.0 };
     let mut solver = PetscSolver::for_part(&part, &[&problem.constraints], method)?;
     let solved = problem.direct()?.on(&part).solver(&mut solver).solve()?;
     let (u, law) = (solved.field(), &problem.law);
+    tell(world, "megabytes", &[largest(world, peak())?]);
     tell_steps(world, &solved.history);
     tell(world, "J", &[part.functional(&problem.assembler, &law.criterion(u))?]);
     tell(world, "force", &[part.functional(&problem.assembler, &law.contact_force(u))?]);
@@ -101,6 +101,11 @@ fn ball(mut part: MeshPart<'_, 3>, method: Method) -> Outcome {
     let adjoint = problem.adjoint(u)?.on(&part).solver(&mut solver).solve()?;
     tell(world, "adjoint", &whole(&part, adjoint.field())?);
     Ok(())
+}
+
+/// The largest of all processes' numbers.
+fn largest(world: &World, own: f64) -> Result<f64, Box<dyn Error>> {
+    Ok(world.gather(own.to_bits())?.into_iter().map(f64::from_bits).fold(f64::NAN, f64::max))
 }
 
 /// The largest memory of this process so far \[MB\]; NaN where the system does not tell.
