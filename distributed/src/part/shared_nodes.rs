@@ -22,6 +22,9 @@ pub(super) struct Vertices {
 /// Vertices in the whole mesh, each with a weight: the same on all processes, and of one node.
 type Key = Vec<u64>;
 
+/// Vertices of a cell with weights.
+type Support = Vec<(usize, u64)>;
+
 /// Parts of one in which weights are counted.
 const STEPS: f64 = 1e6;
 
@@ -99,7 +102,7 @@ fn candidates<const D: usize>(
         scope => return Err(PetscError::Divided { what: format!("spaces {scope}") }),
     }
     let mesh = space.mesh();
-    let mut supports: Vec<(CellShape, Vec<Vec<(usize, u64)>>)> = vec![];
+    let mut supports: Vec<(CellShape, Vec<Support>)> = vec![];
     for cell in 0..mesh.cell_count() {
         let corners = mesh.cell_vertices(cell);
         let shared: Vec<Option<&Vec<usize>>> = corners.iter().map(|one| vertices.sharers.get(one)).collect();
@@ -135,7 +138,7 @@ fn candidates<const D: usize>(
 
 /// The vertices of the smallest edge, face or cell that has a node, with the values of their linear functions there: for each node of an
 /// element.
-fn supports_of<const D: usize>(element: &Element) -> Vec<Vec<(usize, u64)>> {
+fn supports_of<const D: usize>(element: &Element) -> Vec<Support> {
     let linear = Lagrange { shape: element.shape(), degree: 1 };
     let support = |point: &[f64; D]| {
         let mut values = vec![0.0; linear.nodes()];
