@@ -48,6 +48,26 @@ pub enum PetscError {
         /// Name of the thing.
         what: &'static str,
     },
+    /// A part of a mesh that outlived its world.
+    #[error("the world of these processes has ended")]
+    Ended,
+    /// More processes than a mesh can be divided among.
+    #[error("{processes} processes cannot each have cells of a mesh of {cells}: start fewer")]
+    TooManyProcesses { processes: usize, cells: usize },
+    /// Something that a divided mesh does not have.
+    #[error(
+        "on a mesh that is divided among processes there are no {what}: take the whole mesh on each process"
+    )]
+    Divided {
+        /// The thing, in words.
+        what: String,
+    },
+    /// A mesh, a space or constraints that do not fit.
+    #[error("{message}")]
+    Unfit {
+        /// The error of forms_fem.
+        message: String,
+    },
     /// [`crate::World`] was made twice.
     #[error("PETSc was started already in this process: there is one world")]
     StartedAlready,

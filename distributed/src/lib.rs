@@ -2,7 +2,8 @@
 //! process, PETSc adds up and solves over MPI.
 //!
 //! What is partitioned: the integrals (residuals, tangents, functionals), the matrix with its factor or hierarchy, the work of
-//! the linear solver. What every process has: the mesh, the spaces, the vectors of Newton's method.
+//! the linear solver. What every process has: the mesh, the spaces, the vectors of Newton's method; on a [`MeshPart`] it has those of
+//! its part only.
 //!
 //! ```no_run
 //! # #[cfg(not(feature = "petsc"))]
@@ -36,6 +37,7 @@ mod method;
 mod mpi;
 mod node_rows;
 mod object;
+mod part;
 mod petsc;
 mod petsc_solver;
 mod rows;
@@ -45,6 +47,8 @@ mod world;
 
 pub use error::{DistributedError, PetscError};
 pub use functional::distributed_functional;
+pub use meeting::Traffic;
 pub use method::{Method, TOLERANCE, UnknownMethod};
+pub use part::MeshPart;
 pub use petsc_solver::{PetscReport, PetscSolver};
 pub use world::World;

@@ -3,6 +3,7 @@
 
 #![allow(unsafe_code)]
 
+use std::cell::Cell;
 use std::ffi::c_int;
 use std::fmt;
 use std::ptr::null_mut;
@@ -25,7 +26,23 @@ pub(crate) enum Call {
     Sum { length: u64 },
     /// No further call.
     End { failed: bool },
+    /// Lists from process to process, with a number of their own.
+    Exchange { number: u64 },
 }
+
+/// What a process has sent so far, apart from PETSc's messages.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// Collective calls.
+    pub collective: u64,
+    /// Messages to single processes.
+    pub messages: u64,
+    /// Bytes in these messages.
+    pub bytes: u64,
+}
+
+/// Lists for other processes, by rank.
+pub(crate) type Lists = Vec<(usize, Vec<u64>)>;
 
 impl Call {
     fn words(self) -> [u64; 2] {
@@ -34,6 +51,7 @@ impl Call {
             Call::Gather { number } => [1, number],
             Call::Sum { length } => [2, length],
             Call::End { failed } => [3, u64::from(failed)],
+            Call::Exchange { number } => [4, number],
         }
     }
 
@@ -42,6 +60,7 @@ impl Call {
             [0, failed] => Call::Agree { failed: failed != 0 },
             [1, number] => Call::Gather { number },
             [2, length] => Call::Sum { length },
+            [4, number] => Call::Exchange { number },
             [_, failed] => Call::End { failed: failed != 0 },
         }
     }
@@ -50,6 +69,7 @@ impl Call {
     fn fits(self, other: Call) -> bool {
         match (self, other) {
             (Call::Sum { length }, Call::Sum { length: other }) => length == other,
+            (Call::Exchange { number }, Call::Exchange { number: other }) => number == other,
             (one, other) => one.words()[0] == other.words()[0],
         }
     }
@@ -62,6 +82,7 @@ impl fmt::Display for Call {
             Call::Gather { .. } => f.write_str("a comparison"),
             Call::Sum { length } => write!(f, "a sum of {length} numbers"),
             Call::End { .. } => f.write_str("the end"),
+            Call::Exchange { number } => write!(f, "an exchange between pieces (number {number:x})"),
         }
     }
 }
@@ -83,17 +104,112 @@ pub(crate) fn check_same(own: Call, all: &[Call]) -> Result<(), PetscError> {
 /// The processes' way to talk, apart from PETSc's messages.
 #[derive(Debug)]
 pub(crate) struct Meetings {
-    communicator: Handle,
+    communicator: Cell<Handle>,
+    rank: usize,
     size: usize,
+    /// Whether another process made another call, as one that failed does.
+    is_left: Cell<bool>,
+    traffic: Cell<Traffic>,
 }
 
+/// The tag of all messages: two processes exchange them in the order of their calls.
+const TAG: c_int = 1;
+
 impl Meetings {
-    /// Between all `size` processes of a communicator.
-    pub fn new(among: Handle, size: usize) -> Result<Self, PetscError> {
+    /// Between all `size` processes of a communicator. This one has the number `rank`.
+    pub fn new(among: Handle, rank: usize, size: usize) -> Result<Self, PetscError> {
         let mut communicator = null_mut();
         // SAFETY: MPI has been started, and writes the handle.
         unsafe { call_mpi!(MPI_Comm_dup(among, &mut communicator))? };
-        Ok(Meetings { communicator, size })
+        let (communicator, is_left) = (Cell::new(communicator), Cell::new(false));
+        Ok(Meetings { communicator, rank, size, is_left, traffic: Cell::default() })
+    }
+
+    /// The number of this process.
+    pub fn rank(&self) -> usize {
+        self.rank
+    }
+
+    /// Whether another process made another call so far.
+    pub fn is_left(&self) -> bool {
+        self.is_left.get()
+    }
+
+    /// What was sent so far.
+    pub fn traffic(&self) -> Traffic {
+        self.traffic.get()
+    }
+
+    fn count(&self, collective: u64, messages: u64, bytes: u64) {
+        let Traffic { collective: calls, messages: sent, bytes: size } = self.traffic.get();
+        let (collective, messages, bytes) = (calls + collective, sent + messages, size + bytes);
+        self.traffic.set(Traffic { collective, messages, bytes });
+    }
+
+    /// The communicator, until it is given back.
+    fn communicator(&self) -> Result<Handle, PetscError> {
+        let at = self.communicator.get();
+        if at.is_null() { Err(PetscError::Ended) } else { Ok(at) }
+    }
+
+    /// The call that all processes are about to make, which has to be the same.
+    pub fn meet(&self, own: Call) -> Result<Vec<Call>, PetscError> {
+        let all = self.all(own, None)?.unwrap_or_default();
+        self.same(own, &all)?;
+        Ok(all)
+    }
+
+    /// Takes down whether all processes make the same call.
+    pub fn same(&self, own: Call, all: &[Call]) -> Result<(), PetscError> {
+        let found = check_same(own, all);
+        self.is_left.set(self.is_left.get() || found.is_err());
+        found
+    }
+
+    /// Sends lists to other processes, and receives one of the given length from each of them: each of them does the same in return, in a
+    /// call with the same number.
+    pub fn exchange(&self, number: u64, to: Lists, lengths: &[usize]) -> Result<Vec<Vec<u64>>, PetscError> {
+        self.meet(Call::Exchange { number })?;
+        let (kind, communicator) = (mpi::unsigned(), self.communicator()?);
+        let mut from: Vec<Vec<u64>> = lengths.iter().map(|length| vec![0; *length]).collect();
+        let count = |list: &[u64]| {
+            let too_many = PetscError::TooMany { what: "numbers", count: list.len() };
+            c_int::try_from(list.len()).map_err(|_| too_many)
+        };
+        let mut requests: Vec<Handle> = Vec::with_capacity(2 * to.len());
+        let sent: Result<(), PetscError> = (|| {
+            for ((rank, _), list) in to.iter().zip(&mut from) {
+                let (mut request, count, rank) = (null_mut(), count(list)?, *rank as c_int);
+                // SAFETY: a list of as many numbers, which stays where it is until the request is done, or for ever.
+                unsafe {
+                    let list = list.as_mut_ptr().cast();
+                    call_mpi!(MPI_Irecv(list, count, kind, rank, TAG, communicator, &mut request))?;
+                }
+                requests.push(request);
+            }
+            for (rank, list) in &to {
+                let (mut request, count, rank) = (null_mut(), count(list)?, *rank as c_int);
+                // SAFETY: as above.
+                unsafe {
+                    let list = list.as_ptr().cast();
+                    call_mpi!(MPI_Isend(list, count, kind, rank, TAG, communicator, &mut request))?;
+                }
+                requests.push(request);
+            }
+            for request in &mut requests {
+                // SAFETY: a request that was just made; its status is not asked for.
+                unsafe { call_mpi!(MPI_Wait(request, null_mut()))? };
+            }
+            Ok(())
+        })();
+        if let Err(error) = sent {
+            // MPI may still read and write there.
+            std::mem::forget((to, from));
+            return Err(error);
+        }
+        let bytes = to.iter().map(|(_, list)| 8 * list.len() as u64).sum();
+        self.count(0, to.len() as u64, bytes);
+        Ok(from)
     }
 
     /// Statements of all processes. `None` if some have not come by the end of `patience`; then there is no further meeting.
@@ -101,12 +217,13 @@ impl Meetings {
         let words = Box::new(own.words());
         let mut all = vec![[0_u64; 2]; self.size];
         let (mut request, mut done) = (null_mut(), 0 as c_int);
-        let kind = mpi::unsigned();
+        let (kind, communicator) = (mpi::unsigned(), self.communicator()?);
+        self.count(1, 0, 0);
         // SAFETY: two numbers from here and two from each process, for which there is room; both lists stay where they are until the
         // request is done, or for ever.
         unsafe {
             let (own, all) = (words.as_ptr().cast(), all.as_mut_ptr().cast());
-            call_mpi!(MPI_Iallgather(own, 2, kind, all, 2, kind, self.communicator, &mut request))?;
+            call_mpi!(MPI_Iallgather(own, 2, kind, all, 2, kind, communicator, &mut request))?;
         }
         let Some(patience) = patience else {
             // SAFETY: the request that was just made; its status is not asked for.
@@ -135,10 +252,12 @@ impl Meetings {
         let too_many = PetscError::TooMany { what: "numbers", count: own.len() };
         let count = c_int::try_from(own.len()).map_err(|_| too_many)?;
         let mut sum = vec![0.0_f64; own.len()];
+        let communicator = self.communicator()?;
+        self.count(1, 0, 0);
         // SAFETY: both lists have `count` doubles, on all processes.
         unsafe {
             let (from, to) = (own.as_ptr().cast(), sum.as_mut_ptr().cast());
-            call_mpi!(MPI_Allreduce(from, to, count, mpi::double(), mpi::sum(), self.communicator))?;
+            call_mpi!(MPI_Allreduce(from, to, count, mpi::double(), mpi::sum(), communicator))?;
         }
         Ok(sum)
     }
@@ -146,15 +265,16 @@ impl Meetings {
     /// Ends all processes, wherever they are.
     pub fn abort(&self) -> ! {
         // SAFETY: a communicator of all processes.
-        unsafe { mpi::MPI_Abort(self.communicator, 1) };
+        unsafe { mpi::MPI_Abort(self.communicator.get(), 1) };
         // It does not return; where it does, mpirun ends the others when this process is gone.
         std::process::abort()
     }
 
     /// Gives the communicator back, on all processes.
-    pub fn close(&mut self) {
+    pub fn close(&self) {
+        let mut communicator = self.communicator.replace(null_mut());
         // SAFETY: the communicator that was made in `new`, which is not used any more.
-        unsafe { mpi::MPI_Comm_free(&mut self.communicator) };
+        unsafe { mpi::MPI_Comm_free(&mut communicator) };
     }
 }
 
@@ -191,6 +311,7 @@ mod tests {
             Call::Gather { number: u64::MAX },
             Call::Sum { length: 7 },
             Call::End { failed: false },
+            Call::Exchange { number: 9 },
         ];
         calls.into_iter().for_each(|call| assert_eq!(Call::of_words(call.words()), call));
     }

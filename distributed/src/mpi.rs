@@ -41,6 +41,24 @@ unsafe extern "C" {
         operation: Handle,
         communicator: Handle,
     ) -> c_int;
+    pub fn MPI_Irecv(
+        list: *mut c_void,
+        count: c_int,
+        kind: Handle,
+        from: c_int,
+        tag: c_int,
+        communicator: Handle,
+        request: *mut Handle,
+    ) -> c_int;
+    pub fn MPI_Isend(
+        list: *const c_void,
+        count: c_int,
+        kind: Handle,
+        to: c_int,
+        tag: c_int,
+        communicator: Handle,
+        request: *mut Handle,
+    ) -> c_int;
     pub fn MPI_Test(request: *mut Handle, done: *mut c_int, status: *mut c_void) -> c_int;
     pub fn MPI_Wait(request: *mut Handle, status: *mut c_void) -> c_int;
     pub fn MPI_Abort(communicator: Handle, code: c_int) -> c_int;

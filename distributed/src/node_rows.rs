@@ -7,6 +7,7 @@ use forms_fem::prelude::*;
 use forms_fem::solve::communicator::Fingerprint;
 
 use crate::error::PetscError;
+use crate::part::DividedUnknowns;
 use crate::petsc::Index;
 use crate::rows::Rows;
 use crate::world::World;
@@ -26,6 +27,8 @@ pub(crate) struct NodeRows {
     pub held: Vec<Index>,
     /// Of each unknown.
     pub fields: Vec<FieldRows>,
+    /// The division of vectors over the unknowns, where processes have pieces of the mesh.
+    pub divided: Option<DividedUnknowns>,
 }
 
 /// The rows of one unknown.
@@ -35,7 +38,7 @@ pub(crate) struct FieldRows {
     pub rows: Rows,
     /// The first of this process's ones among all rows.
     pub start: usize,
-    /// An orthonormal basis of the rigid motions of a displacement, zero in the held rows; empty for other fields.
+    /// This process's rows of an orthonormal basis of the rigid motions of a displacement, zero in the held rows; empty for other fields.
     pub motions: Vec<Vec<f64>>,
 }
 
@@ -76,7 +79,10 @@ impl<const D: usize> FreeNodes<D> {
         let is_displacement = self.components == D && D > 1;
         let motions = if is_displacement { rigid_motions(&self.positions) } else { vec![] };
         let rows = Rows::of_nodes(world, self.positions.len(), self.components)?;
-        Ok(FieldRows { rows, start, motions: orthonormal(motions, &held) })
+        let product = |a: &[f64], b: &[f64]| Ok(product(a, b));
+        let mut motions = orthonormal(motions, &held, &product)?;
+        motions.iter_mut().for_each(|motion| *motion = motion[rows.own.clone()].to_vec());
+        Ok(FieldRows { rows, start, motions })
     }
 }
 
@@ -110,7 +116,7 @@ impl NodeRows {
             }
         }
         let block = if let [only] = &unknowns[..] { only.components } else { 1 };
-        Ok(NodeRows { rows: Rows { count, block, own }, places, held, fields })
+        Ok(NodeRows { rows: Rows { count, block, own }, places, held, fields, divided: None })
     }
 
     /// A number that tells rows of other nodes, places or constraints apart.
@@ -122,42 +128,71 @@ impl NodeRows {
         Fingerprint::default().numbers(sizes).numbers(places).reals(coordinates).finish()
     }
 
-    /// A vector over the rows from one over the free unknowns.
-    pub fn spread(&self, reduced: &[f64]) -> Vec<f64> {
-        let mut all = vec![0.0; self.rows.count];
+    /// This process's rows of a vector over the free unknowns.
+    pub fn own_of(&self, reduced: &[f64]) -> Vec<f64> {
+        let mut own = vec![0.0; self.rows.own.len()];
         for (place, value) in self.places.iter().zip(reduced) {
-            all[*place as usize] = *value;
+            if let Some(row) = (*place as usize).checked_sub(self.rows.own.start)
+                && row < own.len()
+            {
+                own[row] = *value;
+            }
         }
-        all
+        own
     }
 
-    /// The free unknowns of a vector over the rows.
-    pub fn gather(&self, all: &[f64]) -> Vec<f64> {
-        self.places.iter().map(|place| all[*place as usize]).collect()
+    /// The free unknowns of a vector whose rows are all known here; on pieces of a mesh those of this process, and the others come from
+    /// theirs.
+    pub fn unknowns_of(&self, known: &[f64]) -> Result<Vec<f64>, PetscError> {
+        let Some(divided) = &self.divided else {
+            return Ok(self.places.iter().map(|place| known[*place as usize]).collect());
+        };
+        let own = |place: &Index| (*place as usize).checked_sub(self.rows.own.start);
+        let found = self.places.iter().map(|place| own(place).and_then(|row| known.get(row)).copied());
+        divided.spread(found.map(Option::unwrap_or_default))
+    }
+
+    /// What the processes add to vectors over the free unknowns, added up.
+    pub fn add_up(&self, world: &World, reduced: &[f64]) -> Result<Vec<f64>, PetscError> {
+        match &self.divided {
+            None => world.sum(reduced),
+            Some(divided) => divided.add_up(reduced),
+        }
     }
 }
 
+/// The part of a product of two vectors in some rows.
+pub(crate) fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// A product of two vectors. A process may have some of their rows only.
+pub(crate) type Product<'a> = dyn Fn(&[f64], &[f64]) -> Result<f64, PetscError> + 'a;
+
 /// Gram and Schmidt's basis of some vectors that are zero in the held rows.
-fn orthonormal(vectors: Vec<Vec<f64>>, held: &[usize]) -> Vec<Vec<f64>> {
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+pub(crate) fn orthonormal(
+    vectors: Vec<Vec<f64>>,
+    held: &[usize],
+    product: &Product<'_>,
+) -> Result<Vec<Vec<f64>>, PetscError> {
     let mut basis: Vec<Vec<f64>> = Vec::new();
     for mut vector in vectors {
         held.iter().for_each(|row| vector[*row] = 0.0);
-        let before = product(&vector, &vector).sqrt();
+        let before = product(&vector, &vector)?.sqrt();
         // Once more, for what rounding left.
         for _ in 0..2 {
             for known in &basis {
-                let factor = product(known, &vector);
+                let factor = product(known, &vector)?;
                 vector.iter_mut().zip(known).for_each(|(value, known)| *value -= factor * known);
             }
         }
-        let length = product(&vector, &vector).sqrt();
+        let length = product(&vector, &vector)?.sqrt();
         if length > DEPENDENT * before {
             vector.iter_mut().for_each(|value| *value /= length);
             basis.push(vector);
         }
     }
-    basis
+    Ok(basis)
 }
 
 #[cfg(test)]
@@ -167,7 +202,7 @@ mod tests {
     #[test]
     fn motions_become_a_basis_that_leaves_held_rows_alone() {
         let vectors = vec![vec![1.0, 1.0, 0.0], vec![1.0, 1.0, 1.0], vec![2.0, 2.0, 5.0]];
-        let basis = orthonormal(vectors, &[0]);
+        let basis = orthonormal(vectors, &[0], &|a, b| Ok(product(a, b))).unwrap();
         assert_eq!(basis, [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
     }
 }

@@ -6,7 +6,8 @@ use std::ffi::{CStr, CString, c_int};
 use std::ptr::null;
 use std::time::Instant;
 
-use forms_fem::linear_algebra::{CsrMatrix, LinearAlgebraError, ResidualHistory, check_residual};
+use forms_fem::linear_algebra::backward_error::check_rows;
+use forms_fem::linear_algebra::{CsrMatrix, LinearAlgebraError, ResidualHistory};
 use forms_fem::prelude::*;
 use forms_fem::solve::communicator::Fingerprint;
 use forms_fem::solve::linear_system::HOLDS;
@@ -15,6 +16,7 @@ use forms_fem::solve::{LinearSolution, SolverError, Transpose};
 use crate::error::PetscError;
 use crate::method::Method;
 use crate::node_rows::NodeRows;
+use crate::part::MeshPart;
 use crate::petsc::{EUCLIDEAN, Index, call};
 use crate::system::System;
 use crate::vector::DistributedVector;
@@ -84,9 +86,28 @@ impl<'w> PetscSolver<'w> {
         let nodes = world.agree(NodeRows::new(world, constraints))?;
         let fingerprint = nodes.fingerprint(constraints);
         world.check_same("unknowns for `PetscSolver`: other meshes, spaces or constraints", fingerprint)?;
+        Self::on_rows(world, nodes, method)
+    }
+
+    /// A solver for systems on a part of a mesh, with the constraints of each unknown there. Nothing in it has the size of the whole problem:
+    /// right-hand sides and solutions have the unknowns of this process's part.
+    ///
+    /// # Errors
+    /// As [`PetscSolver::new`]; [`PetscError::Divided`].
+    pub fn for_part<const D: usize>(
+        part: &MeshPart<'w, D>,
+        constraints: &[&Constraints<D>],
+        method: Method,
+    ) -> Result<Self, PetscError> {
+        let nodes = part.node_rows(constraints)?;
+        Self::on_rows(part.world(), nodes, method)
+    }
+
+    fn on_rows(world: &'w World, nodes: NodeRows, method: Method) -> Result<Self, PetscError> {
         world.destroy_dropped()?;
         let vector = || DistributedVector::new(world, nodes.rows.clone());
-        let vectors = || Ok((vector()?, vector()?, vector()?));
+        let copied = || if nodes.divided.is_some() { vector() } else { vector()?.with_copy(world) };
+        let vectors = || Ok((vector()?, copied()?, copied()?));
         let (b, x, residual) = world.agree_on_calls(vectors())?;
         let report = PetscReport { rows: nodes.rows.count, ..PetscReport::default() };
         let prefix = CString::default();
@@ -171,7 +192,7 @@ impl LinearSolver for PetscSolver<'_> {
         }
         let assembled = self.assembled(&local);
         let mut system = self.world.agree_on_calls(assembled)?;
-        system.diagonal = self.world.sum(&local.diagonal())?;
+        system.diagonal = self.nodes.add_up(self.world, &local.diagonal())?;
         system.local = local;
         self.system = Some(system);
         self.report.assembly_seconds += start.elapsed().as_secs_f64();
@@ -192,7 +213,9 @@ impl LinearSolver for PetscSolver<'_> {
         let fit = self.check_size("the right-hand side", b.len()).map_err(SolverError::from);
         let ready = if self.system.is_some() { Ok(()) } else { Err(SolverError::NoMatrix) };
         self.world.agree(fit.and(ready))?;
-        self.world.check_same("right-hand sides", Fingerprint::default().reals(b).finish())?;
+        if self.nodes.divided.is_none() {
+            self.world.check_same("right-hand sides", Fingerprint::default().reals(b).finish())?;
+        }
         let start = Instant::now();
         let solved = self.solve_by_calls(b, absolute, transpose);
         let solved = self.world.agree_on_calls(solved)?;
@@ -201,16 +224,22 @@ impl LinearSolver for PetscSolver<'_> {
         }
         let relative_residual = if solved.size == 0.0 { 0.0 } else { solved.norm / solved.size };
         let iterations = if self.method == Method::Direct { 0 } else { solved.iterations as usize };
+        let solution = self.nodes.unknowns_of(&solved.solution)?;
         if let Some(rest) = &solved.rest {
+            let rest = self.nodes.unknowns_of(rest)?;
             let system = self.system.as_ref().ok_or(SolverError::NoMatrix)?;
-            let sizes =
-                |y: &[f64]| Ok::<_, SolverError>(self.world.sum(&term_sizes(&system.local, y, transpose))?);
-            check_residual(rest, (&solved.solution, b), &system.diagonal, sizes, HOLDS)?;
+            let sizes = |y: &[f64]| {
+                let own = term_sizes(&system.local, y, transpose);
+                Ok::<_, SolverError>(self.nodes.add_up(self.world, &own)?)
+            };
+            let of_all = |own: bool| Ok(!self.world.gather(u64::from(own))?.contains(&0));
+            let checked = check_rows(&rest, (&solution, b), &system.diagonal, sizes, of_all, HOLDS);
+            self.world.agree(checked)?;
         }
         self.report.iterations.push(iterations);
         self.report.largest_residual = self.report.largest_residual.max(relative_residual);
         self.report.solve_seconds += start.elapsed().as_secs_f64();
-        Ok(LinearSolution { solution: solved.solution, relative_residual, iterations })
+        Ok(LinearSolution { solution, relative_residual, iterations })
     }
 }
 
@@ -223,8 +252,9 @@ struct Found {
     /// Norms of the right-hand side and of the residual.
     size: f64,
     norm: f64,
+    /// Its rows as far as they are known here.
     solution: Vec<f64>,
-    /// The residual, where it is above the tolerance that was asked for.
+    /// Those of the residual, where it is above the tolerance that was asked for.
     rest: Option<Vec<f64>>,
 }
 
@@ -250,7 +280,7 @@ impl<'w> PetscSolver<'w> {
     ) -> Result<Found, PetscError> {
         let mut found = Found::default();
         let Some(system) = &mut self.system else { return Ok(found) };
-        self.b.set(&self.nodes.spread(b))?;
+        self.b.set(&self.nodes.own_of(b))?;
         let solver = system.solver_for(&self.nodes, transpose)?;
         let matrix = system.matrix();
         let (b, x, rest) = (self.b.handle(), self.x.handle(), self.residual.handle());
@@ -281,9 +311,9 @@ impl<'w> PetscSolver<'w> {
             call!(VecNorm(b, EUCLIDEAN, &mut found.size))?;
             call!(VecNorm(rest, EUCLIDEAN, &mut found.norm))?;
         }
-        found.solution = self.nodes.gather(&self.x.whole()?);
+        found.solution = self.x.values()?;
         if found.norm > absolute {
-            found.rest = Some(self.nodes.gather(&self.residual.whole()?));
+            found.rest = Some(self.residual.values()?);
         }
         Ok(found)
     }

@@ -10,14 +10,13 @@ use crate::petsc::{self, FORWARD, INSERT, Index, Object, call};
 use crate::rows::Rows;
 use crate::world::World;
 
-/// A vector whose rows are distributed, and the scatter that copies all rows to every process.
+/// A vector whose rows are distributed.
 #[derive(Debug)]
 pub(crate) struct DistributedVector<'w> {
     rows: Rows,
     vector: Owned<'w>,
-    scatter: Owned<'w>,
-    /// All rows, on this process.
-    copy: Owned<'w>,
+    /// The scatter that copies all rows to every process, and the copy here.
+    all: Option<[Owned<'w>; 2]>,
 }
 
 impl<'w> DistributedVector<'w> {
@@ -29,59 +28,70 @@ impl<'w> DistributedVector<'w> {
         })?;
         // SAFETY: a vector with rows of whole blocks.
         unsafe { call!(VecSetBlockSize(vector.handle(), rows.block as Index))? };
+        Ok(DistributedVector { rows, vector, all: None })
+    }
+
+    /// This vector with a way to copy all of its rows to every process.
+    pub fn with_copy(mut self, world: &'w World) -> Result<Self, PetscError> {
         let mut copied = null_mut();
         // SAFETY: PETSc writes two handles.
         let scatter = Owned::made(world, petsc::VecScatterDestroy, |scatter| unsafe {
-            call!(VecScatterCreateToAll(vector.handle(), scatter, &mut copied))
+            call!(VecScatterCreateToAll(self.handle(), scatter, &mut copied))
         })?;
         let copy = Owned::made(world, petsc::VecDestroy, |copy| {
             // SAFETY: a place for a handle, which was made with the scatter.
             unsafe { copy.write(copied) };
             Ok(())
         })?;
-        Ok(DistributedVector { rows, vector, scatter, copy })
+        self.all = Some([scatter, copy]);
+        Ok(self)
     }
 
     pub fn handle(&self) -> Object {
         self.vector.handle()
     }
 
-    /// Takes this process's rows out of a whole vector.
-    pub fn set(&mut self, whole: &[f64]) -> Result<(), PetscError> {
-        self.check_size(whole)?;
+    /// Sets this process's rows.
+    pub fn set(&mut self, own: &[f64]) -> Result<(), PetscError> {
+        let (expected, found) = (self.rows.own.len(), own.len());
+        if expected != found {
+            return Err(PetscError::Size { expected, found });
+        }
         let mut values = null_mut();
         // SAFETY: PETSc lends its array of as many values as there are rows of this process, until it is given back.
         unsafe {
             call!(VecGetArray(self.handle(), &mut values))?;
-            if !self.rows.own.is_empty() {
-                let own = std::slice::from_raw_parts_mut(values, self.rows.own.len());
-                own.copy_from_slice(&whole[self.rows.own.clone()]);
+            if !own.is_empty() {
+                std::slice::from_raw_parts_mut(values, own.len()).copy_from_slice(own);
             }
             call!(VecRestoreArray(self.handle(), &mut values))
         }
     }
 
-    fn check_size(&self, vector: &[f64]) -> Result<(), PetscError> {
-        let (expected, found) = (self.rows.count, vector.len());
-        if expected == found { Ok(()) } else { Err(PetscError::Size { expected, found }) }
-    }
-
-    /// All rows, on every process.
-    pub fn whole(&self) -> Result<Vec<f64>, PetscError> {
-        let mut whole = vec![0.0; self.rows.count];
-        let (scatter, vector, copy) = (self.scatter.handle(), self.handle(), self.copy.handle());
-        let mut values = std::ptr::null();
-        // SAFETY: the scatter was made for these two vectors; the copy has all rows, and its array is lent until it is
-        // given back.
-        unsafe {
-            call!(VecScatterBegin(scatter, vector, copy, INSERT, FORWARD))?;
-            call!(VecScatterEnd(scatter, vector, copy, INSERT, FORWARD))?;
-            call!(VecGetArrayRead(copy, &mut values))?;
-            if !whole.is_empty() {
-                whole.copy_from_slice(std::slice::from_raw_parts(values, self.rows.count));
+    /// This process's rows, or all rows where there is a copy of them.
+    pub fn values(&self) -> Result<Vec<f64>, PetscError> {
+        let (vector, mut values) = (self.handle(), std::ptr::null());
+        let (from, count) = match &self.all {
+            None => (vector, self.rows.own.len()),
+            Some([scatter, copy]) => {
+                let (scatter, copy) = (scatter.handle(), copy.handle());
+                // SAFETY: the scatter was made for these two vectors.
+                unsafe {
+                    call!(VecScatterBegin(scatter, vector, copy, INSERT, FORWARD))?;
+                    call!(VecScatterEnd(scatter, vector, copy, INSERT, FORWARD))?;
+                }
+                (copy, self.rows.count)
             }
-            call!(VecRestoreArrayRead(copy, &mut values))?;
+        };
+        let mut found = vec![0.0; count];
+        // SAFETY: the array of as many values is lent until it is given back.
+        unsafe {
+            call!(VecGetArrayRead(from, &mut values))?;
+            if count > 0 {
+                found.copy_from_slice(std::slice::from_raw_parts(values, count));
+            }
+            call!(VecRestoreArrayRead(from, &mut values))?;
         }
-        Ok(whole)
+        Ok(found)
     }
 }

@@ -9,6 +9,7 @@ use std::marker::PhantomData;
 use std::ops::Range;
 use std::process::ExitCode;
 use std::ptr;
+use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -19,7 +20,7 @@ use forms_fem::solve::{CommunicationError, Communicator};
 
 use crate::dropped_objects::DroppedObjects;
 use crate::error::{DistributedError, PetscError};
-use crate::meeting::{Call, Meetings, check_same};
+use crate::meeting::{Call, Meetings, Traffic};
 use crate::petsc::{self, call};
 
 /// Time for a line on the standard error stream to reach the one who started the processes.
@@ -39,12 +40,10 @@ pub struct World {
     /// PETSc is used from the thread that started it.
     here: PhantomData<*const ()>,
     output: RefCell<StandardOutput>,
-    meetings: Meetings,
+    meetings: Rc<Meetings>,
     dropped: DroppedObjects,
     /// Whether this process has told the others that it makes no further call.
     ended: Cell<bool>,
-    /// Whether another process made another call, as one that failed does.
-    is_left: Cell<bool>,
 }
 
 impl World {
@@ -65,10 +64,12 @@ impl World {
             here: PhantomData,
             output: RefCell::default(),
             // SAFETY: written once by PetscInitialize.
-            meetings: unsafe { Meetings::new(petsc::PETSC_COMM_WORLD, petsc::PetscGlobalSize as usize)? },
+            meetings: Rc::new(unsafe {
+                let [rank, size] = [petsc::PetscGlobalRank as usize, petsc::PetscGlobalSize as usize];
+                Meetings::new(petsc::PETSC_COMM_WORLD, rank, size)?
+            }),
             dropped: DroppedObjects::default(),
             ended: Cell::new(false),
-            is_left: Cell::new(false),
         })
     }
 
@@ -118,6 +119,15 @@ impl World {
     pub(crate) fn communicator(&self) -> petsc::Communicator {
         // SAFETY: as for the rank.
         unsafe { petsc::PETSC_COMM_WORLD }
+    }
+
+    pub(crate) fn meetings(&self) -> &Rc<Meetings> {
+        &self.meetings
+    }
+
+    /// What this process has sent so far, apart from PETSc's messages.
+    pub fn traffic(&self) -> Traffic {
+        self.meetings.traffic()
     }
 
     pub(crate) fn dropped(&self) -> &DroppedObjects {
@@ -204,23 +214,13 @@ impl World {
         Ok(())
     }
 
-    /// The call that all processes are about to make, which has to be the same.
     fn meet(&self, own: Call) -> Result<Vec<Call>, PetscError> {
-        let all = self.meetings.all(own, None)?.unwrap_or_default();
-        self.same(own, &all)?;
-        Ok(all)
+        self.meetings.meet(own)
     }
 
     fn meet_or_end_all(&self, own: Call, why: &PetscError) -> Result<(), PetscError> {
         let Some(all) = self.meetings.all(own, Some(PATIENCE))? else { self.end_all(&why.to_string()) };
-        self.same(own, &all)
-    }
-
-    /// Takes down whether all processes make the same call.
-    fn same(&self, own: Call, all: &[Call]) -> Result<(), PetscError> {
-        let found = check_same(own, all);
-        self.is_left.set(self.is_left.get() || found.is_err());
-        found
+        self.meetings.same(own, &all)
     }
 
     /// Says why, and ends all processes, wherever they are.
@@ -297,7 +297,7 @@ impl Drop for World {
         // SAFETY: started in `start`; all objects borrow the world and are gone.
         unsafe { petsc::PetscFinalize() };
         // All processes are ended with the first that ends in an error: the one with the cause has time to say it.
-        if self.is_left.get() {
+        if self.meetings.is_left() {
             std::thread::sleep(FORWARDING);
         }
     }

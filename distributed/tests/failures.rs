@@ -83,6 +83,7 @@ const ELSEWHERE: &str = "failed, and says why itself";
 #[test]
 fn an_error_of_one_process_ends_all() {
     fails_on_two_and_four(&["error"], &["no further step on this process", ELSEWHERE]);
+    fails_on_two_and_four(&["part"], &["no reaction on this process", ELSEWHERE]);
 }
 
 #[test]

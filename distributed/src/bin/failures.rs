@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use forms_distributed::cases::hanging_block::HangingBlock;
+use forms_distributed::cases::parts::Case;
 use forms_distributed::cases::poisson::{Given as Numbers, Poisson};
 use forms_distributed::{Method, PetscSolver, World};
 use forms_fem::mesh::GmshMesh;
@@ -51,6 +52,17 @@ fn run(world: &World) -> Outcome {
             let problem = Poisson::new(usual)?;
             let solved = problem.problem().on(world).solve()?;
             Err(format!("solved, ∫u = {}", problem.total(&solved)?).into())
+        }
+        // Others exchange values at shared nodes when the last one has failed.
+        "part" => {
+            let part = world.cuboid([0.0; 3], [1.0; 3], [3; 3], CellShape::Hexahedron, 1)?;
+            let case = Case::new("diffusion", &part, 1)?;
+            let mut solver = PetscSolver::for_part(&part, &[&case.held], Method::Direct)?;
+            let solved = case.problem().on(&part).solver(&mut solver).solve()?;
+            if is_last {
+                return Err("no reaction on this process".into());
+            }
+            Ok(part.reaction(&solved, 0, "left").map(drop)?)
         }
         // What one process does after a solution, while its solver waits for the next matrix.
         name => {

@@ -21,15 +21,34 @@ const POISSON: f64 = 0.3;
 /// # Errors
 /// Too many cells, or too few for a contact.
 pub fn ball_on_flat(divisions: usize, theta: f64) -> Result<ContactProblem<3>, Box<dyn std::error::Error>> {
-    let map = |[s, t, w]: [f64; 3]| {
-        let graded = |t: f64| 0.4 * t + 0.6 * t * t;
-        let (x, y) = (WIDTH * graded(s), WIDTH * graded(t));
-        [x, y, -(RADIUS * RADIUS - x * x - y * y).sqrt() * (1.0 - graded(w))]
-    };
-    let mut mesh = structured([divisions; 3], CellShape::Hexahedron, 2, map)?;
-    mesh.name_facets("contact", "bottom", |centre| centre[0].max(centre[1]) < REACH)?;
+    let mut mesh = structured([divisions; 3], CellShape::Hexahedron, 2, place)?;
+    mesh.name_facets("contact", "bottom", is_near)?;
     mesh.name_cells_of_facets("contact cells", "contact")?;
-    let space = Space::vector(&mesh, 2)?;
+    let mut problem = pressed(&mesh, theta)?;
+    problem.law.data.theta = 1.0;
+    problem.law.data.gamma0 = 1.5 * required_gamma0(&problem, "contact cells")?;
+    problem.law.data.theta = theta;
+    Ok(problem)
+}
+
+/// The map from the unit cube to the quarter of the ball.
+pub fn place([s, t, w]: [f64; 3]) -> [f64; 3] {
+    let graded = |t: f64| 0.4 * t + 0.6 * t * t;
+    let (x, y) = (WIDTH * graded(s), WIDTH * graded(t));
+    [x, y, -(RADIUS * RADIUS - x * x - y * y).sqrt() * (1.0 - graded(w))]
+}
+
+/// Whether a facet of the lower boundary is one of Γ_C, by its centre.
+pub fn is_near(centre: &[f64; 3]) -> bool {
+    centre[0].max(centre[1]) < REACH
+}
+
+/// The problem on a mesh of the quarter whose Γ_C is called "contact", or a part of it, with γ₀ = E.
+///
+/// # Errors
+/// A mesh without these regions.
+pub fn pressed(mesh: &Mesh<3>, theta: f64) -> Result<ContactProblem<3>, Box<dyn std::error::Error>> {
+    let space = Space::vector(mesh, 2)?;
     let mut constraints = Constraints::new(&space);
     constraints.fix_component("left", 0, |_| 0.0)?;
     constraints.fix_component("front", 1, |_| 0.0)?;
@@ -40,14 +59,10 @@ pub fn ball_on_flat(divisions: usize, theta: f64) -> Result<ContactProblem<3>, B
         .gamma0(YOUNG)
         .obstacle_normal([0.0, 0.0, -1.0])
         .gap(|x: &[f64; 3]| x[2] + RADIUS)
-        .theta(1.0)
+        .theta(theta)
         .criterion_force([0.0, 0.0, -1.0]);
     let assembler = Assembler::new(space.mesh()).with_quadrature(Quadrature::Degree(6));
     let regions = forms::Regions::default().gamma_n("right").gamma_c("contact");
     let assembler = assembler.with_threads(Threads::new(1));
-    let mut problem =
-        ContactProblem::new(&space, forms::Model { data, regions }, constraints).assembler(assembler);
-    problem.law.data.gamma0 = 1.5 * required_gamma0(&problem, "contact cells")?;
-    problem.law.data.theta = theta;
-    Ok(problem)
+    Ok(ContactProblem::new(&space, forms::Model { data, regions }, constraints).assembler(assembler))
 }

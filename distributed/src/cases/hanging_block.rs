@@ -42,8 +42,15 @@ impl HangingBlock {
     /// # Errors
     /// Too many cells, or none.
     pub fn new(divisions: usize, weight: Given<[f64; 3], 3>) -> Result<Self, Box<dyn std::error::Error>> {
-        let mesh = cuboid([0.0; 3], [1.0; 3], [divisions; 3], CellShape::Hexahedron, 1)?;
-        let space = Space::vector(&mesh, 2)?;
+        Self::on(&cuboid([0.0; 3], [1.0; 3], [divisions; 3], CellShape::Hexahedron, 1)?, weight)
+    }
+
+    /// The same on a mesh of the cube, or a part of it.
+    ///
+    /// # Errors
+    /// A mesh without a top.
+    pub fn on(mesh: &Mesh<3>, weight: Given<[f64; 3], 3>) -> Result<Self, Box<dyn std::error::Error>> {
+        let space = Space::vector(mesh, 2)?;
         let mut constraints = Constraints::new(&space);
         constraints.fix("top", |_| [0.0; 3])?;
         let data = equilibrium::data().lambda(0.3 / (1.3 * 0.4)).mu(0.5 / 1.3).weight(weight);

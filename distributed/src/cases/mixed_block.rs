@@ -48,8 +48,15 @@ impl MixedBlock {
     /// # Errors
     /// Too many cells, or none.
     pub fn new(divisions: usize) -> Result<Self, Box<dyn Error>> {
-        let mesh = cuboid([0.0; 3], [1.0; 3], [divisions; 3], CellShape::Hexahedron, 1)?;
-        let spaces = [Space::vector(&mesh, 2)?, Space::scalar(&mesh, 1)?];
+        Self::on(&cuboid([0.0; 3], [1.0; 3], [divisions; 3], CellShape::Hexahedron, 1)?)
+    }
+
+    /// The same on a mesh of the cube, or a part of it.
+    ///
+    /// # Errors
+    /// A mesh without a bottom or a top.
+    pub fn on(mesh: &Mesh<3>) -> Result<Self, Box<dyn Error>> {
+        let spaces = [Space::vector(mesh, 2)?, Space::scalar(mesh, 1)?];
         let mut held = Constraints::new(&spaces[0]);
         held.fix("bottom", |_| [0.0; 3])?;
         let free = Constraints::new(&spaces[1]);

@@ -7,5 +7,6 @@ pub mod hanging_block;
 pub mod histories;
 pub mod mixed_block;
 pub mod motions;
+pub mod parts;
 pub mod poisson;
 pub mod report;

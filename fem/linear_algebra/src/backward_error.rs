@@ -99,12 +99,29 @@ pub fn check_residual<E: From<LinearAlgebraError>>(
     rest: &[f64],
     (x, b): (&[f64], &[f64]),
     diagonal: &[f64],
+    sizes: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
+    level: f64,
+) -> Result<(), E> {
+    check_rows(rest, (x, b), diagonal, sizes, Ok, level)
+}
+
+/// [`check_residual`] of the rows that one of several processes has: `of_all` tells whether what holds on this process holds on all, and all make the same
+/// calls.
+///
+/// # Errors
+/// As [`check_residual`], or an error of `of_all`.
+#[doc(hidden)]
+pub fn check_rows<E: From<LinearAlgebraError>>(
+    rest: &[f64],
+    (x, b): (&[f64], &[f64]),
+    diagonal: &[f64],
     mut sizes: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
+    of_all: impl FnOnce(bool) -> Result<bool, E>,
     level: f64,
 ) -> Result<(), E> {
     let mut own = sizes(x)?;
     own.iter_mut().zip(b).for_each(|(size, b)| *size += b.abs());
-    if WorstRow::of(rest, &own).error <= level {
+    if of_all(WorstRow::of(rest, &own).error <= level)? {
         return Ok(());
     }
     let amounts: Vec<f64> = diagonal

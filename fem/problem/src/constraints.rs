@@ -175,6 +175,7 @@ impl<const D: usize> Constraints<D> {
     /// A value that does not fit the space, is not finite, or contradicts an earlier one.
     pub fn fix_nearest<V: FieldValue>(&mut self, point: &[f64; D], value: V) -> Result<(), ConstraintsError> {
         let components = self.space.components();
+        self.space.mesh().without_pieces("the nearest node")?;
         let Some(node) = self.space.nearest_node(point) else {
             return Err(ConstraintsError::NoNearest { point: point.to_vec() });
         };
@@ -246,7 +247,13 @@ impl<const D: usize> Constraints<D> {
             return Err(ConstraintsError::NotNodal { place: place.to_owned() });
         }
         let nodes = self.space.nodes_on(region)?;
-        if nodes.is_empty() {
+        // Other processes may have some of them, where this one has nothing of the region.
+        let mesh = self.space.mesh();
+        let is_elsewhere = mesh.is_piece()
+            && mesh
+                .facet_region(region)
+                .map_or_else(|_| mesh.cell_region(region).is_ok_and(<[_]>::is_empty), <[_]>::is_empty);
+        if nodes.is_empty() && !is_elsewhere {
             let (elements, scope) = (self.space.elements().clone(), self.space.scope().clone());
             return Err(ConstraintsError::NoNodes { place: place.to_owned(), elements, scope });
         }

@@ -44,6 +44,9 @@ pub enum MeshError {
         name: String,
         what: &'static str,
     },
+    /// A feature that needs a whole mesh.
+    #[error("{what}: this mesh is one process's piece of a larger one, and that needs the whole mesh")]
+    Piece { what: &'static str },
     /// A feature for quadrilaterals and hexahedra.
     #[error("{feature} is of quadrilaterals and hexahedra; this mesh has {} (`BisectedMesh` refines them)", shape.plural())]
     NotTensorProducts { feature: &'static str, shape: CellShape },

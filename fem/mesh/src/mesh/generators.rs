@@ -61,10 +61,22 @@ fn straight<const D: usize>(
     shape: CellShape,
     degree: usize,
 ) -> Result<Mesh<D>, MeshError> {
+    structured(divisions, shape, degree, straight_map(lower, upper)?)
+}
+
+/// The map from the unit square or cube to a rectangle or box.
+///
+/// # Errors
+/// [`MeshError::Parameter`] unless `lower` < `upper`.
+#[doc(hidden)]
+pub fn straight_map<const D: usize>(
+    lower: [f64; D],
+    upper: [f64; D],
+) -> Result<impl Fn([f64; D]) -> [f64; D], MeshError> {
     check(lower.iter().all(|x| x.is_finite()), "lower", &lower, "the corner must be finite")?;
     let above = upper.iter().zip(&lower).all(|(u, l)| u.is_finite() && u > l);
     check(above, "upper", &upper, "each coordinate must be finite and above that of the lower corner")?;
-    structured(divisions, shape, degree, |t| std::array::from_fn(|k| between(lower[k], upper[k], t[k])))
+    Ok(move |t: [f64; D]| std::array::from_fn(|k| between(lower[k], upper[k], t[k])))
 }
 
 /// An annulus around the origin: a polar grid of `radial` × `around` blocks, quadrilaterals or triangles.

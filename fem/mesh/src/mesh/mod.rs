@@ -32,6 +32,7 @@ mod octree;
 mod order;
 mod part;
 mod perforated;
+mod piece;
 mod point_tree;
 mod quality;
 #[cfg(test)]
@@ -69,6 +70,8 @@ pub use disc::{disc, half_disc};
 pub use error::MeshError;
 #[doc(hidden)]
 pub use facet_parts::Facing;
+#[doc(hidden)]
+pub use generators::straight_map;
 pub use generators::{annulus, cuboid, hollow_cylinder, rectangle};
 pub use gmsh::{GmshError, GmshMesh};
 pub use marking::{MarkingError, doerfler};
@@ -77,6 +80,8 @@ pub use octree::OctreeMesh;
 pub use order::CellOrder;
 pub use part::PartOfMesh;
 pub use perforated::PerforatedAnnulus;
+#[doc(hidden)]
+pub use piece::RegionNames;
 pub use quality::{ASPECT_RATIOS, CellQuality, MeshQuality};
 pub use refine::{Surface, onto_sphere};
 pub use regions::{BOUNDARY, EVERYWHERE, INTERIOR};
@@ -125,6 +130,7 @@ pub struct MeshData<const D: usize> {
     /// Rigid surfaces, each on one of the last cells, in their order.
     rigid: Vec<CarriedSurface<D>>,
     order: order::LazyOrder,
+    extent: piece::Extent,
 }
 
 impl<const D: usize> Deref for Mesh<D> {
@@ -256,6 +262,7 @@ impl<const D: usize> Mesh<D> {
             parts: facet_parts::FacetParts::default(),
             rigid: vec![],
             order: order::LazyOrder::new(),
+            extent: piece::Extent::Whole,
         }));
         mesh.check_jacobians()?;
         mesh.check_shared_facets()?;

@@ -221,7 +221,8 @@ impl<const D: usize> Mesh<D> {
         {
             return Err(MeshError::RegionExists { name: name.to_owned() });
         }
-        if empty {
+        // Other processes may have something of it.
+        if empty && !self.is_piece() {
             return Err(MeshError::EmptyRegion { name: name.to_owned(), entity });
         }
         Ok(())

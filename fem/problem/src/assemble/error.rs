@@ -99,6 +99,14 @@ pub enum AssemblyError {
         /// The mismatch.
         what: String,
     },
+    /// A mesh on which the form cannot be assembled.
+    #[error("form `{form}`: {source}")]
+    Mesh {
+        /// The form.
+        form: &'static str,
+        /// The mesh's error.
+        source: MeshError,
+    },
     /// A region that the mesh does not have.
     #[error("form `{form}`, region `{symbol}`: {source}")]
     Region {

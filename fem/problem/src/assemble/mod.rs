@@ -145,6 +145,12 @@ impl<const D: usize> Assembler<D> {
         form: &'a Function<D>,
         unknowns: &[FieldView<'a, D>],
     ) -> Result<Binding<'a, D>, AssemblyError> {
+        if self.owned.is_none() {
+            // Whoever names the cells that are assembled adds up over processes.
+            let whole =
+                self.mesh.without_pieces("integrals, which `.on(..)` this part would add up over processes");
+            whole.map_err(|source| AssemblyError::Mesh { form: form.name(), source })?;
+        }
         Ok(Binding::new(form, &self.mesh, unknowns)?.assembled_by(self))
     }
 

@@ -1,9 +1,12 @@
 //! Processes that solve a problem together.
 
+use std::any::Any;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
+use std::rc::Rc;
 
 use super::ActivePoints;
+use super::divided::DividedVectors;
 use crate::assemble::{Assembler, AssemblyError};
 use crate::mesh::Mesh;
 
@@ -30,6 +33,15 @@ pub trait Communicator {
     /// # Errors
     /// [`CommunicationError::Exchange`].
     fn gather(&self, own: u64) -> Result<Vec<u64>, CommunicationError>;
+
+    /// How vectors over the unknowns of spaces are divided, where the processes have pieces of a mesh; none where each has all of it. Each of
+    /// the spaces is an `Arc<Space<D>>`.
+    ///
+    /// # Errors
+    /// [`CommunicationError::Exchange`]; [`CommunicationError::Divided`] of spaces that are not on this process's piece.
+    fn divided(&self, _spaces: &[&dyn Any]) -> Result<Option<Rc<dyn DividedVectors>>, CommunicationError> {
+        Ok(None)
+    }
 }
 
 /// A failed exchange between processes.
@@ -42,6 +54,14 @@ pub enum CommunicationError {
     /// The exchange failed.
     #[error("the exchange between processes failed: {0}")]
     Exchange(String),
+    /// Something that a divided mesh does not have.
+    #[error(
+        "on a mesh that is divided among processes there are no {what}: take the whole mesh on each process"
+    )]
+    Divided {
+        /// The thing, in words.
+        what: String,
+    },
     /// The processes do not solve the same problem.
     #[error("the processes have different problems: what differs is {what}")]
     Different {
@@ -110,6 +130,8 @@ pub fn on_part_of_cells<const D: usize>(
     communicator: &dyn Communicator,
     form: &'static str,
 ) -> Result<Assembler<D>, AssemblyError> {
+    let whole = mesh.without_pieces("histories and motions");
+    whole.map_err(|source| AssemblyError::Mesh { form, source })?;
     let part = &mesh.cell_order().cells()[communicator.part(mesh.cell_count())];
     let own = assembler.clone().on_owned_cells(part);
     own.map_err(|source| AssemblyError::Region { form, symbol: "this process's cells", source })

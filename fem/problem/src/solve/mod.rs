@@ -14,6 +14,7 @@ pub mod continuation;
 #[cfg(test)]
 mod contrasts;
 pub mod deflation;
+pub mod divided;
 pub mod eigenproblem;
 pub mod elimination;
 mod floating;
@@ -44,6 +45,7 @@ pub use continuation::{
     EventKind, Inertia,
 };
 pub use deflation::Deflation;
+pub use divided::DividedVectors;
 pub use eigenproblem::{Eigenmode, Eigenproblem, EigenproblemError};
 pub use elimination::Elimination;
 pub use floating::Floating;

@@ -21,6 +21,7 @@ use std::collections::BTreeMap;
 pub use self::active_points::ActivePoints;
 pub use self::bounded::{BoundFailure, HeldUnknown, UnknownBounds};
 use super::condensation;
+use super::divided::Together;
 use super::elimination::Elimination;
 use super::linear_solver::LinearSolver;
 use bounded::ActiveSet;
@@ -108,7 +109,8 @@ pub fn newton_bounded(
     progress: &mut dyn FnMut(&NewtonStep),
 ) -> Result<NewtonSolution, NewtonError> {
     let Start { u, guess } = start;
-    let fields = Fields::new(&problem.fields(), &elimination);
+    let together = Together::new(problem.divided(), elimination.free());
+    let fields = Fields::new(&problem.fields(), &elimination, &together);
     let set = bounds.map(|bounds| ActiveSet::new(bounds, &elimination, &fields, options.line_search));
     let set = match set.transpose() {
         Ok(set) => set,
@@ -119,7 +121,8 @@ pub fn newton_bounded(
     equations.bounds = set;
     let found = condensation::solve(&mut equations, guess).and_then(|()| equations.unknowns_at_bounds());
     let (Iterates { u, history, .. }, residual, worst) = equations.into_parts();
-    match found {
+    // What was judged without an exchange is no judgement.
+    match together.check().map_err(NewtonFailure::Exchange).and(found) {
         Ok(held) => Ok(NewtonSolution { u, residual, history, held }),
         Err(why) => Err(NewtonError { history, u, worst: worst.map(Box::new), ..why.into() }),
     }

@@ -17,12 +17,14 @@ mod touching_start;
 use std::borrow::Cow;
 use std::cell::OnceCell;
 use std::ops::Range;
+use std::rc::Rc;
 use std::sync::Arc;
 
 pub use self::positivity::PositivityError;
 use self::solution::{EachStep, Solver};
 use super::communicator::Communicator;
 use super::deflation::{Deflation, Repulsion};
+use super::divided::DividedVectors;
 use super::linear_and_nonlinear::SplitSystem;
 use super::linear_part::{Assembled, System};
 use super::{
@@ -88,6 +90,8 @@ pub struct Problem<'a, const D: usize, const N: usize = 1> {
     pub(in crate::solve) options: NewtonOptions,
     pub(in crate::solve) progress: Option<EachStep<'a>>,
     pub(in crate::solve) communicator: Option<&'a dyn Communicator>,
+    /// How vectors over all unknowns are divided, where processes have pieces of the mesh.
+    pub(in crate::solve) divided: Option<Rc<dyn DividedVectors>>,
     pub(in crate::solve) assembled: Option<Assembled>,
     /// Both parts, if pairs slide and the solver condenses.
     pub(in crate::solve) split: Option<SplitSystem<D>>,
@@ -145,6 +149,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
             options: NewtonOptions::default(),
             progress: None,
             communicator: None,
+            divided: None,
             assembled: None,
             split: None,
             seconds: 0.0,
@@ -300,7 +305,8 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
 
     /// Solution on several processes; each assembles the integrals over its part of the cells. The linear solver
     /// has to take matrices that are sums over the processes ([`LinearSolver::set_processes`]); another one is refused where there are
-    /// several. So are problems that are not the same on all of them.
+    /// several. So are problems that are not the same on all of them. On processes that have pieces of a mesh vectors are divided, too, and the
+    /// fields of the solution are those of this process's piece.
     pub fn on(mut self, communicator: &'a dyn Communicator) -> Self {
         self.communicator = Some(communicator);
         // Each process has the positions of its own entries alone.

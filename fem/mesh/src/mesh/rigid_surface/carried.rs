@@ -57,6 +57,7 @@ impl<const D: usize> Mesh<D> {
     /// small relative to its distance from the origin that its cell has no volume; [`MeshError::InsideBody`] for one that is deep in a body.
     #[inline(never)]
     pub fn with_rigid_surfaces(&self, surfaces: &[(&str, &RigidSurface<D>)]) -> Result<Self, MeshError> {
+        self.without_pieces("rigid surfaces")?;
         for (name, surface) in surfaces {
             if self.has_within(surface) {
                 let position = surface.points[0].to_vec();

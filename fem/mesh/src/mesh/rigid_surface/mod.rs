@@ -222,8 +222,9 @@ impl<const D: usize> Mesh<D> {
         (self.node_count() - carriers, self.cells.len() - carriers)
     }
 
-    /// Check that the mesh has no rigid surfaces, for functions that do not support them.
+    /// Check that the mesh has no rigid surfaces and is no piece of another, for functions that do not support them.
     pub(super) fn without_rigid_surfaces(&self, what: &'static str) -> Result<(), MeshError> {
+        self.without_pieces(what)?;
         match self.rigid.first() {
             None => Ok(()),
             Some(first) => Err(MeshError::RigidSurface { name: first.name.clone(), what }),

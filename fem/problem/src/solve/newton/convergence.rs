@@ -6,6 +6,7 @@ use std::ops::Range;
 
 use super::Iterates;
 use crate::linear_algebra::vector::{largest, norm};
+use crate::solve::divided::Together;
 use crate::solve::elimination::Elimination;
 
 /// An iterate is judged once the residual of each field has dropped to this part of the largest that it had, or to a larger tolerance, or stays.
@@ -24,16 +25,17 @@ pub struct FieldUnknowns {
 }
 
 /// One component of a field among all unknowns.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub(in crate::solve) struct Component {
     first: usize,
     /// The unknowns of its field.
     field: Range<usize>,
     stride: usize,
+    together: Together,
 }
 
 impl Component {
-    /// Unknowns of the component among all.
+    /// This process's unknowns of the component among all.
     pub fn unknowns(&self) -> impl Iterator<Item = usize> + use<> {
         (self.first..self.field.end).step_by(self.stride)
     }
@@ -45,12 +47,12 @@ impl Component {
 
     /// The largest amount in it.
     pub fn largest(&self, full: &[f64]) -> f64 {
-        self.unknowns().fold(0.0, |largest, unknown| largest.max(full[unknown].abs()))
+        self.together.largest(self.unknowns().fold(0.0, |largest, unknown| largest.max(full[unknown].abs())))
     }
 
     /// The largest amount in all components of its field, which have one unit.
     pub fn largest_in_field(&self, full: &[f64]) -> f64 {
-        largest(&full[self.field.clone()])
+        self.together.largest(largest(&full[self.field.clone()]))
     }
 
     /// The difference of the largest and the smallest value, which an offset does not change.
@@ -59,7 +61,9 @@ impl Component {
             let value = full[unknown];
             Some(ends.map_or((value, value), |(low, high)| (low.min(value), high.max(value))))
         });
-        ends.map_or(0.0, |(low, high)| high - low)
+        let (low, high) = ends.unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
+        let (low, high) = (self.together.smallest(low), self.together.largest(high));
+        if low > high { 0.0 } else { high - low }
     }
 }
 
@@ -70,11 +74,12 @@ pub(in crate::solve) struct Fields {
     pub components: Vec<Component>,
     /// Among the free unknowns.
     free: Vec<Range<usize>>,
+    pub together: Together,
 }
 
 impl Fields {
     /// Fields that follow each other; the remaining entries are one more.
-    pub fn new(layouts: &[FieldUnknowns], elimination: &Elimination) -> Self {
+    pub fn new(layouts: &[FieldUnknowns], elimination: &Elimination, together: &Together) -> Self {
         let (mut all, mut components, mut end) = (Vec::new(), Vec::new(), 0_usize);
         let rest = FieldUnknowns { unknowns: elimination.size(), components: 1 };
         for FieldUnknowns { unknowns, components: count } in layouts.iter().copied().chain([rest]) {
@@ -83,18 +88,31 @@ impl Fields {
             if begin < end {
                 all.push(begin..end);
                 let stride = count.max(1);
-                let of = |place| Component { first: begin + place, field: begin..end, stride };
+                let of = |place| {
+                    let (first, field, together) = (begin + place, begin..end, together.clone());
+                    Component { first, field, stride, together }
+                };
                 components.extend((0..stride.min(end - begin)).map(of));
             }
         }
         let place = |unknown: usize| elimination.free().partition_point(|free| *free < unknown);
         let free = all.iter().map(|range| place(range.start)..place(range.end)).collect();
-        Fields { components, free }
+        Fields { components, free, together: together.clone() }
     }
 
     /// Norm of each field's part of a vector of free unknowns.
     pub fn norms(&self, reduced: &[f64]) -> Vec<f64> {
-        self.free.iter().map(|range| norm(&reduced[range.clone()])).collect()
+        self.free.iter().map(|range| self.together.norm(reduced, range.clone())).collect()
+    }
+
+    /// Norm of a vector of free unknowns.
+    pub fn norm(&self, reduced: &[f64]) -> f64 {
+        self.together.norm(reduced, 0..reduced.len())
+    }
+
+    /// A sum of free unknowns with weights between ½ and 1½ that follow no pattern of a mesh.
+    pub fn mark(&self, reduced: &[f64]) -> f64 {
+        self.together.sum_of_own(reduced.len(), |place| weight(place) * reduced[place])
     }
 
     /// Norms over only some free unknowns, given by their reduced numbers in ascending order.
@@ -120,10 +138,14 @@ pub(in crate::solve) struct Norms {
     pub mark: f64,
 }
 
-/// Σ w_i u_i with w_i between ½ and 1½ that follow no pattern of a mesh.
+/// Σ w_i u_i with the weights of [`Fields::mark`].
 pub(in crate::solve) fn mark(u: &[f64]) -> f64 {
+    u.iter().enumerate().map(|(i, u)| weight(i) * u).sum()
+}
+
+fn weight(place: usize) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    u.iter().enumerate().map(|(i, u)| (0.5 + (GOLDEN * i as f64).fract()) * u).sum()
+    0.5 + (GOLDEN * place as f64).fract()
 }
 
 impl Iterates<'_> {

@@ -8,7 +8,7 @@ use super::{
     Iterates, LineSearch, NewtonFailure, NonlinearProblem, Norms, PrescribedValues, Products, Step, Tangent,
     WorstEquation,
 };
-use crate::linear_algebra::vector::{add_scaled, norm};
+use crate::linear_algebra::vector::add_scaled;
 use crate::solve::elimination::Elimination;
 use crate::solve::linear_solver::LinearSolver;
 
@@ -115,7 +115,7 @@ impl<'a> FreeEquations<'a> {
     /// If assembly fails.
     pub fn enter_start(&mut self, given: &[f64]) -> Result<(), NewtonFailure> {
         self.residuals = self.residuals_at_last()?;
-        let is_finite = norm(&self.residuals.reduced).is_finite();
+        let is_finite = self.iterates.fields.norm(&self.residuals.reduced).is_finite();
         if !is_finite || !self.may_begin() {
             if self.impose_in_parts(given)? {
                 return Ok(());
@@ -159,7 +159,8 @@ impl<'a> FreeEquations<'a> {
         let held = self.bounds.as_ref().map(ActiveSet::count);
         let reduced = &self.residuals.reduced;
         let norms = Norms { step: lengths, ..self.iterates.norms_at(&self.elimination, reduced) };
-        self.iterates.record(norm(reduced), norms, active, Step { held, ..step });
+        let size = self.iterates.fields.norm(reduced);
+        self.iterates.record(size, norms, active, Step { held, ..step });
         Ok(())
     }
 
@@ -269,7 +270,7 @@ impl Equations for FreeEquations<'_> {
         let part = self.move_along(&values, origin)?;
         let reduced: Vec<f64> = self.elimination.free().iter().map(|unknown| values[*unknown]).collect();
         let step = Step {
-            length: Some(part * norm(&reduced)),
+            length: Some(part * self.iterates.fields.norm(&reduced)),
             damping: Some(part),
             linear_iterations: Some(linear_iterations),
             condensed_unknowns,

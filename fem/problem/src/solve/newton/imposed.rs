@@ -2,7 +2,7 @@
 //! by the tangent, part by part of the way if need be.
 
 use super::{FreeEquations, NewtonFailure, Step};
-use crate::linear_algebra::vector::{add_scaled, norm};
+use crate::linear_algebra::vector::{add_scaled, is_finite};
 
 /// A change of all unknowns to the prescribed values, with the rest following.
 struct Jump {
@@ -19,7 +19,7 @@ impl FreeEquations<'_> {
         let Some(jump) = self.jump_from(given)? else { return Ok(()) };
         self.go_along(given, &jump, 1.0)?;
         let found = self.residuals_at_last()?;
-        if !norm(&found.reduced).is_finite() || !self.may_begin() {
+        if !self.iterates.fields.norm(&found.reduced).is_finite() || !self.may_begin() {
             self.iterates.u = imposed;
             return Ok(());
         }
@@ -45,7 +45,7 @@ impl FreeEquations<'_> {
             };
             self.go_along(&from, &jump, part)?;
             let found = self.residuals_at_last()?;
-            if !norm(&found.reduced).is_finite() || part >= 1.0 && !self.may_begin() {
+            if !self.iterates.fields.norm(&found.reduced).is_finite() || part >= 1.0 && !self.may_begin() {
                 break;
             }
             self.residuals = found;
@@ -68,7 +68,7 @@ impl FreeEquations<'_> {
     /// Enters the iterate at a part of a jump, whose change of the free unknowns is known.
     fn enter_jump(&mut self, jump: &Jump, part: f64, moved: &[f64]) -> Result<(), NewtonFailure> {
         let step = Step {
-            length: Some(part * norm(moved)),
+            length: Some(part * self.iterates.fields.norm(moved)),
             damping: Some(part),
             linear_iterations: Some(jump.linear_iterations),
             condensed_unknowns: None,
@@ -96,11 +96,13 @@ impl FreeEquations<'_> {
         let mut imposed = u.to_vec();
         self.elimination.impose(&mut imposed)?;
         let mut values: Vec<f64> = imposed.iter().zip(u).map(|(imposed, u)| imposed - u).collect();
-        if values.iter().all(|value| *value == 0.0) || !values.iter().all(|value| value.is_finite()) {
+        let together = self.iterates.fields.together.clone();
+        let nothing_moves = together.all(values.iter().all(|value| *value == 0.0));
+        if nothing_moves || !together.all(is_finite(&values)) {
             return Ok(None);
         }
         let mut forces = self.problem.residual(u)?;
-        if !norm(&forces).is_finite() {
+        if !together.all(is_finite(&forces)) {
             return Ok(None);
         }
         let tangent = self.problem.tangent(u)?;

@@ -1,8 +1,7 @@
 //! Iterates of Newton's method so far: what is reported of them, and what tells progress from a standstill.
 
-use super::convergence::{Fields, Norms, mark};
+use super::convergence::{Fields, Norms};
 use super::{ActivePoints, NewtonOptions, NewtonStep};
-use crate::linear_algebra::vector::norm;
 use crate::solve::elimination::Elimination;
 
 /// Linear systems are solved to this part of Newton's own target for the field with the smallest one, and of the residual
@@ -47,7 +46,7 @@ impl<'a> Iterates<'a> {
     pub fn norms_at(&self, elimination: &Elimination, reduced_residual: &[f64]) -> Norms {
         let free: Vec<f64> = elimination.free().iter().map(|unknown| self.u[*unknown]).collect();
         let (residual, u) = (self.fields.norms(reduced_residual), self.fields.norms(&free));
-        Norms { residual, u, step: None, mark: mark(&free) }
+        Norms { residual, u, step: None, mark: self.fields.mark(&free) }
     }
 
     /// The residual to which a linear system is to be solved.
@@ -87,7 +86,7 @@ impl<'a> Iterates<'a> {
     /// New residual of the last iterate, which was known in part.
     pub fn replace_last_residual(&mut self, elimination: &Elimination, reduced: &[f64]) {
         let first = self.history.first().map_or(0.0, |start| start.residual);
-        let (residual, found) = (norm(reduced), self.norms_at(elimination, reduced));
+        let (residual, found) = (self.fields.norm(reduced), self.norms_at(elimination, reduced));
         if let (Some(last), Some(norms)) = (self.history.last_mut(), self.norms.last_mut()) {
             last.residual = residual;
             last.relative_residual = if residual == 0.0 { 0.0 } else { residual / first };

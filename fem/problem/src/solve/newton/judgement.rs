@@ -58,7 +58,7 @@ impl FreeEquations<'_> {
             return Err(NewtonFailure::NotFinite);
         }
         if total <= self.iterates.options.absolute_tolerance
-            || largest(&self.residuals.reduced) == 0.0
+            || self.iterates.fields.together.largest(largest(&self.residuals.reduced)) == 0.0
             || self.iterates.all_fields_vanished()
         {
             return Ok(Verdict::Solution);

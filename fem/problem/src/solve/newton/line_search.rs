@@ -6,7 +6,6 @@
 
 use super::{FreeEquations, Iterates, NewtonFailure, Residuals};
 use crate::linear_algebra::BlockMatrix;
-use crate::linear_algebra::vector::dot;
 use crate::solve::elimination::Elimination;
 
 /// Whether Newton's method shortens its steps.
@@ -150,11 +149,11 @@ impl FreeEquations<'_> {
 
     /// The part of a step with which the potential falls.
     pub(super) fn along_potential(&mut self, step: &[f64]) -> Result<Taken, NewtonFailure> {
-        let u = &self.iterates.u;
+        let (u, together) = (&self.iterates.u, &self.iterates.fields.together);
         let mut slope = |part: f64| -> Result<f64, NewtonFailure> {
             let at: Vec<f64> = u.iter().zip(step).map(|(u, step)| u + part * step).collect();
             // δ is zero where unknowns are prescribed: reactions do no work.
-            Ok(dot(&self.problem.residual(&at)?, step))
+            Ok(together.dot(&self.problem.residual(&at)?, step))
         };
         let first = slope(0.0)?;
         // A direction of ascent is left to Newton's method, which may cross a saddle.

@@ -1,7 +1,10 @@
 //! Nonlinear problem: what Newton's method needs to know, and what it can gain from.
 
+use std::rc::Rc;
+
 use super::{ActivePoints, FieldUnknowns, PartlyLinear, Products, Tangent};
 use crate::assemble::{AssemblyError, Terms};
+use crate::solve::DividedVectors;
 
 /// A system R(u) = 0 with a (generalised) derivative. Vectors and matrices have all unknowns, the prescribed
 /// ones included. Residual and tangent are required; the rest has defaults. A problem that is not assembled from a form
@@ -23,6 +26,11 @@ pub trait NonlinearProblem {
     /// component if none is named. Each component is judged by its own size.
     fn fields(&self) -> Vec<FieldUnknowns> {
         vec![]
+    }
+
+    /// How vectors over all unknowns are divided among processes, where they are. Norms and judgements are then those of all processes.
+    fn divided(&self) -> Option<Rc<dyn DividedVectors>> {
+        None
     }
 
     /// The quadrature points that are active at u, if the problem has such a notion: where a switch of a piecewise law is

@@ -9,6 +9,7 @@ use super::newton;
 use super::oscillation::Oscillation;
 use crate::assemble::AssemblyError;
 use crate::linear_algebra::LinearAlgebraError;
+use crate::solve::communicator::CommunicationError;
 use crate::solve::linear_solver::SolverError;
 
 /// The end of Newton's method: its tolerances, and whether steps are shortened on the way.
@@ -236,6 +237,9 @@ pub enum NewtonFailure {
     /// The solution of a load step is one that it cannot have led to, as that surfaces went through each other.
     #[error("the solution of the step is refused: {0}")]
     Refused(#[source] AssemblyError),
+    /// An exchange between processes failed.
+    #[error(transparent)]
+    Exchange(#[from] CommunicationError),
     /// Assembly of the residual, the tangent or the active set failed.
     #[error("assembly failed: {0}")]
     Assembly(#[from] AssemblyError),

@@ -318,7 +318,7 @@ fn each_field_has_a_scale_of_its_own() {
     // An unnamed rest is a field as well.
     let elimination = Elimination::new(7, &BTreeMap::from([(1, 0.0), (5, 0.0)])).unwrap();
     let of = |unknowns, components| FieldUnknowns { unknowns, components };
-    let fields = Fields::new(&[of(3, 1), of(2, 2)], &elimination);
+    let fields = Fields::new(&[of(3, 1), of(2, 2)], &elimination, &Together::default());
     let components: Vec<Vec<usize>> = fields.components.iter().map(|one| one.unknowns().collect()).collect();
     assert_eq!(components, [vec![0, 1, 2], vec![3], vec![4], vec![5, 6]]);
     assert_eq!(fields.norms(&[3.0, 4.0, 1.0, 2.0, 7.0]), [5.0, 5.0_f64.sqrt(), 7.0]);

@@ -2,6 +2,7 @@
 //! once, and sums over processes where there are several.
 
 use std::borrow::Cow;
+use std::rc::Rc;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -11,8 +12,8 @@ use crate::history::commits;
 use crate::solve::communicator::{agreed, all_active, summed};
 use crate::solve::linear_and_nonlinear::Nonlinear;
 use crate::solve::{
-    ActivePoints, FieldUnknowns, LinearPart, NonlinearProblem, NonlinearTangent, PartlyLinear, Products,
-    Tangent,
+    ActivePoints, DividedVectors, FieldUnknowns, LinearPart, NonlinearProblem, NonlinearTangent,
+    PartlyLinear, Products, Tangent,
 };
 use crate::space::Space;
 
@@ -29,6 +30,14 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
         let residual = system.residual(assembled, u);
         self.seconds += start.elapsed().as_secs_f64();
         residual
+    }
+
+    /// What the processes assembled of a vector over all unknowns, added up.
+    fn added_up(&self, own: Result<Vec<f64>, AssemblyError>) -> Result<Vec<f64>, AssemblyError> {
+        let form = self.system.form.name();
+        let Some(divided) = &self.divided else { return summed(self.communicator, form, own) };
+        let own = agreed(self.communicator, form, own)?;
+        divided.add_up(&own).map_err(|source| AssemblyError::Communication { form, source })
     }
 
     fn update(&mut self, u: &[f64]) -> Result<(), AssemblyError> {
@@ -59,7 +68,7 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
 impl<const D: usize, const N: usize> NonlinearProblem for Problem<'_, D, N> {
     fn residual(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
         let own = self.own_residual(u);
-        summed(self.communicator, self.system.form.name(), own)
+        self.added_up(own)
     }
 
     fn tangent(&mut self, u: &[f64]) -> Result<Tangent<'_>, AssemblyError> {
@@ -70,6 +79,10 @@ impl<const D: usize, const N: usize> NonlinearProblem for Problem<'_, D, N> {
         let (_, assembled) = self.ready()?;
         let changed = assembled.changed().filter(|_| alone);
         Ok(Tangent { matrix: Cow::Borrowed(assembled.matrix()), changed })
+    }
+
+    fn divided(&self) -> Option<Rc<dyn DividedVectors>> {
+        self.divided.clone()
     }
 
     fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {
@@ -104,18 +117,20 @@ impl<const D: usize, const N: usize> NonlinearProblem for Problem<'_, D, N> {
         let kept = self.assembled.as_ref().filter(|assembled| assembled.is_tangent());
         let own = match kept {
             Some(assembled) => Ok(Tangent::lent(assembled.matrix()).products(x)),
-            None => self.tangent(u).map(|tangent| tangent.products(x)),
+            // Other processes may know their parts of the tangent, and are at the sum already.
+            None => self.update(u).and_then(|()| Ok(Tangent::lent(self.ready()?.1.matrix()).products(x))),
         };
         // All processes must come to the same judgement of convergence.
-        let form = self.system.form.name();
-        let Products { sums, sizes } = own?;
-        let sums = summed(self.communicator, form, Ok(sums))?;
-        Ok(Products { sums, sizes: summed(self.communicator, form, Ok(sizes))? })
+        let (sums, sizes) = match own {
+            Ok(Products { sums, sizes }) => (Ok(sums), Ok(sizes)),
+            Err(error) => (Err(error), Ok(vec![])),
+        };
+        Ok(Products { sums: self.added_up(sums)?, sizes: self.added_up(sizes)? })
     }
 
     fn sizes_of_terms(&mut self, u: &[f64], terms: Terms) -> Result<Option<Vec<f64>>, AssemblyError> {
         let own = self.system.sizes_of_contributions(u, terms);
-        summed(self.communicator, self.system.form.name(), own).map(Some)
+        self.added_up(own).map(Some)
     }
 
     fn largest_step(&mut self, u: &[f64], step: &[f64]) -> Result<f64, AssemblyError> {

@@ -109,7 +109,8 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         let constraints = agreed(self.communicator, self.system.form.name(), shared)?;
         let constraints = constraints.each_ref().map(|one| &**one);
         self.agree_on_problem(&constraints)?;
-        let mut elimination = Elimination::of(&constraints).map_err(NewtonFailure::Mismatch)?;
+        let own = Elimination::of(&constraints).map_err(NewtonFailure::Mismatch)?;
+        let mut elimination = self.divide(own)?;
         solver.set_local_unknowns(groups_of(&self.system.spaces.each_ref(), &elimination));
         if self.system.form.is_affine() && self.bounds.is_empty() && self.positive.is_empty() {
             self.take_memory_of(solver);
@@ -159,6 +160,10 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         self.overlap_touching(&elimination, &mut u)?;
         self.repel(&elimination, &u)?;
         let guess = self.extrapolate_prescribed(&u, constraints);
+        if let Some(divided) = &self.divided {
+            divided.spread(&mut u).map_err(NewtonFailure::Exchange)?;
+        }
+        let of_names = self.divided.is_some().then(|| elimination.again());
         self.split = None;
         self.switches.begin();
         let bounds = self.all_bounds()?;
@@ -174,7 +179,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         self.progress = progress;
         let found = found.map_err(|mut error| {
             if let NewtonFailure::LinearSolver(source) = error.why {
-                let named = match Elimination::of(&constraints) {
+                let named = match of_names.map_or_else(|| Elimination::of(&constraints), Ok) {
                     Ok(elimination) => self.named(source, &elimination),
                     Err(_) => source,
                 };

@@ -14,18 +14,18 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
         constraints: [&Constraints<D>; N],
         solver: &mut dyn LinearSolver,
     ) -> Result<Found, SolveError> {
-        let again = || Elimination::of(&constraints).map_err(NewtonFailure::Mismatch);
         let (start, before) = (self.start, self.last_state);
         let is_predicted = start.zip(before).is_some_and(|(start, before)| {
             start.iter().zip(before).any(|(start, before)| !std::ptr::eq(*start, before))
         });
         if is_predicted {
+            let again = elimination.again();
             let found = self.iterate(elimination, constraints, start, solver);
             if let Ok(found) = found.and_then(|found| self.followed(found)) {
                 return Ok(found);
             }
             // Nothing of the failure is kept but the solver's memory.
-            let found = self.iterate(again()?, constraints, before, solver)?;
+            let found = self.iterate(again, constraints, before, solver)?;
             return self.followed(found);
         }
         let found = self.iterate(elimination, constraints, start, solver)?;

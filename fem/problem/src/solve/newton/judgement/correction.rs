@@ -2,7 +2,6 @@
 
 use super::{LastChange, Rows, UNIFORM, UNKNOWN_ROUNDING, ZERO_COMPONENT, ZERO_PART};
 use crate::assemble::Terms;
-use crate::linear_algebra::vector::norm;
 use crate::solve::newton::convergence::Component;
 use crate::solve::newton::{FreeEquations, NewtonFailure};
 
@@ -27,8 +26,10 @@ impl FreeEquations<'_> {
     pub(super) fn correction(&mut self) -> Result<Option<Vec<f64>>, NewtonFailure> {
         let residual = &self.residuals.reduced;
         let load: Vec<f64> = residual.iter().map(|value| -value).collect();
-        let Ok(found) = self.solver.solve(&load, 1e-2 * norm(residual)) else { return Ok(None) };
-        if !norm(&found.solution).is_finite() {
+        let Ok(found) = self.solver.solve(&load, 1e-2 * self.iterates.fields.norm(residual)) else {
+            return Ok(None);
+        };
+        if !self.iterates.fields.norm(&found.solution).is_finite() {
             return Ok(None);
         }
         Ok(Some(self.elimination.extend_by_zero(&found.solution)?))
@@ -78,6 +79,7 @@ impl FreeEquations<'_> {
         };
         let terms = self.problem.sizes_of_terms(&self.iterates.u, Terms::OfRows)?;
         let is_rounding = negligible(terms.as_deref().unwrap_or(&forces));
+        let is_rounding = self.iterates.fields.together.all(is_rounding);
         rows.forces = Some(forces);
         Ok(if is_rounding { vec![] } else { unsettled })
     }
@@ -92,6 +94,6 @@ impl FreeEquations<'_> {
             0.0 => 1.0,
             size => found.sums[unknown].abs() / size,
         };
-        Ok(component.unknowns().map(part).fold(1.0, f64::min))
+        Ok(self.iterates.fields.together.smallest(component.unknowns().map(part).fold(1.0, f64::min)))
     }
 }

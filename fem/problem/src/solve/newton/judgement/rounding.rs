@@ -34,7 +34,7 @@ impl FreeEquations<'_> {
                 let change = correction[unknown].abs();
                 change * weights[unknown] <= LARGEST_ROUNDING * sums[unknown] || change <= rounding
             };
-            if !component.unknowns().all(small) {
+            if !self.iterates.fields.together.all(component.unknowns().all(small)) {
                 return Ok(false);
             }
         }
@@ -57,7 +57,8 @@ impl FreeEquations<'_> {
         }
         let rounding = self.elimination.reduce_amounts(&rounding)?;
         let mut rows = self.residuals.reduced.iter().zip(&rounding);
-        Ok(rows.all(|(residual, rounding)| residual.abs() <= *rounding))
+        let hold = rows.all(|(residual, rounding)| residual.abs() <= *rounding);
+        Ok(self.iterates.fields.together.all(hold))
     }
 
     /// None if corrections that do not become shorter are rounding of the solution; otherwise their part of it.
@@ -102,6 +103,7 @@ impl FreeEquations<'_> {
         let terms = self.problem.sizes_of_terms(&self.iterates.u, Terms::OfCellsByComponent)?;
         let Some(terms) = terms else { return Ok(part) };
         let negligible = made.iter().zip(&terms).all(|(made, term)| *made <= ROW_ROUNDING * term);
+        let negligible = self.iterates.fields.together.all(negligible);
         Ok(part.filter(|_| !negligible))
     }
 }

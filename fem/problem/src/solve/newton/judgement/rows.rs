@@ -42,15 +42,16 @@ impl FreeEquations<'_> {
             self.allowed_before.clear();
             return Ok(Rows { hold: false, after_long_step: false, forces: None });
         }
-        let tolerance = self.iterates.options.relative_tolerance;
+        let (tolerance, together) =
+            (self.iterates.options.relative_tolerance, self.iterates.fields.together.clone());
         let (mut terms, mut most) = (None, f64::INFINITY);
         if self.iterates.has_dropped_to(tolerance)
             && let Some(sizes) = self.problem.sizes_of_terms(&self.iterates.u, Terms::OfRows)?
         {
-            most = sizes.iter().sum();
+            most = together.sum(sizes.iter().sum());
             let sizes = self.elimination.reduce_amounts(&sizes)?;
-            let rows = self.residuals.reduced.iter().zip(&sizes);
-            if rows.into_iter().all(|(r, size)| r.abs() <= tolerance * size) {
+            let mut rows = self.residuals.reduced.iter().zip(&sizes);
+            if together.all(rows.all(|(r, size)| r.abs() <= tolerance * size)) {
                 return Ok(Rows { hold: true, after_long_step: false, forces: None });
             }
             terms = Some(sizes);
@@ -59,7 +60,9 @@ impl FreeEquations<'_> {
         let residual = &self.residuals.reduced;
         let reduce = |full: &[f64]| self.elimination.reduce_amounts(full);
         let mut allowed: Vec<f64> = reduce(&forces)?.iter().map(|force| ROW_ROUNDING * force).collect();
-        let holds = |allowed: &[f64]| residual.iter().zip(allowed).all(|(r, allowed)| r.abs() <= *allowed);
+        let holds = |allowed: &[f64]| {
+            together.all(residual.iter().zip(allowed).all(|(r, allowed)| r.abs() <= *allowed))
+        };
         if holds(&allowed) {
             return Ok(Rows { hold: true, after_long_step: false, forces: Some(forces) });
         }
@@ -71,7 +74,7 @@ impl FreeEquations<'_> {
             // A problem that does not know its terms has its forces.
             None => {
                 let terms = self.problem.sizes_of_terms(&self.iterates.u, Terms::OfRows)?;
-                most = terms.iter().flatten().sum();
+                most = together.sum(terms.iter().flatten().sum());
                 reduce(terms.as_ref().unwrap_or(&forces))?
             }
         };
@@ -114,8 +117,9 @@ impl FreeEquations<'_> {
     /// Whether some row is far off, by what the iterate before was allowed.
     fn is_far_off(&self) -> bool {
         let (residual, allowed) = (&self.residuals.reduced, &self.allowed_before);
-        residual.len() == allowed.len()
-            && residual.iter().zip(allowed).any(|(r, allowed)| r.abs() > FAR * allowed)
+        let is_far = residual.len() == allowed.len()
+            && residual.iter().zip(allowed).any(|(r, allowed)| r.abs() > FAR * allowed);
+        self.iterates.fields.together.any(is_far)
     }
 
     /// (|K| |u|)_i of all rows.

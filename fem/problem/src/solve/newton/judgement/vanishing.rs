@@ -62,7 +62,7 @@ impl FreeEquations<'_> {
         }
         self.elimination.impose(&mut zeroed)?;
         let change: Vec<f64> = zeroed.iter().zip(&self.iterates.u).map(|(zeroed, u)| zeroed - u).collect();
-        if largest(&change) == 0.0 {
+        if self.iterates.fields.together.largest(largest(&change)) == 0.0 {
             return Ok(None);
         }
         let forces = match rows.forces.take() {
@@ -93,7 +93,9 @@ impl FreeEquations<'_> {
         let (own, others) = (self.products(&own)?.sizes, self.products(&others)?.sizes);
         let mut shared = own.iter().zip(&others).zip(forces).filter(|((_, others), _)| **others > 0.0);
         let enters = own.iter().zip(&others).any(|(own, others)| *own > 0.0 && *others > 0.0);
-        Ok(enters && shared.all(|((own, _), force)| *own <= ROW_ROUNDING * force))
+        let are_rounding = shared.all(|((own, _), force)| *own <= ROW_ROUNDING * force);
+        let together = &self.iterates.fields.together;
+        Ok(together.any(enters) && together.all(are_rounding))
     }
 
     /// Whether the correction takes some unknowns away, and their equations hold without them.
@@ -103,8 +105,11 @@ impl FreeEquations<'_> {
             let left =
                 component.unknowns().map(|unknown| (self.iterates.u[unknown] + correction[unknown]).abs());
             let is_own = unknowns[component.first()];
-            if is_own && left.fold(0.0, f64::max) > LEFT_OVER * component.largest(&self.iterates.u) {
-                return Ok(false);
+            if is_own {
+                let left = self.iterates.fields.together.largest(left.fold(0.0, f64::max));
+                if left > LEFT_OVER * component.largest(&self.iterates.u) {
+                    return Ok(false);
+                }
             }
             if is_own {
                 component.unknowns().for_each(|unknown| zeroed[unknown] = 0.0);
@@ -114,7 +119,8 @@ impl FreeEquations<'_> {
         let of = |full: Vec<f64>| -> Result<f64, NewtonFailure> {
             let reduced = self.elimination.reduce(&full)?;
             let own = self.elimination.free().iter().zip(reduced).filter(|(unknown, _)| unknowns[**unknown]);
-            Ok(own.fold(0.0, |most, (_, value)| f64::max(most, value.abs())))
+            let most = own.fold(0.0, |most, (_, value)| f64::max(most, value.abs()));
+            Ok(self.iterates.fields.together.largest(most))
         };
         let now = of(self.problem.residual(&self.iterates.u)?)?;
         let without = of(self.problem.residual(&zeroed)?)?;

@@ -1,0 +1,285 @@
+//! Parts of a mesh: each process has its own cells, and nothing of the size of the whole.
+
+mod boxes;
+mod divided_unknowns;
+mod divided_vectors;
+mod division;
+mod shared_nodes;
+mod unknown_rows;
+
+use std::any::Any;
+use std::cell::RefCell;
+use std::ffi::OsStr;
+use std::fs;
+use std::ops::{Deref, Range};
+use std::path::Path;
+use std::rc::Rc;
+
+use forms_fem::element::Elements;
+use forms_fem::mesh::MeshError;
+use forms_fem::output::VtuFile;
+use forms_fem::prelude::*;
+use forms_fem::solve::{CommunicationError, Communicator, DividedVectors};
+use forms_fem::space::Scope;
+
+pub(crate) use self::divided_unknowns::DividedUnknowns;
+use self::divided_vectors::SpacesOnPart;
+use self::shared_nodes::{SharedNodes, Vertices};
+use crate::error::{DistributedError, PetscError};
+use crate::node_rows::NodeRows;
+use crate::world::World;
+
+/// This process's part of a mesh: its cells with their nodes, and which nodes other processes have, too. [`World::cuboid`],
+/// [`World::rectangle`] and [`World::structured`] build only the part, [`World::part`] divides a mesh that all processes have.
+///
+/// It serves as the mesh: spaces, constraints and fields on it are those of this process. Its regions are those of the whole mesh, and facets
+/// between parts are on no boundary. A problem `.on(&part)` with a [`PetscSolver::for_part`](crate::PetscSolver::for_part) is solved
+/// by all processes together: matrix, vectors and solution are divided, and messages go between processes whose parts meet.
+///
+/// ```no_run
+/// use forms_distributed::{Method, PetscSolver, World};
+/// use forms_fem::prelude::*;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let world = World::start()?;
+/// let part = world.cuboid([0.0; 3], [1.0; 3], [80; 3], CellShape::Hexahedron, 1)?;
+/// let space = Space::scalar(&part, 1)?;
+/// let poisson = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), dot(grad(u), grad(v)) - v));
+/// let mut held = Constraints::new(&space);
+/// held.fix("boundary", |_| 0.0)?;
+/// let mut solver = PetscSolver::for_part(&part, &[&held], Method::conjugate_gradients())?;
+/// let solved = Problem::new(&poisson, &space).on(&part).constrained(&held).solver(&mut solver).solve()?;
+/// let total = form!(|u: State<Scalar>| -> Functional { integral(cells("all"), u) });
+/// let total = part.functional(solved.assembler(), &total(solved.field()))?;
+/// # Ok(())
+/// # }
+/// ```
+///
+/// What is not divided is refused by name: integrals over interior facets and contact pairs, histories and
+/// motions, relations between unknowns, bounds, projections to continuous spaces, adaptivity.
+pub struct MeshPart<'w, const D: usize> {
+    world: &'w World,
+    mesh: Mesh<D>,
+    vertices: Vertices,
+    /// The nodes that spaces share with other processes.
+    known: RefCell<Vec<(Elements, Scope, Rc<SharedNodes>)>>,
+}
+
+impl<const D: usize> Deref for MeshPart<'_, D> {
+    type Target = Mesh<D>;
+
+    fn deref(&self) -> &Mesh<D> {
+        &self.mesh
+    }
+}
+
+impl<'w, const D: usize> MeshPart<'w, D> {
+    fn new(world: &'w World, mesh: Mesh<D>, vertices: Vertices) -> Self {
+        MeshPart { world, mesh, vertices, known: RefCell::default() }
+    }
+
+    /// The processes.
+    pub fn world(&self) -> &'w World {
+        self.world
+    }
+
+    /// The number of each node of this part's mesh in the whole mesh.
+    pub fn node_numbers(&self) -> &[u64] {
+        &self.vertices.numbers
+    }
+
+    /// As [`Mesh::name_facets`], on all processes together: a process may have none of the facets. Regions come before spaces.
+    ///
+    /// # Errors
+    /// Those of [`Mesh::name_facets`], on all processes.
+    pub fn name_facets(
+        &mut self,
+        name: &str,
+        within: &str,
+        condition: impl Fn(&[f64; D]) -> bool,
+    ) -> Result<(), DistributedError<MeshError>> {
+        let named = self.mesh.name_facets(name, within, condition);
+        let count = self.mesh.facet_region(name).map_or(0, <[_]>::len);
+        self.check_named(named, count, name, "facet")
+    }
+
+    /// As [`Mesh::name_cells`], on all processes together: a process may have none of the cells. Regions come before spaces.
+    ///
+    /// # Errors
+    /// Those of [`Mesh::name_cells`], on all processes.
+    pub fn name_cells(
+        &mut self,
+        name: &str,
+        condition: impl Fn(&[f64; D]) -> bool,
+    ) -> Result<(), DistributedError<MeshError>> {
+        let named = self.mesh.name_cells(name, condition);
+        let count = self.mesh.cell_region(name).map_or(0, <[_]>::len);
+        self.check_named(named, count, name, "cell")
+    }
+
+    fn check_named(
+        &self,
+        named: Result<(), MeshError>,
+        count: usize,
+        name: &str,
+        entity: &'static str,
+    ) -> Result<(), DistributedError<MeshError>> {
+        self.world.agree(named)?;
+        if self.world.gather(count as u64)?.iter().all(|count| *count == 0) {
+            return Err(DistributedError::Here(MeshError::EmptyRegion { name: name.to_owned(), entity }));
+        }
+        Ok(())
+    }
+
+    /// The value of a functional on the whole mesh; the same on all processes.
+    ///
+    /// # Errors
+    /// Data that do not fit, on any process.
+    pub fn functional(
+        &self,
+        assembler: &Assembler<D>,
+        functional: &Functional<D>,
+    ) -> Result<f64, DistributedError<AssemblyError>> {
+        let form = functional.name();
+        let all: Vec<u32> = (0..assembler.mesh().cell_count() as u32).collect();
+        let own = if assembler.mesh().is_same(&self.mesh) {
+            let own = assembler.clone().on_owned_cells(&all);
+            own.map_err(|source| AssemblyError::Region { form, symbol: "this process's cells", source })
+        } else {
+            let source = CommunicationError::Divided { what: "functionals on other meshes".to_owned() };
+            Err(AssemblyError::Communication { form, source })
+        };
+        let own = self.world.agree(own.and_then(|local| local.functional(functional)))?;
+        Ok(self.world.sum(&[own])?[0])
+    }
+
+    /// The reaction of an unknown, numbered from 0, in a region of the whole mesh, as [`Solved::reaction_of`]; the same on all processes.
+    ///
+    /// # Errors
+    /// [`PetscError::Unfit`] of a region or an unknown that does not exist.
+    pub fn reaction<const N: usize>(
+        &self,
+        solved: &Solved<D, N>,
+        unknown: usize,
+        region: &str,
+    ) -> Result<Vec<f64>, PetscError> {
+        let unfit = |message: String| PetscError::Unfit { message };
+        let field = solved.fields.get(unknown);
+        let field = field.ok_or_else(|| unfit(format!("there is no unknown {unknown}; the problem has {N}")));
+        let found = field.and_then(|field| {
+            let nodes = field.space().nodes_on(region).map_err(|error| unfit(error.to_string()))?;
+            Ok((field.space(), nodes))
+        });
+        let (space, nodes) = self.world.agree(found)?;
+        let components = space.components();
+        let mut is_on = vec![0.0; space.unknowns()];
+        nodes.iter().for_each(|node| is_on[*node as usize * components] = 1.0);
+        let vectors = self.vectors(&[space])?;
+        let is_on = vectors.add_up(&is_on).map_err(|error| unfit(error.to_string()))?;
+        let offset: usize = solved.fields[..unknown].iter().map(|field| field.values().len()).sum();
+        let mut sums = vec![0.0; components];
+        for first in (0..is_on.len()).step_by(components) {
+            if is_on[first] > 0.0 && vectors.owns(first) {
+                let at_node = &solved.residual[offset + first..][..components];
+                sums.iter_mut().zip(at_node).for_each(|(sum, value)| *sum += value);
+            }
+        }
+        self.world.sum(&sums)
+    }
+
+    /// Files of all parts, which ParaView opens as one mesh: `out/block.pvd` lists `block_0000.vtu`, the part of the first process, and so on.
+    ///
+    /// # Errors
+    /// [`PetscError::Unfit`] where a file cannot be written, or the path names none.
+    pub fn write(&self, path: impl AsRef<Path>, file: &VtuFile<'_, D>) -> Result<(), PetscError> {
+        let (path, unfit) = (path.as_ref(), |message: String| PetscError::Unfit { message });
+        let name = |rank: usize| {
+            let stem = path.file_stem().and_then(OsStr::to_str);
+            let stem = stem.ok_or_else(|| unfit(format!("{} names no file", path.display())))?;
+            Ok::<_, PetscError>(format!("{stem}_{rank:04}.vtu"))
+        };
+        let own = name(self.world.rank())
+            .and_then(|own| file.write(path.with_file_name(own)).map_err(|error| unfit(error.to_string())));
+        self.world.agree(own)?;
+        let list = || {
+            let mut list =
+                "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n"
+                    .to_owned();
+            for rank in 0..self.world.size() {
+                let name = name(rank)?.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
+                list.push_str(&format!("<DataSet timestep=\"0\" part=\"{rank}\" file=\"{name}\"/>\n"));
+            }
+            list.push_str("</Collection>\n</VTKFile>\n");
+            fs::write(path, list).map_err(|error| unfit(format!("{}: {error}", path.display())))
+        };
+        Ok(self.world.agree(if self.world.rank() == 0 { list() } else { Ok(()) })?)
+    }
+
+    /// The vectors over the unknowns of spaces on this part.
+    fn vectors(&self, spaces: &[&Arc<Space<D>>]) -> Result<Rc<SpacesOnPart>, PetscError> {
+        let on_part = spaces.iter().all(|space| space.mesh().is_same(&self.mesh));
+        let other = PetscError::Unfit {
+            message: "a space is not on this part of a mesh: name regions before making spaces".to_owned(),
+        };
+        self.world.agree(if on_part { Ok(()) } else { Err(other) })?;
+        let mut fields = Vec::with_capacity(spaces.len());
+        for space in spaces {
+            fields.push((space.components(), self.shared_nodes(space)?));
+        }
+        Ok(Rc::new(SpacesOnPart::new(Rc::clone(self.world.meetings()), fields)))
+    }
+
+    fn shared_nodes(&self, space: &Space<D>) -> Result<Rc<SharedNodes>, PetscError> {
+        let is_one = |(elements, scope, _): &&(Elements, Scope, Rc<SharedNodes>)| {
+            elements == space.elements() && scope == space.scope()
+        };
+        if let Some((.., known)) = self.known.borrow().iter().find(is_one) {
+            return Ok(Rc::clone(known));
+        }
+        let found = Rc::new(SharedNodes::new(self.world, space, &self.vertices)?);
+        let entry = (space.elements().clone(), space.scope().clone(), Rc::clone(&found));
+        self.known.borrow_mut().push(entry);
+        Ok(found)
+    }
+
+    /// The rows of the free unknowns of spaces on this part.
+    pub(crate) fn node_rows(&self, constraints: &[&Constraints<D>]) -> Result<NodeRows, PetscError> {
+        let spaces: Vec<&Arc<Space<D>>> = constraints.iter().map(|one| one.space()).collect();
+        unknown_rows::rows(self.world, &self.vectors(&spaces)?, constraints)
+    }
+}
+
+impl<const D: usize> Communicator for MeshPart<'_, D> {
+    fn rank(&self) -> usize {
+        self.world.rank()
+    }
+
+    fn size(&self) -> usize {
+        self.world.size()
+    }
+
+    /// All of them: they are this process's own.
+    fn part(&self, count: usize) -> Range<usize> {
+        0..count
+    }
+
+    /// Refused: no process has whole vectors.
+    fn sum(&self, _own: &[f64]) -> Result<Vec<f64>, CommunicationError> {
+        Err(CommunicationError::Divided {
+            what: "sums of whole vectors (as of motions and histories)".to_owned(),
+        })
+    }
+
+    fn gather(&self, own: u64) -> Result<Vec<u64>, CommunicationError> {
+        Communicator::gather(self.world, own)
+    }
+
+    fn divided(&self, spaces: &[&dyn Any]) -> Result<Option<Rc<dyn DividedVectors>>, CommunicationError> {
+        let known: Option<Vec<&Arc<Space<D>>>> = spaces.iter().map(|space| space.downcast_ref()).collect();
+        let what = "spaces of another dimension".to_owned();
+        let spaces = known.ok_or(CommunicationError::Divided { what })?;
+        let vectors =
+            self.vectors(&spaces).map_err(|error| CommunicationError::Exchange(error.to_string()))?;
+        Ok(Some(vectors))
+    }
+}

@@ -1,0 +1,150 @@
+//! The nodes of a space that several processes have. A node is known by the vertices of its edge, face or cell and by its place among
+//! them, so that no process needs numbers of all nodes.
+
+use std::collections::BTreeMap;
+
+use forms_fem::element::{CellShape, Element, Lagrange};
+use forms_fem::prelude::*;
+use forms_fem::solve::communicator::Fingerprint;
+use forms_fem::space::Scope;
+
+use crate::error::PetscError;
+use crate::world::World;
+
+/// Numbers in the whole mesh, and where else vertices are.
+pub(super) struct Vertices {
+    /// Of each node of the mesh.
+    pub numbers: Vec<u64>,
+    /// The other processes that have a vertex, ascending.
+    pub sharers: BTreeMap<u32, Vec<usize>>,
+}
+
+/// Vertices in the whole mesh, each with a weight: the same on all processes, and of one node.
+type Key = Vec<u64>;
+
+/// Vertices of a cell with weights.
+type Support = Vec<(usize, u64)>;
+
+/// Parts of one in which weights are counted.
+const STEPS: f64 = 1e6;
+
+/// The nodes of a space that this process shares with others.
+pub(super) struct SharedNodes {
+    /// The number of nodes here.
+    pub count: usize,
+    /// Each other process whose part meets this one, with the nodes that both have: in the same order on both.
+    pub with: Vec<(usize, Vec<u32>)>,
+    /// Whether a node is this process's own: it has the lowest rank of those that have the node.
+    pub is_own: Vec<bool>,
+}
+
+impl SharedNodes {
+    /// The nodes of a space on a part with these vertices, as all processes find them together.
+    pub fn new<const D: usize>(
+        world: &World,
+        space: &Space<D>,
+        vertices: &Vertices,
+    ) -> Result<Self, PetscError> {
+        let candidates = world.agree(candidates(space, vertices))?;
+        let mut neighbours: Vec<usize> = vertices.sharers.values().flatten().copied().collect();
+        neighbours.sort_unstable();
+        neighbours.dedup();
+        let keys_for = |rank: &usize| {
+            let keys = candidates.iter().filter(|(_, (_, ranks))| ranks.contains(rank));
+            let list = keys.flat_map(|(key, _)| std::iter::once(key.len() as u64).chain(key.iter().copied()));
+            (*rank, list.collect::<Vec<u64>>())
+        };
+        let lists: Vec<(usize, Vec<u64>)> = neighbours.iter().map(keys_for).collect();
+        let number = |what: &str| {
+            let name = format!("{what} {:?} {:?}", space.elements(), space.scope());
+            Fingerprint::default().text(&name).finish()
+        };
+        let lengths = lists.iter().map(|(rank, list)| (*rank, vec![list.len() as u64])).collect();
+        let lengths = world.meetings().exchange(number("lengths"), lengths, &vec![1; neighbours.len()])?;
+        let lengths: Vec<usize> = lengths.iter().map(|length| length[0] as usize).collect();
+        let found = world.meetings().exchange(number("nodes"), lists, &lengths)?;
+        let mut is_own = vec![true; space.node_count()];
+        let mut with = Vec::with_capacity(neighbours.len());
+        for (rank, list) in neighbours.into_iter().zip(found) {
+            // An edge whose ends are there need not be: both have to know the node. The lists are sorted by keys.
+            let mut nodes = vec![];
+            for key in keys_in(&list) {
+                if let Some((node, _)) = candidates.get(key) {
+                    nodes.push(*node);
+                    is_own[*node as usize] &= world.rank() < rank;
+                }
+            }
+            with.push((rank, nodes));
+        }
+        Ok(SharedNodes { count: space.node_count(), with, is_own })
+    }
+}
+
+/// The keys of a list, each after its length.
+fn keys_in(mut list: &[u64]) -> impl Iterator<Item = &[u64]> {
+    std::iter::from_fn(move || {
+        let (length, rest) = list.split_first()?;
+        let (key, rest) = rest.split_at_checked(*length as usize)?;
+        list = rest;
+        Some(key)
+    })
+}
+
+/// The nodes all of whose vertices are on another process, with the ranks of those.
+fn candidates<const D: usize>(
+    space: &Space<D>,
+    vertices: &Vertices,
+) -> Result<BTreeMap<Key, (u32, Vec<usize>)>, PetscError> {
+    let mut found: BTreeMap<Key, (u32, Vec<usize>)> = BTreeMap::new();
+    match space.scope() {
+        Scope::Cell | Scope::Point => return Ok(found),
+        Scope::Nodes => {}
+        scope => return Err(PetscError::Divided { what: format!("spaces {scope}") }),
+    }
+    let mesh = space.mesh();
+    let mut supports: Vec<(CellShape, Vec<Support>)> = vec![];
+    for cell in 0..mesh.cell_count() {
+        let corners = mesh.cell_vertices(cell);
+        let shared: Vec<Option<&Vec<usize>>> = corners.iter().map(|one| vertices.sharers.get(one)).collect();
+        if shared.iter().all(Option::is_none) {
+            continue;
+        }
+        let shape = mesh.cell_shape(cell);
+        if !supports.iter().any(|(known, _)| *known == shape) {
+            supports.push((shape, supports_of::<D>(space.cell_element(cell))));
+        }
+        let own = supports.iter().find(|(known, _)| *known == shape).map_or(&[][..], |(_, own)| own);
+        for (node, support) in space.cell_nodes(cell).iter().zip(own) {
+            let all: Option<Vec<&Vec<usize>>> = support.iter().map(|(corner, _)| shared[*corner]).collect();
+            let Some((first, others)) = all.as_deref().and_then(<[_]>::split_first) else { continue };
+            let is_everywhere = |rank: &&usize| others.iter().all(|ranks| ranks.contains(rank));
+            let ranks: Vec<usize> = first.iter().filter(is_everywhere).copied().collect();
+            if ranks.is_empty() {
+                continue;
+            }
+            let number =
+                |(corner, weight): &(usize, u64)| [vertices.numbers[corners[*corner] as usize], *weight];
+            let mut key: Vec<[u64; 2]> = support.iter().map(number).collect();
+            key.sort_unstable();
+            let (known, _) = found.entry(key.into_flattened()).or_insert((*node, ranks));
+            if known != node {
+                let what = "elements with several nodes at one place".to_owned();
+                return Err(PetscError::Divided { what });
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// The vertices of the smallest edge, face or cell that has a node, with the values of their linear functions there: for each node of an
+/// element.
+fn supports_of<const D: usize>(element: &Element) -> Vec<Support> {
+    let linear = Lagrange { shape: element.shape(), degree: 1 };
+    let support = |point: &[f64; D]| {
+        let mut values = vec![0.0; linear.nodes()];
+        linear.evaluate_values(point, &mut values);
+        let weights = values.iter().map(|value| (value * STEPS).round() as u64).enumerate();
+        weights.filter(|(_, weight)| *weight > 0).collect()
+    };
+    element.node_points::<D>().iter().map(support).collect()
+}

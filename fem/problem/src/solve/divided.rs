@@ -1,0 +1,163 @@
+//! Vectors over unknowns whose mesh is divided: each process has the entries of its piece, with the same values where pieces meet.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::rc::Rc;
+
+use super::communicator::CommunicationError;
+use crate::linear_algebra::vector::norm;
+
+/// Vectors over the unknowns of a problem on a divided mesh, space after space. Unknowns where pieces meet are on several processes, and one
+/// of these owns each. All processes make the same calls in the same order.
+pub trait DividedVectors {
+    /// Whether this process owns an unknown of its vectors.
+    fn owns(&self, unknown: usize) -> bool;
+
+    /// The sums of what all processes add to their unknowns, with the same bits wherever an unknown is.
+    ///
+    /// # Errors
+    /// [`CommunicationError::Exchange`].
+    fn add_up(&self, own: &[f64]) -> Result<Vec<f64>, CommunicationError>;
+
+    /// Copies the values of unknowns from the processes that own them.
+    ///
+    /// # Errors
+    /// [`CommunicationError::Exchange`].
+    fn spread(&self, values: &mut [f64]) -> Result<(), CommunicationError>;
+
+    /// A number of each process, in their order; the same on all.
+    ///
+    /// # Errors
+    /// [`CommunicationError::Exchange`].
+    fn gather(&self, own: f64) -> Result<Vec<f64>, CommunicationError>;
+}
+
+/// Prescribed values of all processes at this one's unknowns. A process may have a node of a boundary without the facet there. Where several
+/// prescribe a value, it is their mean, which rounding of positions makes equal to each.
+///
+/// # Errors
+/// Those of [`DividedVectors::add_up`].
+#[doc(hidden)]
+pub fn prescribed_by_all(
+    vectors: &dyn DividedVectors,
+    size: usize,
+    own: &BTreeMap<usize, f64>,
+) -> Result<BTreeMap<usize, f64>, CommunicationError> {
+    let (mut counts, mut values) = (vec![0.0; size], vec![0.0; size]);
+    for (unknown, value) in own {
+        (counts[*unknown], values[*unknown]) = (1.0, *value);
+    }
+    let (counts, values) = (vectors.add_up(&counts)?, vectors.add_up(&values)?);
+    let found = counts.iter().zip(&values).enumerate().filter(|(_, (count, _))| **count > 0.0);
+    Ok(found
+        .map(|(unknown, (count, value))| (unknown, if *count == 1.0 { *value } else { value / count }))
+        .collect())
+}
+
+/// Answers that are the same on all processes: norms, extremes and verdicts on vectors. On a mesh that is not divided they are this
+/// process's own.
+///
+/// After an exchange that failed there are no further ones, numbers are NaN and verdicts false; [`Together::check`] has the error.
+#[derive(Clone, Default)]
+pub(in crate::solve) struct Together(Option<Rc<Division>>);
+
+struct Division {
+    vectors: Rc<dyn DividedVectors>,
+    /// Places of the unknowns that this process owns among its free ones.
+    own: Vec<usize>,
+    failure: RefCell<Option<CommunicationError>>,
+}
+
+impl fmt::Debug for Together {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Together").field(&self.0.is_some()).finish()
+    }
+}
+
+impl Together {
+    /// Answers on vectors over all unknowns, and on those over the free ones.
+    pub fn new(vectors: Option<Rc<dyn DividedVectors>>, free: &[usize]) -> Self {
+        Together(vectors.map(|vectors| {
+            let own = (0..free.len()).filter(|place| vectors.owns(free[*place])).collect();
+            Rc::new(Division { vectors, own, failure: RefCell::default() })
+        }))
+    }
+
+    /// The error of an exchange that failed.
+    ///
+    /// # Errors
+    /// That one.
+    pub fn check(&self) -> Result<(), CommunicationError> {
+        let failure = self.0.as_ref().and_then(|division| division.failure.borrow().clone());
+        failure.map_or(Ok(()), Err)
+    }
+
+    fn fold(&self, own: f64, fold: impl Fn(f64, f64) -> f64) -> f64 {
+        let Some(division) = &self.0 else { return own };
+        if division.failure.borrow().is_some() {
+            return f64::NAN;
+        }
+        match division.vectors.gather(own) {
+            Ok(all) => all.into_iter().reduce(fold).unwrap_or(own),
+            Err(error) => {
+                *division.failure.borrow_mut() = Some(error);
+                f64::NAN
+            }
+        }
+    }
+
+    /// The largest of all processes' numbers; NaN if there is one.
+    pub fn largest(&self, own: f64) -> f64 {
+        self.fold(own, |a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) })
+    }
+
+    /// The smallest of all processes' numbers; NaN if there is one.
+    pub fn smallest(&self, own: f64) -> f64 {
+        -self.largest(-own)
+    }
+
+    /// The sum of all processes' numbers.
+    pub fn sum(&self, own: f64) -> f64 {
+        self.fold(own, |a, b| a + b)
+    }
+
+    /// Whether something holds on all processes.
+    pub fn all(&self, own: bool) -> bool {
+        self.smallest(f64::from(u8::from(own))) == 1.0
+    }
+
+    /// Whether something holds on one process at least.
+    pub fn any(&self, own: bool) -> bool {
+        self.largest(f64::from(u8::from(own))) == 1.0
+    }
+
+    /// The norm of a vector over the free unknowns, or of those of its entries at some places.
+    pub fn norm(&self, reduced: &[f64], places: std::ops::Range<usize>) -> f64 {
+        let Some(division) = &self.0 else { return norm(&reduced[places]) };
+        let own: Vec<f64> = division.own_in(&places).iter().map(|place| reduced[*place]).collect();
+        self.fold(norm(&own), f64::hypot)
+    }
+
+    /// The sum of the numbers of those free unknowns that this process owns, on all processes.
+    pub fn sum_of_own(&self, count: usize, value: impl Fn(usize) -> f64) -> f64 {
+        match &self.0 {
+            None => (0..count).map(value).sum(),
+            Some(division) => self.sum(division.own_in(&(0..count)).iter().map(|place| value(*place)).sum()),
+        }
+    }
+
+    /// The product of two vectors over all unknowns.
+    pub fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
+        let Some(division) = &self.0 else { return crate::linear_algebra::vector::dot(a, b) };
+        let own = (0..a.len()).filter(|unknown| division.vectors.owns(*unknown));
+        self.sum(own.map(|unknown| a[unknown] * b[unknown]).sum())
+    }
+}
+
+impl Division {
+    fn own_in(&self, places: &std::ops::Range<usize>) -> &[usize] {
+        let place = |end: usize| self.own.partition_point(|own| *own < end);
+        &self.own[place(places.start)..place(places.end)]
+    }
+}
