@@ -6,7 +6,7 @@ use std::process::Command;
 fn knot_from_a_file_presses_about_as_a_fitted_one() {
     let directory = tempfile::tempdir().expect("a directory");
     let mut command = Command::new(env!("CARGO_BIN_EXE_pressed_knot"));
-    command.args(["--cells", "4", "--degree", "1", "--fitted", "36", "--out"]).arg(directory.path());
+    command.args(["--cells", "3", "--fitted", "24", "--out"]).arg(directory.path());
     let output = command.output().expect("the program starts");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let printed = String::from_utf8(output.stdout).expect("text");
@@ -17,7 +17,7 @@ fn knot_from_a_file_presses_about_as_a_fitted_one() {
     };
     // Nothing but the plates carries the knot.
     let [lower, upper] = [after("forces "), after(" and ")];
-    assert!((lower / upper - 1.0).abs() < 1e-3, "{printed}");
+    assert!((lower / upper - 1.0).abs() < 1e-4, "{printed}");
     assert!(after("the reaction is ").abs() < 40.0, "{printed}");
     let bytes = std::fs::read(directory.path().join("pressed_knot.png")).expect("a picture");
     assert!(bytes.starts_with(b"\x89PNG") && bytes.len() > 5000);
