@@ -196,16 +196,15 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Failure> {
     knot::write_stl(&file, 512, 64)?;
     let surface = RigidSurface::from_stl_file(&file)?;
     let found = solve_cut(&surface, options, out)?;
-    let (triangles, values) = deformed(&found);
-    let view = |from: [f64; 3], title: &str| {
-        SurfaceMap::new(&triangles, &values, "contact pressure")
-            .seen_from(from)
-            .title(title)
-            .size(260.0, 220.0)
+    let pieces = deformed(&found);
+    let triangles: Vec<[[f64; 3]; 3]> = pieces.iter().map(|piece| piece.corners).collect();
+    let view = |value: fn(&Piece) -> f64, label: &str, from: [f64; 3], title: &str| {
+        let values: Vec<f64> = pieces.iter().map(value).collect();
+        SurfaceMap::new(&triangles, &values, label).seen_from(from).title(title).size(260.0, 220.0).draw()
     };
     let panel = Panel::new(2)
-        .picture(&view([0.5, -1.6, 1.3], "from above"))?
-        .picture(&view([0.5, -1.6, -1.3], "from below"))?;
+        .picture(&view(|piece| piece.vertical, "vertical displacement", [0.5, -1.6, 1.3], "from above")?)?
+        .picture(&view(|piece| piece.pressure, "contact pressure", [0.5, -1.6, -1.3], "from below")?)?;
     panel.write_png(options.out.join("pressed_knot.png"))?;
     if options.fitted > 0 {
         let fitted = solve_fitted(options.fitted, out)?;
@@ -215,16 +214,22 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The interface, deformed, and the mean contact pressure of each piece's cell.
-fn deformed(found: &CutKnot) -> (Vec<[[f64; 3]; 3]>, Vec<f64>) {
-    let moved = |cell: usize, corner: &[f64; 3]| {
-        let (x, u) = (found.cut.mesh().map(cell, corner).0, found.u.evaluate_in(cell, corner));
-        [0, 1, 2].map(|k| x[k] + u[k])
+/// A piece of the deformed surface.
+struct Piece {
+    corners: [[f64; 3]; 3],
+    vertical: f64,
+    /// The mean of its cell.
+    pressure: f64,
+}
+
+fn deformed(found: &CutKnot) -> Vec<Piece> {
+    let piece = |InterfacePiece { cell, corners }: InterfacePiece<3>| {
+        let cell = cell as usize;
+        let moves = corners.map(|corner| found.u.evaluate_in(cell, &corner));
+        let places = corners.map(|corner| found.cut.mesh().map(cell, &corner).0);
+        let vertical = moves.iter().map(|u| u[2] / 3.0).sum();
+        let corners = [0, 1, 2].map(|k| [0, 1, 2].map(|i| places[k][i] + moves[k][i]));
+        Piece { corners, vertical, pressure: found.pressures[cell] }
     };
-    let pieces = found.cut.interface_pieces();
-    let triangle = |piece: &InterfacePiece<3>| {
-        let cell = piece.cell as usize;
-        (piece.corners.map(|corner| moved(cell, &corner)), found.pressures[cell])
-    };
-    pieces.iter().map(triangle).unzip()
+    found.cut.interface_pieces().into_iter().map(piece).collect()
 }

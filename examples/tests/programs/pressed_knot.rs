@@ -3,10 +3,10 @@
 use std::process::Command;
 
 #[test]
-fn knot_from_a_file_presses_about_as_a_fitted_one() {
+fn knot_from_a_file_is_pressed_by_both_plates() {
     let directory = tempfile::tempdir().expect("a directory");
     let mut command = Command::new(env!("CARGO_BIN_EXE_pressed_knot"));
-    command.args(["--cells", "3", "--fitted", "24", "--out"]).arg(directory.path());
+    command.args(["--cells", "4", "--fitted", "0", "--out"]).arg(directory.path());
     let output = command.output().expect("the program starts");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let printed = String::from_utf8(output.stdout).expect("text");
@@ -18,7 +18,10 @@ fn knot_from_a_file_presses_about_as_a_fitted_one() {
     // Nothing but the plates carries the knot.
     let [lower, upper] = [after("forces "), after(" and ")];
     assert!((lower / upper - 1.0).abs() < 1e-4, "{printed}");
-    assert!(after("the reaction is ").abs() < 40.0, "{printed}");
+    // Coarse cells are stiff: fine ones come below 1.
+    assert!((0.9..2.1).contains(&lower), "{printed}");
+    let [volume, of] = [after("volume "), after(" of ")];
+    assert!((volume / of - 1.0).abs() < 0.05, "{printed}");
     let bytes = std::fs::read(directory.path().join("pressed_knot.png")).expect("a picture");
     assert!(bytes.starts_with(b"\x89PNG") && bytes.len() > 5000);
 }
