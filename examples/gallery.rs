@@ -363,7 +363,7 @@ fn make(maker: &Maker, root: &Path) -> Result<(), Box<dyn Error>> {
 }
 
 /// Names of the pictures that are reduced.
-const REDUCED: [&str; 2] = ["tutorial_", "closing_c"];
+const REDUCED: [&str; 3] = ["tutorial_", "closing_c", "pressed_knot"];
 
 /// Most bytes of them.
 const MOST_BYTES: usize = 150_000;
