@@ -36,7 +36,7 @@ const MAY_TOUCH: f64 = 0.6;
 #[command(version, name = "pressed_knot")]
 struct Options {
     /// Cells of the background along a unit of length; the wire has a radius of 0.55
-    #[arg(long, value_name = "N", default_value_t = 11.0)]
+    #[arg(long, value_name = "N", default_value_t = 12.0)]
     cells: f64,
     /// Cells of the fitted mesh along the wire; none with 0
     #[arg(long, value_name = "N", default_value_t = 72)]

@@ -180,13 +180,13 @@ mod tests {
         let (both, values) = ([at(0.0), at(1.0)], [0.0, 1.0]);
         for (from, last) in [([0.0, 0.0, 1.0], 1.0), ([0.0, 0.0, -3.0], 0.0)] {
             let drawing = SurfaceMap::new(&both, &values, "height").seen_from(from).draw().unwrap();
-            let fills = drawing.items().iter().filter_map(|item| match item {
+            let mut fills = drawing.items().iter().filter_map(|item| match item {
                 Item::Path { segments, fill: Some(fill), .. } if segments.len() == 4 => Some(fill.rgb),
                 _ => None,
             });
             let lit = 1.0 / (1.0_f64 + 0.36 + 0.09).sqrt();
             let expected = dimmed(ColourMap::default().at(last), AMBIENT + (1.0 - AMBIENT) * lit);
-            assert_eq!(fills.last(), Some(expected.rgb));
+            assert_eq!(fills.next_back(), Some(expected.rgb));
         }
         assert!(SurfaceMap::new(&both, &[0.0], "height").draw().is_err());
         assert!(SurfaceMap::new(&both, &[0.0, f64::NAN], "height").draw().is_err());
