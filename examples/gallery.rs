@@ -258,6 +258,10 @@ const MAKERS: [Maker; 42] = [
         arguments: &["--bin", "level_set_cantilever", "--", "--anew"],
         pictures: &[("out/level_set_cantilever/level_set_cantilever.png", "level_set_cantilever.png")],
     },
+    Maker {
+        arguments: &["--bin", "pressed_knot"],
+        pictures: &[("out/pressed_knot/pressed_knot.png", "pressed_knot.png")],
+    },
     // The bars of docs/speed.md, from its measurements in docs/*.csv.
     Maker {
         arguments: &["--bin", "speed_charts"],
@@ -359,7 +363,7 @@ fn make(maker: &Maker, root: &Path) -> Result<(), Box<dyn Error>> {
 }
 
 /// Names of the pictures that are reduced.
-const REDUCED: [&str; 2] = ["tutorial_", "closing_c"];
+const REDUCED: [&str; 3] = ["tutorial_", "closing_c", "pressed_knot"];
 
 /// Most bytes of them.
 const MOST_BYTES: usize = 150_000;

@@ -14,10 +14,10 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 COUNTS = [
     ("visitors of a form", r"\b(?:trait|for) \w*Visitor\b(?!.*syn)", False, 0),
     ("signatures generic over a form", r"[<,(] ?(?:[A-Z]\w*|\w+: &?impl) ?:? (?:contract::)?(?:Form|Functional|Expression|Integrals|Compiled|WithIntegrals)<", False, 12),
-    ("#[inline(never)]", r"#\[inline\(never\)\]", False, 276),
+    ("#[inline(never)]", r"#\[inline\(never\)\]", False, 279),
     ("instantiate! blocks", r"^\s*instantiate!\(", False, 96),
 ]
-LINES = [("lines of Rust without tests", False, 170_500), ("lines of Rust", True, 239_500)]
+LINES = [("lines of Rust without tests", False, 171_100), ("lines of Rust", True, 240_400)]
 
 
 def sources():

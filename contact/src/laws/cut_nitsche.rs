@@ -127,6 +127,11 @@ pub mod cut_nitsche {
         integral(GammaC, contact_pressure(u))
     }
 
+    /// ∫_Γ \[σ_n(u) − γ(u_n − g)\]₋ t: with t of degree 0 the contact force in each cell.
+    pub fn contact_forces(u: State<Vector>, t: Test<Scalar>) -> Form {
+        integral(GammaC, contact_pressure(u) * t)
+    }
+
     /// The measure of the discrete contact zone.
     pub fn contact_length(u: State<Vector>) -> Functional {
         integral(GammaC, heaviside(contact_pressure(u)))

@@ -7,6 +7,7 @@ mod cylinder;
 mod derivatives;
 mod half_plane;
 mod signorini;
+mod surface;
 mod topological;
 
 use forms_fem::prelude::*;

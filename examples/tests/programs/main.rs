@@ -8,6 +8,7 @@ mod half_ring;
 mod interrupted;
 mod level_set_bridge;
 mod level_set_cantilever;
+mod pressed_knot;
 mod readme;
 mod rolling_ring;
 mod shape_optimisation;

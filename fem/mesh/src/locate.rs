@@ -2,6 +2,7 @@
 
 mod affine;
 mod boxes;
+mod pieces;
 mod project;
 
 #[doc(hidden)]
@@ -9,6 +10,8 @@ pub use self::affine::AffineInverse;
 
 #[doc(hidden)]
 pub use self::boxes::{BoxGrid, Corners, box_around};
+#[doc(hidden)]
+pub use self::pieces::{PieceTree, long_normal};
 #[doc(hidden)]
 pub use self::project::nearest_on_facet;
 

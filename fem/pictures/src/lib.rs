@@ -23,6 +23,7 @@ pub mod png_file;
 mod sampling;
 #[doc(hidden)]
 pub mod shading;
+mod surface_map;
 #[doc(hidden)]
 pub mod svg_file;
 mod text;
@@ -43,6 +44,7 @@ pub use curve::{Curve, Marker};
 pub use drawing::Drawing;
 pub use line_plot::LinePlot;
 pub use panel::Panel;
+pub use surface_map::SurfaceMap;
 
 /// Resolution of PNG files unless another one is asked for.
 pub const DOTS_PER_INCH: f64 = 250.0;

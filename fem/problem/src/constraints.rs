@@ -273,8 +273,9 @@ impl<const D: usize> Constraints<D> {
     fn insert(&mut self, place: &str, entries: &[(usize, f64)]) -> Result<(), ConstraintsError> {
         let components = self.space.components();
         let node = |unknown: usize| self.space.positions()[unknown / components].to_vec();
-        let values = self.conditions.prescribed.values().chain(entries.iter().map(|(_, value)| value));
-        let scale = values.fold(0.0_f64, |scale, value| scale.max(value.abs()));
+        // All earlier values are in `largest`: to go through them again would take a time quadratic in their number.
+        let values = entries.iter().map(|(_, value)| value);
+        let scale = values.fold(self.conditions.largest, |scale, value| scale.max(value.abs()));
         for &(unknown, value) in entries {
             let (place, component) = (place.to_owned(), unknown % components);
             if !value.is_finite() {

@@ -1,5 +1,6 @@
 //! The distance between the boundaries of two shapes.
 
+use crate::locate::PieceTree;
 use crate::mesh::{Mesh, MeshError};
 
 /// Straight pieces for each facet.
@@ -37,13 +38,14 @@ pub fn boundary_distance(from: &Mesh<2>, to: &Mesh<2>, region: &str) -> Result<B
         };
         segments.extend((0..PIECES).map(|k| [point(k), point(k + 1)]));
     }
+    let segments = PieceTree::new(segments);
     nodes.sort_unstable();
     nodes.dedup();
     let (mut largest, mut sum, mut of_nodes) = (0.0_f64, 0.0, 0.0_f64);
     let same_cells = from.cells() == to.cells();
     for &node in &nodes {
         let x = from.nodes()[node as usize];
-        let nearest = segments.iter().map(|segment| to_segment(&x, segment)).fold(f64::INFINITY, f64::min);
+        let nearest = segments.distance(&x);
         largest = largest.max(nearest);
         sum += nearest;
         if same_cells {
@@ -53,17 +55,6 @@ pub fn boundary_distance(from: &Mesh<2>, to: &Mesh<2>, region: &str) -> Result<B
     }
     let largest_of_nodes = same_cells.then_some(of_nodes);
     Ok(BoundaryDistance { largest, mean: sum / nodes.len() as f64, largest_of_nodes })
-}
-
-fn to_segment(x: &[f64; 2], [a, b]: &[[f64; 2]; 2]) -> f64 {
-    let along = [b[0] - a[0], b[1] - a[1]];
-    let square = along[0] * along[0] + along[1] * along[1];
-    let t = if square > 0.0 {
-        (((x[0] - a[0]) * along[0] + (x[1] - a[1]) * along[1]) / square).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
-    (x[0] - a[0] - t * along[0]).hypot(x[1] - a[1] - t * along[1])
 }
 
 #[cfg(test)]

@@ -1,10 +1,11 @@
-//! Bodies that are cut from a mesh: areas and normals, what is refused, solutions on them, descents, adaptive backgrounds.
+//! Bodies that are cut from a mesh: areas and normals, what is refused, solutions on them, descents, adaptive backgrounds, surfaces from files.
 
 mod adaptive;
 mod areas;
 mod bodies;
 mod descent;
 mod refusals;
+mod surfaces;
 
 use forms_fem::prelude::*;
 

@@ -89,7 +89,7 @@ pub use regions::{BOUNDARY, EVERYWHERE, INTERIOR};
 pub use remeshing::{Remeshing, RemeshingError, Sizes};
 #[doc(hidden)]
 pub use rigid_surface::CarriedSurface;
-pub use rigid_surface::{RigidSurface, RigidSurfaceError};
+pub use rigid_surface::{RigidSurface, RigidSurfaceError, SignedDistance};
 pub use structured::{Grid, structured};
 pub use vtk::{VtkError, VtkMesh, VtkReader};
 

@@ -66,6 +66,9 @@ pub enum CutError {
     /// A function that has changed by more than a band allows.
     #[error("near {position:?} the level set function has changed by more than the band's width")]
     LeftBand { position: Vec<f64> },
+    /// A surface that encloses no body.
+    #[error("{text}")]
+    Surface { text: String },
     /// A problem of the mesh.
     #[error("{text}")]
     Mesh { text: String },

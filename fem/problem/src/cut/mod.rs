@@ -7,7 +7,7 @@
 //! ties    facets that join badly cut cells to well-posed ones
 //! parts    parts of the body that no cell connects
 //! known_points  points of rules, made once
-//! interface  the interface in space, and the distance to it
+//! interface  the interface in space, the distance to it and to a given surface
 //! holding  unknowns that no active cell has
 //! body     the pieces as a mesh of their own, to be drawn and written
 //! ```
@@ -29,6 +29,7 @@ pub use self::band::CutBand;
 use self::band::Kept;
 pub use self::body::CutBody;
 pub use self::error::CutError;
+pub use self::interface::{InterfacePiece, signed_distance};
 use self::known_points::KnownPoints;
 pub use self::parts::BodyPart;
 pub(crate) use self::pieces::VertexValues;

@@ -41,6 +41,19 @@ pub enum RigidSurfaceError {
         /// The middle of the edge between them, or the point.
         position: Vec<f64>,
     },
+    /// An open surface where a closed one is needed.
+    #[error(
+        "the surface is open: {rim} edges have only one facet, the first is that of facet {facet} near {position:?} (facets are numbered \
+         from 0 in the order of the file; corners at one place must agree to the last bit)"
+    )]
+    Open {
+        /// Number of open edges.
+        rim: usize,
+        /// The first facet with one.
+        facet: usize,
+        /// The middle of its edge.
+        position: Vec<f64>,
+    },
     /// A closed surface whose outward side looks inward.
     #[error(
         "the surface is closed and encloses the volume {volume}: its outward side looks inward (`RigidSurface::new` takes such, for a \
@@ -97,6 +110,9 @@ pub enum RigidSurfaceError {
         place: String,
         why: String,
     },
+    /// A mistake in a file.
+    #[error("{path}: {source}")]
+    File { path: String, source: Box<RigidSurfaceError> },
     /// A file that cannot be read.
     #[error("{path}: {source}")]
     Read { path: String, source: std::io::Error },

@@ -1,5 +1,7 @@
 //! Geometry of a flat facet by its corners: a segment in the plane, a triangle in space.
 
+use crate::locate::long_normal;
+
 /// A facet whose height is less than this part of its longest side has no normal.
 const FLAT: f64 = 1e-10;
 
@@ -9,19 +11,6 @@ fn minus<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; D] {
 
 fn length<const D: usize>(a: &[f64; D]) -> f64 {
     a.iter().map(|a| a * a).sum::<f64>().sqrt()
-}
-
-/// The outward normal of the length of a segment, or of twice a triangle's area.
-fn long_normal<const D: usize>(corners: &[[f64; D]; D]) -> [f64; D] {
-    let along = minus(&corners[1], &corners[0]);
-    if D == 2 {
-        return std::array::from_fn(|i| if i == 0 { along[1] } else { -along[0] });
-    }
-    let across = minus(&corners[D - 1], &corners[0]);
-    std::array::from_fn(|i| {
-        let (j, k) = ((i + 1) % D, (i + 2) % D);
-        along[j] * across[k] - along[k] * across[j]
-    })
 }
 
 /// The outward unit normal; `None` of a facet that has none.

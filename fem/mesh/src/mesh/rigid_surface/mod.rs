@@ -3,6 +3,7 @@
 mod carried;
 mod error;
 mod flat_facet;
+mod signed_distance;
 mod stl;
 
 use std::collections::BTreeMap;
@@ -10,6 +11,7 @@ use std::collections::BTreeMap;
 #[doc(hidden)]
 pub use self::carried::CarriedSurface;
 pub use self::error::RigidSurfaceError;
+pub use self::signed_distance::SignedDistance;
 use super::{Facet, Mesh, MeshError};
 use crate::instantiate;
 
@@ -35,7 +37,12 @@ pub struct RigidSurface<const D: usize> {
     facets: Vec<[u32; D]>,
     /// Edges in space, or ends in the plane, that only one facet has.
     rim: usize,
+    /// The first facet with such an edge or end, and the middle of the edge.
+    open: Option<(usize, [f64; D])>,
 }
+
+/// The number of open edges, and the first facet with one and its middle.
+type Rim<const D: usize> = (usize, Option<(usize, [f64; D])>);
 
 impl<const D: usize> RigidSurface<D> {
     /// A surface from its points \[length\] and the numbers of each facet's corners: from left to right as seen with the outward
@@ -61,8 +68,8 @@ impl<const D: usize> RigidSurface<D> {
                 return Err(RigidSurfaceError::Degenerate { facet: index, position: corners[0].to_vec() });
             }
         }
-        let rim = rim(&points, &facets)?;
-        Ok(RigidSurface { points, facets, rim })
+        let (rim, open) = rim(&points, &facets)?;
+        Ok(RigidSurface { points, facets, rim, open })
     }
 
     /// The side of a body of straight facets, by the name of a region on its boundary. Quadrilaterals are divided into triangles; the
@@ -162,7 +169,7 @@ impl RigidSurface<2> {
 }
 
 /// The number of edges (in the plane: points) with one facet, where all others have as many on each side.
-fn rim<const D: usize>(points: &[[f64; D]], facets: &[[u32; D]]) -> Result<usize, RigidSurfaceError> {
+fn rim<const D: usize>(points: &[[f64; D]], facets: &[[u32; D]]) -> Result<Rim<D>, RigidSurfaceError> {
     // How often facets run along an edge from the lower number to the higher one and back, and the last of them.
     let mut edges: BTreeMap<[u32; 2], ([usize; 2], usize)> = BTreeMap::new();
     for (index, facet) in facets.iter().enumerate() {
@@ -175,19 +182,21 @@ fn rim<const D: usize>(points: &[[f64; D]], facets: &[[u32; D]]) -> Result<usize
             *last = index;
         }
     }
-    let mut rim = 0;
+    let (mut rim, mut open) = (0, None::<(usize, [f64; D])>);
     for (edge, ([forward, backward], facet)) in edges {
+        let middle: [f64; D] =
+            std::array::from_fn(|k| edge.iter().map(|point| 0.5 * points[*point as usize][k]).sum());
         if forward + backward == 1 {
             rim += 1;
+            if open.is_none_or(|(first, _)| facet < first) {
+                open = Some((facet, middle));
+            }
         } else if forward != backward {
-            let middle = std::array::from_fn::<f64, D, _>(|k| {
-                edge.iter().map(|point| 0.5 * points[*point as usize][k]).sum()
-            });
             let corners = facets[facet].to_vec();
             return Err(RigidSurfaceError::Sides { facet, corners, position: middle.to_vec() });
         }
     }
-    Ok(rim)
+    Ok((rim, open))
 }
 
 impl<const D: usize> Mesh<D> {
@@ -238,4 +247,4 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-instantiate!(rigid_surface: RigidSurface::<D>::new, RigidSurface::<D>::of_boundary, Mesh::<D>::with_rigid_surfaces);
+instantiate!(rigid_surface: RigidSurface::<D>::new, RigidSurface::<D>::of_boundary, RigidSurface::<D>::signed_distance, SignedDistance::<D>::at, Mesh::<D>::with_rigid_surfaces);

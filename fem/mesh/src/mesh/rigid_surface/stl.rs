@@ -1,4 +1,4 @@
-//! Rigid surfaces from STL files, binary and text. Triangles come with coordinates of their own: corners at one place, to the last bit,
+//! Surfaces from STL files, binary and text. Triangles come with coordinates of their own: corners at one place, to the last bit,
 //! are one point.
 
 use std::collections::HashMap;
@@ -47,11 +47,13 @@ impl RigidSurface<3> {
     /// A surface from an STL file.
     ///
     /// # Errors
-    /// [`RigidSurfaceError::Read`]; those of [`RigidSurface::from_stl`].
+    /// [`RigidSurfaceError::Read`]; [`RigidSurfaceError::File`] with those of [`RigidSurface::from_stl`].
     pub fn from_stl_file(path: impl AsRef<Path>) -> Result<Self, RigidSurfaceError> {
-        let path = path.as_ref();
-        let refused = |source| RigidSurfaceError::Read { path: path.display().to_string(), source };
-        RigidSurface::from_stl(&std::fs::read(path).map_err(refused)?)
+        let name = || path.as_ref().display().to_string();
+        let contents =
+            std::fs::read(&path).map_err(|source| RigidSurfaceError::Read { path: name(), source })?;
+        RigidSurface::from_stl(&contents)
+            .map_err(|source| RigidSurfaceError::File { path: name(), source: Box::new(source) })
     }
 }
 
