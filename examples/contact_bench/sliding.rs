@@ -119,7 +119,11 @@ impl Sliding {
         self.follow_all(form, [self.start.clone(), guess])
     }
 
-    fn follow_all<const N: usize>(
+    /// The path of a whole form in u and fields on the own surface, from a start of each.
+    ///
+    /// # Errors
+    /// Newton's method fails.
+    pub fn follow_all<const N: usize>(
         &self,
         form: &Form<2>,
         mut fields: [Field<2>; N],

@@ -11,8 +11,7 @@ pub mod multipliers {
     pub struct Data {
         /// γ₀ \[stress\]; γ = γ₀ / h_T.
         pub gamma0: Given<Scalar>,
-        /// δ, the part with which the equation p = 0 counts on the whole own surface, so that what is not covered has no pressure. The gap is off by
-        /// δ p/γ; where a function's surface is covered by a small part c, by δ p/(γ c²).
+        /// δ, the part with which the equation p = 0 counts at each node, so that what is not covered has no pressure. A mean gap is off by δ p/γ.
         #[doc(alias = "δ")]
         #[default(0.000000000000000001)]
         pub uncovered: Param,
@@ -23,13 +22,16 @@ pub mod multipliers {
         pos_part(p - gamma * g)
     }
 
-    /// (p − \[p − γ g\]₊)/γ: g where the surfaces press, p/γ where they are apart.
+    /// (p − \[p − γ g\]₊)/γ: g where the surfaces press, with δ p/γ, and p/γ where they are apart.
     pub fn normal_condition(p: Scalar, g: Scalar, gamma: Scalar) -> Scalar {
-        (p - allowed_pressure(p, g, gamma)) / gamma
+        if p > gamma * g { g + uncovered * p / gamma } else { p / gamma }
     }
 
-    /// (t − Π_s(t − γ s_t))/γ with the bound s of |t|, zero or more: the slip s_t where the surfaces stick. In the plane.
+    /// (t − Π_s(t − γ s_t))/γ with the bound s of |t|: the slip s_t where the surfaces stick, with δ t/γ, and t/γ where s ≤ 0. In the plane.
     pub fn tangential_condition(t: Scalar, slip: Scalar, bound: Scalar, gamma: Scalar) -> Scalar {
-        (t - max(-bound, min(t - gamma * slip, bound))) / gamma
+        let trial = t - gamma * slip;
+        let slides = (t - if trial > 0 { bound } else { -bound }) / gamma;
+        let bears = if abs(trial) > bound { slides } else { slip + uncovered * t / gamma };
+        if bound > 0 { bears } else { t / gamma }
     }
 }
