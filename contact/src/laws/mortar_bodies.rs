@@ -11,9 +11,9 @@ use crate::parameter_ranges::ParameterRanges;
 #[doc(inline)]
 pub use self::mortar_bodies::*;
 
-/// ∫ P:∇v + ∫ p n_x·⟦v⟧ = ℓ(v), ∫ g r = Σ_i D_i g_i r_i, Σ_i D_i c(p_i, g_i) q_i = 0, without friction: the pressure p is a field of degree 1 on the own
-/// facets (`Space::on_facets(&mesh, "block bottom", 1)`, for displacements of degree 1 and 2), and g_i is the gap's mean against the function of node i, whose
-/// area is D_i. Each node has one condition, p_i ≥ 0, g_i ≥ 0, p_i g_i = 0, as c(p, g) = (p − \[p − γ g\]₊)/γ: γ enters no solution.
+/// ∫ P:∇v + ∫ p n_x·⟦v⟧ = ℓ(v), ∫ gap r = Σ_i D_i g_i r_i, ∫ gap q = Σ_i D_i \[g_i − p_i/γ\]₊ q_i, without friction: the pressure p is a field of degree 1 on
+/// the own facets (`Space::on_facets(&mesh, "block bottom", 1)`, for displacements of degree 1 and 2), and g_i is the gap's mean against the function of node i,
+/// whose area is D_i. So each node has one condition, p_i ≥ 0, g_i ≥ 0, p_i g_i = 0, and γ enters no solution.
 ///
 /// Take moving segments, `Pairing::onto(own, opposite).at(PairQuadrature::Pieces)`: a uniform pressure is then
 /// reproduced, and forces of bodies that are drawn along each other oscillate least (docs/mortar.md). The own surface is one region, that of
@@ -21,7 +21,7 @@ pub use self::mortar_bodies::*;
 #[forms]
 pub mod mortar_bodies {
     pub use super::super::two_bodies::{GammaN, Omega, Touch, criterion, loads};
-    use crate::operators::multipliers::normal_condition;
+    use crate::operators::multipliers::allowed_gap;
     pub use crate::operators::neo_hookean::{cauchy_stress, first_piola};
 
     /// Data of the bodies and of the method.
@@ -42,8 +42,8 @@ pub mod mortar_bodies {
         r: Test<Scalar>,
     ) -> Form {
         integral(Omega, inner(first_piola(u), grad(v))) - loads(v)
-            + integral(Touch(u), this(p) * dot(toward, jump(v)) + gap * this(r))
-            - integral(Own, g * r + normal_condition(p, g, gamma0 / h) * q)
+            + integral(Touch(u), this(p) * dot(toward, jump(v)) + gap * this(r - q))
+            - integral(Own, g * r - allowed_gap(p, g, gamma0 / h) * q)
     }
 
     /// ∫ p e·(−n_x): the force of the opposite body along e.
@@ -63,7 +63,7 @@ pub mod mortar_bodies_with_friction {
         Data, GammaN, Omega, Own, Touch, cauchy_stress, criterion, first_piola, loads,
     };
     use crate::operators::friction::slip_limit;
-    use crate::operators::multipliers::{allowed_pressure, normal_condition, tangential_condition};
+    use crate::operators::multipliers::{allowed_gap, allowed_pressure, allowed_slip};
     use crate::operators::sliding::slip;
 
     /// τ, the tangent of the own surface: n_x turned by a right angle.
@@ -76,12 +76,12 @@ pub mod mortar_bodies_with_friction {
         this(m[1]) * tangent() - this(m[0]) * toward
     }
 
-    /// Conditions of contact and friction at a node, as a vector: with the multipliers m and the means d of gap and slip.
-    pub fn conditions(m: Vector, d: Vector) -> Vector {
+    /// Mean gap and slip that contact and friction allow at a node with the multipliers m and the means d.
+    pub fn allowed(m: Vector, d: Vector) -> Vector {
         let gamma = gamma0 / h;
         let pressure = allowed_pressure(m[0], d[0], gamma);
         let bound = if pressure > 0 { slip_limit(pressure) } else { 0 };
-        [normal_condition(m[0], d[0], gamma), tangential_condition(m[1], d[1], bound, gamma)]
+        [allowed_gap(m[0], d[0], gamma), allowed_slip(m[1], d[1], bound, gamma)]
     }
 
     /// The direct problem of a step: displacement, multipliers, means, and what they are tested with.
@@ -93,11 +93,11 @@ pub mod mortar_bodies_with_friction {
         q: Test<Vector>,
         r: Test<Vector>,
     ) -> Form {
-        let means = gap * this(r[0]) + dot(slip(u), tangent()) * this(r[1]);
+        let moved = [gap, dot(slip(u), tangent())];
         integral(Omega, inner(first_piola(u), grad(v)))
             - loads(v)
-            - integral(Touch(u), dot(traction_of(m), jump(v)) - means)
-            - integral(Own, dot(d, r) + dot(conditions(m, d), q))
+            - integral(Touch(u), dot(traction_of(m), jump(v)) - dot(moved, this(r - q)))
+            - integral(Own, dot(d, r) - dot(allowed(m, d), q))
     }
 
     /// ∫ e·T: the force of the opposite body along e.

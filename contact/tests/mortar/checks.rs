@@ -46,7 +46,9 @@ fn nodes_without_a_condition_of_their_own() {
         assert!(found.to_string().contains("no multipliers on facets"), "{found}");
 
         let dual = Space::of(&mesh, Elements::Dual, Scope::Facets(own.into()), &[]).unwrap();
-        for (multipliers, name) in [(dual, "dual elements of degree 1"), (Space::on_facets(&mesh, own, 2).unwrap(), "degree 2")] {
+        for (multipliers, name) in
+            [(dual, "dual elements of degree 1"), (Space::on_facets(&mesh, own, 2).unwrap(), "degree 2")]
+        {
             let found = check_multipliers(&[(&pairing, &multipliers)], &held).unwrap_err();
             assert!(found.to_string().contains(name), "{found}");
         }

@@ -9,7 +9,7 @@ use forms_fem::prelude::*;
 /// Small strains, ν = 0.3, with the multipliers of the library.
 #[forms(dimension = 2)]
 pub mod elastic {
-    use forms_contact::operators::multipliers::normal_condition;
+    use forms_contact::operators::multipliers::allowed_gap;
 
     #[includes(forms_contact::operators::multipliers::Data)]
     pub struct Data {
@@ -42,8 +42,8 @@ pub mod elastic {
     ) -> Form {
         integral(Omega, inner(stress(u), eps(v)) + soft * dot(u, v))
             + integral(Inside, inner_pressure * dot(n, v))
-            + integral(Touch(u), this(p) * dot(toward, jump(v)) + gap * this(r))
-            - integral(Own, g * r + normal_condition(p, g, gamma0 / h) * q)
+            + integral(Touch(u), this(p) * dot(toward, jump(v)) + gap * this(r - q))
+            - integral(Own, g * r - allowed_gap(p, g, gamma0 / h) * q)
     }
     pub fn force(u: State<Vector>, p: State<Scalar>) -> Functional {
         integral(Touch(u), this(p))
@@ -92,7 +92,8 @@ fn wobble(degree: usize, gamma0: f64, positions: usize) -> Option<[f64; 2]> {
         held.fix("slab bottom", |_| [0.0; 2]).unwrap();
         held.fix("block top", |_| [aside, -0.1]).unwrap();
         held.periodic("slab left", "slab right", &RigidMap::translation([6.0, 0.0])).unwrap();
-        let problem = Problem::new(&form, [&space, &traces, &traces]).constrained(&held).options(options.clone());
+        let problem =
+            Problem::new(&form, [&space, &traces, &traces]).constrained(&held).options(options.clone());
         let solved = problem.start([&u, &p, &g]).solve().ok()?;
         let force = solved.reaction_of(0, "block top").unwrap();
         ratios.push(force[0] / force[1]);

@@ -10,7 +10,7 @@ use forms_fem::prelude::*;
 mod law {
     pub use contact_bench::body::{Loaded, Omega, Touch};
     use contact_bench::body::{balance, distance, own_weight};
-    use forms_contact::operators::multipliers::normal_condition;
+    use forms_contact::operators::multipliers::allowed_gap;
     #[includes(contact_bench::body::Data)]
     pub struct Data {
         #[default(0.000000000000000001)]
@@ -26,8 +26,8 @@ mod law {
         q: Test<Scalar>,
         r: Test<Scalar>,
     ) -> Form {
-        balance(u, v) - integral(Own, g * r + normal_condition(p, g, 10 * young / h) * q)
-            + integral(Touch, own_weight() * (this(p) * dot(toward, jump(v)) + distance(u) * this(r)))
+        balance(u, v) - integral(Own, g * r - allowed_gap(p, g, 10 * young / h) * q)
+            + integral(Touch, own_weight() * (this(p) * dot(toward, jump(v)) + distance(u) * this(r - q)))
     }
 }
 
@@ -35,7 +35,7 @@ mod law {
 mod drawn {
     use contact_bench::sliding::balance;
     pub use contact_bench::sliding::{Omega, Touch};
-    use forms_contact::operators::multipliers::normal_condition;
+    use forms_contact::operators::multipliers::allowed_gap;
     #[includes(contact_bench::sliding::Data)]
     pub struct Data {
         #[default(0.000000000000000001)]
@@ -51,16 +51,16 @@ mod drawn {
         q: Test<Scalar>,
         r: Test<Scalar>,
     ) -> Form {
-        balance(u, v) - integral(Own, g * r + normal_condition(p, g, 10 * young / h) * q)
-            + integral(Touch(u), this(p) * dot(toward, jump(v)) + gap * this(r))
+        balance(u, v) - integral(Own, g * r - allowed_gap(p, g, 10 * young / h) * q)
+            + integral(Touch(u), this(p) * dot(toward, jump(v)) + gap * this(r - q))
     }
 }
 
 #[forms(dimension = 2)]
 mod rough {
-    use contact_bench::two_bodies::bodies::{balance, separation};
     pub use contact_bench::two_bodies::bodies::{Omega, Touch};
-    use forms_contact::laws::mortar_bodies::mortar_bodies_with_friction::{conditions, tangent, traction_of};
+    use contact_bench::two_bodies::bodies::{balance, separation};
+    use forms_contact::laws::mortar_bodies::mortar_bodies_with_friction::{allowed, tangent, traction_of};
     #[includes(contact_bench::two_bodies::bodies::Data)]
     pub struct Data {
         #[default(0.000000000000000001)]
@@ -76,9 +76,10 @@ mod rough {
         q: Test<Vector>,
         r: Test<Vector>,
     ) -> Form {
-        let means = [separation(u), dot(jump(u - displacement_before), tangent())];
-        balance(u, v) - integral(Own, dot(d, r) + dot(conditions(m, d), q))
-            - integral(Touch, dot(traction_of(m), jump(v)) - dot(means, this(r)))
+        let moved = [separation(u), dot(jump(u - displacement_before), tangent())];
+        balance(u, v)
+            - integral(Own, dot(d, r) - dot(allowed(m, d), q))
+            - integral(Touch, dot(traction_of(m), jump(v)) - dot(moved, this(r - q)))
     }
     pub fn traction(m: Vector) -> Vector {
         traction_of(m)

@@ -2,8 +2,8 @@
 
 use forms_fem::forms;
 
-/// Complementarity functions of multipliers, the pressure p and in the plane the traction t of friction. Each vanishes where the conditions of
-/// contact and friction hold, for any γ, which decides only how Newton's method tells what touches and what slides.
+/// Gaps and slips that multipliers allow, the pressure p and in the plane the traction t of friction. Contact and friction hold where the mean gap and
+/// the mean slip are these, for any γ, which decides only how Newton's method tells what touches and what slides.
 #[forms]
 pub mod multipliers {
     /// The parameter of the method, friction, and what holds multipliers that nothing faces.
@@ -22,16 +22,16 @@ pub mod multipliers {
         pos_part(p - gamma * g)
     }
 
-    /// (p − \[p − γ g\]₊)/γ: g where the surfaces press, with δ p/γ, and p/γ where they are apart.
-    pub fn normal_condition(p: Scalar, g: Scalar, gamma: Scalar) -> Scalar {
-        if p > gamma * g { g + uncovered * p / gamma } else { p / gamma }
+    /// (\[p − γ g\]₊ − p)/γ + g = \[g − p/γ\]₊, less δ p/γ: the mean gap that contact allows, 0 where the surfaces press. If it is the mean gap g, then p ≥ 0,
+    /// g ≥ 0 and p g = 0.
+    pub fn allowed_gap(p: Scalar, g: Scalar, gamma: Scalar) -> Scalar {
+        pos_part(g - p / gamma) - uncovered * p / gamma
     }
 
-    /// (t − Π_s(t − γ s_t))/γ with the bound s of |t|: the slip s_t where the surfaces stick, with δ t/γ, and t/γ where s ≤ 0. In the plane.
-    pub fn tangential_condition(t: Scalar, slip: Scalar, bound: Scalar, gamma: Scalar) -> Scalar {
-        let trial = t - gamma * slip;
-        let slides = (t - if trial > 0 { bound } else { -bound }) / gamma;
-        let bears = if abs(trial) > bound { slides } else { slip + uncovered * t / gamma };
-        if bound > 0 { bears } else { t / gamma }
+    /// (Π_b(t − γ s) − t)/γ + s, less δ t/γ, with the bound b of |t|: the mean slip that friction allows, 0 where the surfaces stick. In the plane.
+    pub fn allowed_slip(t: Scalar, s: Scalar, bound: Scalar, gamma: Scalar) -> Scalar {
+        let trial = t - gamma * s;
+        let traction = if bound > 0 { max(-bound, min(trial, bound)) } else { 0 };
+        (traction - trial) / gamma - uncovered * t / gamma
     }
 }

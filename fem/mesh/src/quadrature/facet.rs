@@ -40,7 +40,9 @@ pub fn facet_reference_rule(shape: CellShape, degree: usize) -> Result<Quadratur
 /// quadrilaterals.
 pub fn facet_vertex_rule(shape: CellShape) -> QuadratureRule<2> {
     let facet = match shape {
-        CellShape::Triangle | CellShape::Quadrilateral => return QuadratureRule::on_segment(&[(0.0, 0.5), (1.0, 0.5)]),
+        CellShape::Triangle | CellShape::Quadrilateral => {
+            return QuadratureRule::on_segment(&[(0.0, 0.5), (1.0, 0.5)]);
+        }
         CellShape::Tetrahedron => CellShape::Triangle,
         CellShape::Hexahedron => CellShape::Quadrilateral,
     };
