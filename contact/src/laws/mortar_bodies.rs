@@ -132,12 +132,8 @@ fn check_pairs<const D: usize>(
     }
 }
 
-fn options() -> NewtonOptions {
-    NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() }
-}
-
-/// The direct problem without friction on the spaces of displacement and pressure, which is also that of the mean gap, with its conditions, and with a
-/// line search on the residual unless it is given other options.
+/// The direct problem without friction on the spaces of displacement and pressure, which is also that of the mean gap, with its conditions. Newton's method
+/// takes whole steps, as it finds the nodes that touch in fewer of them than with a line search.
 ///
 /// # Errors
 /// [`MultiplierError`]: a parameter out of its range; multipliers that are not those of the own surface, or at a node whose displacement is
@@ -153,10 +149,11 @@ where
     let form = model.direct();
     model.check(form.name())?;
     check_pairs(&model.regions.touch.0, spaces[1], held)?;
-    Ok(Problem::new(&form, [spaces[0], spaces[1], spaces[1]]).constrained(held).options(options()))
+    Ok(Problem::new(&form, [spaces[0], spaces[1], spaces[1]]).constrained(held))
 }
 
-/// The direct problem of a step with friction in the plane, as [`mortar_problem`].
+/// The direct problem of a step with friction in the plane, as [`mortar_problem`], with a line search on the residual unless it is given other
+/// options: whole steps may repeat themselves where nodes begin to stick.
 ///
 /// # Errors
 /// As [`mortar_problem`].
@@ -168,5 +165,6 @@ pub fn frictional_mortar_problem<'a>(
     let form = model.direct();
     model.check(form.name())?;
     check_pairs(&model.regions.touch.0, spaces[1], held)?;
-    Ok(Problem::new(&form, [spaces[0], spaces[1], spaces[1]]).constrained(held).options(options()))
+    let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
+    Ok(Problem::new(&form, [spaces[0], spaces[1], spaces[1]]).constrained(held).options(options))
 }

@@ -82,11 +82,7 @@ fn errors(mesh: &Mesh<2>, degree: usize, pairing: &Pairing, offset: f64) -> (f64
         .surface("layer top")
         .cover(Pairing::onto("layer top", "block bottom").at(PairQuadrature::Pieces));
     let model = loaded::Model { data: loaded::data_from(data).pressure(pressure), regions };
-    let options = NewtonOptions {
-        relative_tolerance: 1e-13,
-        line_search: LineSearch::OnResidual,
-        ..NewtonOptions::default()
-    };
+    let options = NewtonOptions { relative_tolerance: 1e-13, ..NewtonOptions::default() };
     let start = Field::interpolate(&traces, |_| 0.5 * pressure).unwrap();
     let form = model.balance();
     let touching = Field::zero(&traces);

@@ -81,7 +81,6 @@ fn wobble(degree: usize, gamma0: f64, positions: usize) -> Option<[f64; 2]> {
     let data = elastic::data().gamma0(gamma0).young(&moduli);
     let regions = elastic::Regions::default().touch(pairing).own("block bottom").inside("slab bottom");
     let form = elastic::Model { data, regions }.balance();
-    let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
     let (mut ratios, mut across) = (vec![], vec![]);
     let down = |x: &[f64; 2]| [0.0, if x[1] > 1.0 + 1e-9 { -0.1 } else { 0.0 }];
     let mut u = Field::interpolate(&space, down).unwrap();
@@ -92,8 +91,7 @@ fn wobble(degree: usize, gamma0: f64, positions: usize) -> Option<[f64; 2]> {
         held.fix("slab bottom", |_| [0.0; 2]).unwrap();
         held.fix("block top", |_| [aside, -0.1]).unwrap();
         held.periodic("slab left", "slab right", &RigidMap::translation([6.0, 0.0])).unwrap();
-        let problem =
-            Problem::new(&form, [&space, &traces, &traces]).constrained(&held).options(options.clone());
+        let problem = Problem::new(&form, [&space, &traces, &traces]).constrained(&held);
         let solved = problem.start([&u, &p, &g]).solve().ok()?;
         let force = solved.reaction_of(0, "block top").unwrap();
         ratios.push(force[0] / force[1]);
@@ -115,6 +113,6 @@ fn multipliers_take_the_wobble_away() {
     for degree in [1, 2] {
         let [along, across] = wobble(degree, 9.0, 16).expect("solved");
         println!("| {degree} | {along:.1e} | {across:.1e} |");
-        assert!(along < 1e-3, "{degree}: {along:e}");
+        assert!(along < 3e-5, "{degree}: {along:e}");
     }
 }

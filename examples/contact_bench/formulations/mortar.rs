@@ -60,7 +60,8 @@ mod drawn {
 mod rough {
     pub use contact_bench::two_bodies::bodies::{Omega, Touch};
     use contact_bench::two_bodies::bodies::{balance, separation};
-    use forms_contact::laws::mortar_bodies::mortar_bodies_with_friction::{allowed, tangent, traction_of};
+    pub use forms_contact::laws::mortar_bodies::mortar_bodies_with_friction::traction_of;
+    use forms_contact::laws::mortar_bodies::mortar_bodies_with_friction::{allowed, tangent};
     #[includes(contact_bench::two_bodies::bodies::Data)]
     pub struct Data {
         #[default(0.000000000000000001)]
@@ -80,9 +81,6 @@ mod rough {
         balance(u, v)
             - integral(Own, dot(d, r) - dot(allowed(m, d), q))
             - integral(Touch, dot(traction_of(m), jump(v)) - dot(moved, this(r - q)))
-    }
-    pub fn traction(m: Vector) -> Vector {
-        traction_of(m)
     }
 }
 
@@ -106,7 +104,8 @@ impl Formulation for Mortar {
         let scalars = Space::on_facets(case.mesh(), case.own(), 1)?;
         let guess = Field::from_values(&scalars, vec![case.pressure; scalars.unknowns()])?;
         let start = [case.first(), guess, Field::zero(&scalars)];
-        let solved = case.mixed_problem(&form, [&case.space, &scalars, &scalars]).start(&start).solve()?;
+        let problem = case.mixed_problem(&form, [&case.space, &scalars, &scalars]);
+        let solved = problem.options(NewtonOptions::default()).start(&start).solve()?;
         let pressures = case.known_pressures(&solved.fields[1])?;
         Ok(Outcome::of(case, &solved, pressures)?.of_form(form))
     }
@@ -116,7 +115,8 @@ impl Formulation for Mortar {
         let form = drawn::between(&data, &own, &bodies.omega(), &bodies.touch(Sides::Own));
         let scalars = bodies.scalars(1)?;
         let guess = Field::from_values(&scalars, vec![bodies.pressure; scalars.unknowns()])?;
-        bodies.follow_all(&form, [bodies.start.clone(), guess, Field::zero(&scalars)])
+        let start = [bodies.start.clone(), guess, Field::zero(&scalars)];
+        bodies.follow_all(&form, start, NewtonOptions::default())
     }
 
     fn rub(&self, bodies: &TwoBodies<2>) -> Result<Vec<AfterLoad<2>>, Refusal> {
@@ -125,6 +125,8 @@ impl Formulation for Mortar {
         let traces = Space::vector_on_facets(bodies.space.mesh(), own, 1)?;
         let form = |data| rough::between(&rough::data_from(data), &rough::Own::on(own), &omega, &touch);
         let start = [&bodies.space, &traces, &traces].map(Field::zero);
-        bodies.follow_fields(10.0, start, form, |data, [_, m, _]| rough::traction(&rough::data_from(data), m))
+        bodies.follow_fields(10.0, start, form, |data, [_, m, _]| {
+            rough::traction_of(&rough::data_from(data), m)
+        })
     }
 }
