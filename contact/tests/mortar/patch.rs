@@ -195,3 +195,47 @@ fn forces_balance_and_tangents_are_exact() {
         assert!((order - 2.0).abs() < 0.05, "{degree}: {report}");
     }
 }
+
+/// Tetrahedra whose surfaces do not match: forces vanish to rounding, and tangents have the motion of the polygons.
+#[test]
+fn tangents_are_exact_in_space() {
+    let body = |from: [f64; 3], to: [f64; 3], cells: [usize; 3]| {
+        cuboid(from, to, cells, CellShape::Tetrahedron, 1).unwrap()
+    };
+    let slab = body([0.0, 0.0, -0.4], [1.5, 1.2, 0.0], [3, 2, 1]);
+    let block = body([0.2, 0.1, 0.0], [1.1, 0.9, 0.4], [2, 2, 1]);
+    let mesh = Mesh::of_bodies(&[("slab", &slab), ("block", &block)]).unwrap();
+    let (space, own) = (Space::vector(&mesh, 1).unwrap(), "block bottom");
+    let traces = Space::on_facets(&mesh, own, 1).unwrap();
+    let regions = law::Regions::default()
+        .touch(Pairing::onto(own, "slab top").at(PairQuadrature::Pieces))
+        .own(own)
+        .gamma_n("block top");
+    let form = law::Model { data: law::data().lambda(1.0).mu(1.0).gamma0(30.0), regions }.direct();
+    let bent = |phase: f64| {
+        let value = |x: &[f64; 3]| {
+            [
+                0.02 * (x[1] + phase).sin(),
+                0.02 * (2.0 * x[0] + phase).cos(),
+                0.02 * (x[0] * x[1] + phase).sin(),
+            ]
+        };
+        Field::interpolate(&space, value).unwrap()
+    };
+    let nodal = |phase: f64| {
+        Field::interpolate(&traces, |x: &[f64; 3]| 2.0 + (4.0 * x[0] + x[1] + phase).sin()).unwrap()
+    };
+    let at = [&bent(0.3), &nodal(0.0), &nodal(1.7)];
+    let assembler = Assembler::new(&mesh);
+    let residual = assembler.residual(&form, &at, &[&space, &traces, &traces]).unwrap();
+    let forces = &residual[..space.unknowns()];
+    let scale: f64 = forces.iter().map(|entry| entry.abs()).sum();
+    for axis in 0..3 {
+        let sum: f64 = forces.iter().skip(axis).step_by(3).sum();
+        assert!(sum.abs() < 1e-13 * scale, "{axis}: {sum:e} of {scale}");
+    }
+    let along = [&bent(1.1), &nodal(0.7), &nodal(2.9)];
+    let report = verification::tangent(&assembler, &form, &at, &along, 1e-4).unwrap();
+    let order = report.second_order().unwrap();
+    assert!((order - 2.0).abs() < 0.05, "{report}");
+}
