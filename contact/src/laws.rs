@@ -19,7 +19,7 @@
 //! | [`mean_sliding_bodies`], [`mean_penalty_bodies`] | Nitsche's method, θ = 0, and penalty, at points that slide, with one traction per own facet or per vertex of it | finite, neo-Hooke |
 //! | [`friction_with_memory`] | Nitsche's method, θ = 0, or penalty, with Coulomb's law by springs that remember, at points that slide | finite, neo-Hooke |
 //! | [`sliding_wear`] | the law of `sliding_bodies` with Archard's wear | finite, neo-Hooke |
-//! | [`mortar_bodies`] | multipliers on own facets, without friction; with friction in the plane; at points that slide | finite, neo-Hooke |
+//! | [`mortar_bodies`] | multipliers on own facets, a condition per node, without friction; with friction in the plane; at points that slide | finite, neo-Hooke |
 //! | [`capsule`] | Nitsche's method, θ = 0, with a round obstacle that moves and turns | finite, neo-Hooke |
 //! | [`analytic_obstacle`] | Nitsche's method, every θ, or penalty, with an obstacle given by its signed distance, that moves and turns | small |
 //! | [`cohesive`] | two bodies that are glued together and separate, at pairs of fixed points | small |

@@ -34,6 +34,12 @@ pub enum MultiplierError {
          `Space::on_facets(&mesh, \"{own}\", degree)`"
     )]
     OtherFacets { own: String, found: String },
+    /// Multipliers that have no values at the vertices of facets, or others, too.
+    #[error(
+        "the multipliers of \"{own}\" are {found}, and each vertex has a condition: take Lagrange elements of degree 1, \
+         `Space::on_facets(&mesh, \"{own}\", 1)`"
+    )]
+    NotAtVertices { own: String, found: String },
     /// A node with a multiplier whose displacement is prescribed.
     #[error(
         "the node at {position:?} of \"{own}\" has a multiplier, and all of its displacement is prescribed: both cannot be. End \
@@ -72,6 +78,10 @@ pub fn check_multipliers<const D: usize>(
             let on = |region: &str| format!("those of \"{region}\"");
             let found = space.facet_region().map_or("no multipliers on facets".to_owned(), on);
             return Err(MultiplierError::OtherFacets { own: own.clone(), found });
+        }
+        if *space.elements() != Elements::Lagrange(1) {
+            let (own, found) = (own.clone(), space.elements().to_string());
+            return Err(MultiplierError::NotAtVertices { own, found });
         }
         let mut nodes = BTreeSet::new();
         for facet in mesh.facet_region(own)? {

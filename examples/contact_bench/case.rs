@@ -135,9 +135,13 @@ impl Case {
         self.start.iter().fold(problem, |problem, start| problem.start(start))
     }
 
-    /// The problem of a whole form, balance and contact, in the displacement and a scalar on the own surface.
-    pub fn mixed_problem<'a>(&'a self, form: &Form<2>, scalars: &Arc<Space<2>>) -> Problem<'a, 2, 2> {
-        let problem = Problem::new(form, [&self.space, scalars]);
+    /// The problem of a whole form, balance and contact, in the displacement and fields on the own surface.
+    pub fn mixed_problem<'a, const N: usize>(
+        &'a self,
+        form: &Form<2>,
+        spaces: [&Arc<Space<2>>; N],
+    ) -> Problem<'a, 2, N> {
+        let problem = Problem::new(form, spaces);
         problem.constrained(&self.constraints).assembler(self.assembler()).options(Self::options())
     }
 

@@ -107,7 +107,7 @@ impl Sliding {
     /// # Errors
     /// Newton's method fails.
     pub fn follow(&self, form: &Form<2>) -> Result<Vec<Slid>, Refusal> {
-        self.follow_all(form, [self.start.clone()])
+        self.follow_all(form, [self.start.clone()], crate::Case::options())
     }
 
     /// The path of a whole form in u and a pressure on the own surface.
@@ -116,13 +116,18 @@ impl Sliding {
     /// Newton's method fails.
     pub fn follow_pressure(&self, form: &Form<2>, scalars: &Arc<Space<2>>) -> Result<Vec<Slid>, Refusal> {
         let guess = Field::from_values(scalars, vec![self.pressure; scalars.unknowns()])?;
-        self.follow_all(form, [self.start.clone(), guess])
+        self.follow_all(form, [self.start.clone(), guess], crate::Case::options())
     }
 
-    fn follow_all<const N: usize>(
+    /// The path of a whole form in u and fields on the own surface, from a start of each.
+    ///
+    /// # Errors
+    /// Newton's method fails.
+    pub fn follow_all<const N: usize>(
         &self,
         form: &Form<2>,
         mut fields: [Field<2>; N],
+        options: NewtonOptions,
     ) -> Result<Vec<Slid>, Refusal> {
         let rule = Quadrature::Degree(2 * self.space.degree() + 2);
         let assembler = Assembler::new(self.space.mesh()).with_quadrature(rule);
@@ -133,7 +138,7 @@ impl Sliding {
             supports.fix(self.held, |_| [0.0; 2])?;
             supports.fix(self.moved, |_| *way)?;
             let problem = Problem::new(form, spaces.each_ref()).constrained(&supports).assembler(&assembler);
-            let solved = problem.options(crate::Case::options()).start(&fields).solve();
+            let solved = problem.options(options.clone()).start(&fields).solve();
             let failed = |why| Refusal::Failed(format!("step {}: {}", number + 1, Refusal::from(why)));
             let solved = solved.map_err(failed)?;
             let force = solved.reaction_of(0, self.moved)?;

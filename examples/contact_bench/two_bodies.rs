@@ -159,24 +159,23 @@ where
         self.all_loads(stiffness, [Field::zero(&self.space)], step, |data, [u]| traction(data, u))
     }
 
-    /// The path of a form in u and a multiplier, the traction on the own surface, with γ₀ as a multiple of E.
+    /// The path of a form in u and fields on the own surface from a start of each, with γ₀ as a multiple of E and the traction on that surface.
     ///
     /// # Errors
     /// Newton's method fails.
-    pub fn follow_multiplier(
+    pub fn follow_fields<const N: usize>(
         &self,
         stiffness: f64,
-        multiplier: Field<D>,
+        start: [Field<D>; N],
         form: impl Fn(Data<D>) -> Form<D>,
+        traction: impl Fn(Data<D>, &[Field<D>; N]) -> Expression<D>,
     ) -> Result<Vec<AfterLoad<D>>, Refusal> {
-        let multipliers = Arc::clone(multiplier.space());
-        let step = |data: &Data<D>, load: &Load<D>, [u, l]: &[Field<D>; 2]| {
-            let problem = Problem::new(&form(data.clone()), [&self.space, &multipliers]);
+        let step = |data: &Data<D>, load: &Load<D>, fields: &[Field<D>; N]| {
+            let problem = Problem::new(&form(data.clone()), fields.each_ref().map(Field::space));
             let problem = problem.constrained(&load.supports).assembler(self.assembler());
-            problem.options(crate::Case::options()).start([u, l]).solve()
+            problem.options(crate::Case::options()).start(fields).solve()
         };
-        let start = [Field::zero(&self.space), multiplier];
-        self.all_loads(stiffness, start, step, |data, [_, l]| known(&data, l))
+        self.all_loads(stiffness, start, step, traction)
     }
 
     fn observed(&self) -> Functional<D> {

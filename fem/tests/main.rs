@@ -12,6 +12,7 @@ mod coupled_steps;
 mod diameter_kinks;
 mod eigenproblems;
 mod facet_means;
+mod facet_vertices;
 mod field_files;
 mod fixed_sizes;
 mod floating_bodies;

@@ -8,7 +8,8 @@ pub use crate::dimension::{Dim, Dimension};
 pub use crate::dual::{Dual, Seeded};
 pub use crate::external::{External, external, tabulated};
 pub use crate::form::{
-    Constants, Dependence, Entity, FieldDescription, Formula, Inputs, Integral, Means, Region, Role,
+    Constants, Dependence, Entity, FieldDescription, Formula, Inputs, Integral, Means, Region, RegionRule,
+    Role,
 };
 pub use crate::function::{CombinationError, Function, is_on_same_points};
 pub use crate::history::History;

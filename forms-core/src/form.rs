@@ -22,6 +22,16 @@ pub enum Entity {
     Interface,
 }
 
+/// The points of the integrals over a region.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RegionRule {
+    /// Those of the backend's rule.
+    #[default]
+    OfBackend,
+    /// The vertices of each facet, with equal weights (`#[facets(vertices)]`): of a field of degree 1 an integrand reads its values at nodes.
+    Vertices,
+}
+
 /// A region of integration: declared in the module, bound by the user to a name of the mesh.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Region {
@@ -33,17 +43,25 @@ pub struct Region {
     pub name: String,
     /// The surfaces of [`Entity::Pairs`]; `None` for other entities.
     pub pairing: Option<Pairing>,
+    /// The points of its integrals.
+    pub rule: RegionRule,
 }
 
 impl Region {
     /// Cells or facets by their name in the mesh.
     pub fn named(entity: Entity, symbol: &'static str, name: impl Into<String>) -> Self {
-        Region { entity, symbol, name: name.into(), pairing: None }
+        Region { entity, symbol, name: name.into(), pairing: None, rule: RegionRule::OfBackend }
     }
 
     /// Contact pairs.
     pub fn of_pairs(symbol: &'static str, pairing: Pairing) -> Self {
-        Region { entity: Entity::Pairs, symbol, name: pairing.to_string(), pairing: Some(pairing) }
+        let name = pairing.to_string();
+        Region { entity: Entity::Pairs, symbol, name, pairing: Some(pairing), rule: RegionRule::OfBackend }
+    }
+
+    /// The region with its integrals at the vertices of its facets.
+    pub fn at_vertices(self) -> Self {
+        Region { rule: RegionRule::Vertices, ..self }
     }
 
     /// Whether an integral over this region with a displacement of its surfaces has moving segments.

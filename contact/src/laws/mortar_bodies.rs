@@ -11,34 +11,39 @@ use crate::parameter_ranges::ParameterRanges;
 #[doc(inline)]
 pub use self::mortar_bodies::*;
 
-/// ∫ P:∇v + ∫ p n_x·⟦v⟧ − ∫ c(p, g) q − δ ∫_Γ p q/γ = ℓ(v), without friction: the pressure p is a field on the own facets
-/// (`Space::on_facets(&mesh, "block bottom", 1)`, of degree 1 for displacements of degree 1 and 2), and c(p, g) = (p − \[p − γ g\]₊)/γ has the mean 0
-/// against each of its functions q. Where all of a function's surface presses, its mean gap is 0, whatever γ is, and no surface enters another one on average.
+/// ∫ P:∇v + ∫ p n_x·⟦v⟧ = ℓ(v), ∫ gap r = Σ_i D_i g_i r_i, ∫ gap q = Σ_i D_i \[g_i − p_i/γ\]₊ q_i, without friction: the pressure p is a field of degree 1 on
+/// the own facets (`Space::on_facets(&mesh, "block bottom", 1)`, for displacements of degree 1 and 2), and g_i is the gap's mean against the function of node i,
+/// whose area is D_i. So each node has one condition, p_i ≥ 0, g_i ≥ 0, p_i g_i = 0, and γ enters no solution.
 ///
-/// Take moving segments, `Pairing::onto(own, opposite).at(PairQuadrature::Pieces)`, in the plane: a uniform pressure is then
+/// Take moving segments, `Pairing::onto(own, opposite).at(PairQuadrature::Pieces)`: a uniform pressure is then
 /// reproduced, and forces of bodies that are drawn along each other oscillate least (docs/mortar.md). The own surface is one region, that of
-/// the multipliers; parts of it without an opposite surface have no pressure, but where contact ends inside of the rest Newton's method often
-/// fails: take the surface that the other one covers. [`mortar_problem`] refuses nodes where p would be free.
+/// the multipliers; parts of it without an opposite surface have no pressure. [`mortar_problem`] refuses nodes where p would be free.
 #[forms]
 pub mod mortar_bodies {
     pub use super::super::two_bodies::{GammaN, Omega, Touch, criterion, loads};
-    use crate::operators::multipliers::normal_condition;
+    use crate::operators::multipliers::allowed_gap;
     pub use crate::operators::neo_hookean::{cauchy_stress, first_piola};
 
     /// Data of the bodies and of the method.
     #[includes(crate::laws::two_bodies::Data, crate::operators::multipliers::Data)]
     pub struct Data {}
 
-    /// The facets of the own surface, where the multipliers are.
-    #[facets]
+    /// The own surface, where the multipliers are; integrals over it are sums over its nodes.
+    #[facets(vertices)]
     pub struct Own;
 
-    /// The direct problem.
-    pub fn direct(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
+    /// The direct problem: displacement, pressure, mean gap, and what they are tested with.
+    pub fn direct(
+        u: Unknown<Vector>,
+        p: Unknown<Scalar>,
+        g: Unknown<Scalar>,
+        v: Test<Vector>,
+        q: Test<Scalar>,
+        r: Test<Scalar>,
+    ) -> Form {
         integral(Omega, inner(first_piola(u), grad(v))) - loads(v)
-            + integral(Touch(u), this(p) * dot(toward, jump(v)))
-            - integral(Touch(u), normal_condition(this(p), gap, this(gamma0) / this(h)) * this(q))
-            - integral(Own, uncovered * h / gamma0 * p * q)
+            + integral(Touch(u), this(p) * dot(toward, jump(v)) + gap * this(r - q))
+            - integral(Own, g * r - allowed_gap(p, g, gamma0 / h) * q)
     }
 
     /// ∫ p e·(−n_x): the force of the opposite body along e.
@@ -48,20 +53,21 @@ pub mod mortar_bodies {
 }
 
 /// The law of [`mortar_bodies`](mod@mortar_bodies) with friction, in the plane: the multiplier m has the pressure m₀ and the traction m₁ of
-/// friction along the tangent τ, n_x turned by a right angle, so that T = −m₀ n_x + m₁ τ. Its space is
-/// `Space::vector_on_facets(&mesh, "block bottom", 1)`.
+/// friction along the tangent τ, n_x turned by a right angle, so that T = −m₀ n_x + m₁ τ, and d has the means of the gap and of the slip along τ since the
+/// last step. Their spaces are `Space::vector_on_facets(&mesh, "block bottom", 1)`.
 ///
-/// |m₁| is bounded by s₀ + κ p, against each function, and where it is less, the slip of the step has the mean 0: there is no creep.
+/// |m₁| is bounded by s₀ + κ p at each node, and where it is less, the slip of the step has the mean 0: there is no creep.
 #[forms(dimension = 2)]
 pub mod mortar_bodies_with_friction {
     pub use super::mortar_bodies::{
         Data, GammaN, Omega, Own, Touch, cauchy_stress, criterion, first_piola, loads,
     };
     use crate::operators::friction::slip_limit;
-    use crate::operators::multipliers::{allowed_pressure, normal_condition, tangential_condition};
+    use crate::operators::multipliers::{allowed_gap, allowed_pressure, allowed_slip};
     use crate::operators::sliding::slip;
 
-    fn tangent() -> Vector {
+    /// τ, the tangent of the own surface: n_x turned by a right angle.
+    pub fn tangent() -> Vector {
         [-toward[1], toward[0]]
     }
 
@@ -70,18 +76,28 @@ pub mod mortar_bodies_with_friction {
         this(m[1]) * tangent() - this(m[0]) * toward
     }
 
-    /// The direct problem of a step.
-    pub fn direct(u: Unknown<Vector>, m: Unknown<Vector>, v: Test<Vector>, q: Test<Vector>) -> Form {
-        let gamma = this(gamma0) / this(h);
-        let pressure = allowed_pressure(this(m[0]), gap, gamma);
+    /// Mean gap and slip that contact and friction allow at a node with the multipliers m and the means d.
+    pub fn allowed(m: Vector, d: Vector) -> Vector {
+        let gamma = gamma0 / h;
+        let pressure = allowed_pressure(m[0], d[0], gamma);
         let bound = if pressure > 0 { slip_limit(pressure) } else { 0 };
-        let across = normal_condition(this(m[0]), gap, gamma) * this(q[0]);
-        let along = tangential_condition(this(m[1]), dot(slip(u), tangent()), bound, gamma) * this(q[1]);
+        [allowed_gap(m[0], d[0], gamma), allowed_slip(m[1], d[1], bound, gamma)]
+    }
+
+    /// The direct problem of a step: displacement, multipliers, means, and what they are tested with.
+    pub fn direct(
+        u: Unknown<Vector>,
+        m: Unknown<Vector>,
+        d: Unknown<Vector>,
+        v: Test<Vector>,
+        q: Test<Vector>,
+        r: Test<Vector>,
+    ) -> Form {
+        let moved = [gap, dot(slip(u), tangent())];
         integral(Omega, inner(first_piola(u), grad(v)))
             - loads(v)
-            - integral(Touch(u), dot(traction_of(m), jump(v)))
-            - integral(Touch(u), across + along)
-            - integral(Own, uncovered * h / gamma0 * dot(m, q))
+            - integral(Touch(u), dot(traction_of(m), jump(v)) - dot(moved, this(r - q)))
+            - integral(Own, dot(d, r) - dot(allowed(m, d), q))
     }
 
     /// ∫ e·T: the force of the opposite body along e.
@@ -116,12 +132,8 @@ fn check_pairs<const D: usize>(
     }
 }
 
-fn options() -> NewtonOptions {
-    NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() }
-}
-
-/// The direct problem without friction on the spaces of displacement and pressure, with its conditions, and with a line search on the residual
-/// unless it is given other options.
+/// The direct problem without friction on the spaces of displacement and pressure, which is also that of the mean gap, with its conditions. Newton's method
+/// takes whole steps, as it finds the nodes that touch in fewer of them than with a line search.
 ///
 /// # Errors
 /// [`MultiplierError`]: a parameter out of its range; multipliers that are not those of the own surface, or at a node whose displacement is
@@ -130,17 +142,18 @@ pub fn mortar_problem<'a, const D: usize>(
     model: &mortar_bodies::Model<D>,
     spaces: [&Arc<Space<D>>; 2],
     held: &'a Constraints<D>,
-) -> Result<Problem<'a, D, 2>, MultiplierError>
+) -> Result<Problem<'a, D, 3>, MultiplierError>
 where
     Dim: Dimension<D>,
 {
     let form = model.direct();
     model.check(form.name())?;
     check_pairs(&model.regions.touch.0, spaces[1], held)?;
-    Ok(Problem::new(&form, spaces).constrained(held).options(options()))
+    Ok(Problem::new(&form, [spaces[0], spaces[1], spaces[1]]).constrained(held))
 }
 
-/// The direct problem of a step with friction in the plane, as [`mortar_problem`].
+/// The direct problem of a step with friction in the plane, as [`mortar_problem`], with a line search on the residual unless it is given other
+/// options: whole steps may repeat themselves where nodes begin to stick.
 ///
 /// # Errors
 /// As [`mortar_problem`].
@@ -148,9 +161,10 @@ pub fn frictional_mortar_problem<'a>(
     model: &mortar_bodies_with_friction::Model<2>,
     spaces: [&Arc<Space<2>>; 2],
     held: &'a Constraints<2>,
-) -> Result<Problem<'a, 2, 2>, MultiplierError> {
+) -> Result<Problem<'a, 2, 3>, MultiplierError> {
     let form = model.direct();
     model.check(form.name())?;
     check_pairs(&model.regions.touch.0, spaces[1], held)?;
-    Ok(Problem::new(&form, spaces).constrained(held).options(options()))
+    let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
+    Ok(Problem::new(&form, [spaces[0], spaces[1], spaces[1]]).constrained(held).options(options))
 }

@@ -16,7 +16,7 @@ fn nodes_without_a_condition_of_their_own() {
     let mesh = mesh();
     for degree in [1, 2] {
         let space = Space::vector(&mesh, degree).unwrap();
-        let on = |region: &str| Space::on_facets(&mesh, region, degree).unwrap();
+        let on = |region: &str| Space::on_facets(&mesh, region, 1).unwrap();
         let (own, bottom) = ("block bottom", on("block bottom"));
         let pairing = Pairing::onto(own, "slab top");
         let mut held = Constraints::new(&space);
@@ -44,6 +44,14 @@ fn nodes_without_a_condition_of_their_own() {
         assert!(found.to_string().contains("the multipliers are those of \"slab top\""), "{found}");
         let found = check_multipliers(&[(&pairing, &space)], &held).unwrap_err();
         assert!(found.to_string().contains("no multipliers on facets"), "{found}");
+
+        let dual = Space::of(&mesh, Elements::Dual, Scope::Facets(own.into()), &[]).unwrap();
+        for (multipliers, name) in
+            [(dual, "dual elements of degree 1"), (Space::on_facets(&mesh, own, 2).unwrap(), "degree 2")]
+        {
+            let found = check_multipliers(&[(&pairing, &multipliers)], &held).unwrap_err();
+            assert!(found.to_string().contains(name), "{found}");
+        }
 
         held.fix("block right", |_| [0.0; 2]).unwrap();
         let data = law::data().lambda(1.0).mu(1.0).gamma0(1.0);

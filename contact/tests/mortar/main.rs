@@ -3,6 +3,7 @@
 
 mod checks;
 mod friction;
+mod gradients;
 mod patch;
 mod rings;
 mod stability;

@@ -48,16 +48,12 @@ fn pressed(own: &str, turn: f64) -> [f64; 3] {
     let touch = Pairing::onto(own, opposite).at(PairQuadrature::Pieces);
     let regions = elastic::Regions::default().touch(touch).own(own).inside("inner hole");
     let law = elastic::Model { data, regions };
-    let options = NewtonOptions {
-        relative_tolerance: 1e-10,
-        line_search: LineSearch::OnResidual,
-        ..NewtonOptions::default()
-    };
-    let form = law.pressed();
+    let form = law.balance();
     let start = Field::interpolate(&traces, |_| 0.1).unwrap();
-    let none = Field::zero(&space);
-    let mut problem = Problem::new(&form, [&space, &traces]).options(options).start([&none, &start]);
-    let [u, p] = problem.solve().unwrap().fields;
+    let (none, touching) = (Field::zero(&space), Field::zero(&traces));
+    let mut problem = Problem::new(&form, [&space, &traces, &traces]);
+    problem = problem.start([&none, &start, &touching]);
+    let [u, p, _] = problem.solve().unwrap().fields;
     let assembler = Assembler::new(&mesh);
     let of = |functional| assembler.functional(&functional).unwrap();
     let force = of(law.force(&u, &p));

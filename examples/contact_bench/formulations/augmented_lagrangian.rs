@@ -1,5 +1,6 @@
 //! The augmented Lagrangian with semismooth Newton steps: a multiplier on the own surface, of the displacement's degree.
 
+use contact_bench::two_bodies::known;
 use contact_bench::{
     AfterLoad, Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides, Slid, Sliding,
     TwoBodies,
@@ -99,7 +100,8 @@ impl AugmentedLagrangian {
         let (omega, touch, space) = (bodies.omega(), bodies.touch(Sides::Own), &bodies.space);
         let traces = Space::vector_on_facets(space.mesh(), &bodies.surfaces[0], space.degree())?;
         let form = |data| rough::between(&rough::data_from(data), &omega, &touch);
-        bodies.follow_multiplier(10.0, Field::zero(&traces), form)
+        let start = [Field::zero(space), Field::zero(&traces)];
+        bodies.follow_fields(10.0, start, form, |data, [_, l]| known(&data, l))
     }
 }
 
@@ -116,7 +118,7 @@ impl Formulation for AugmentedLagrangian {
         };
         let (scalars, u) = (case.scalars()?, case.first());
         let guess = Field::zero(&scalars);
-        let solved = case.mixed_problem(&form, &scalars).start([&u, &guess]).solve()?;
+        let solved = case.mixed_problem(&form, [&case.space, &scalars]).start([&u, &guess]).solve()?;
         let pressures = case.known_pressures(&solved.fields[1])?;
         Ok(Outcome::of(case, &solved, pressures)?.of_form(form))
     }

@@ -1,43 +1,86 @@
-//! Mortar: a multiplier of degree 1 on the own facets, as in `forms_contact::laws::mortar_bodies`, whose gap has the mean zero against each function.
+//! Mortar: multipliers of degree 1 on the own facets with a condition per node, as in `forms_contact::laws::mortar_bodies`.
 
 use contact_bench::outcome::not_defined;
-use contact_bench::{Case, Contact, Formulation, Outcome, Refusal, Sides, Slid, Sliding};
+use contact_bench::{
+    AfterLoad, Case, Contact, Formulation, Outcome, Refusal, Sides, Slid, Sliding, TwoBodies,
+};
 use forms_fem::prelude::*;
 
 #[forms(dimension = 2)]
 mod law {
-    pub use contact_bench::body::{Loaded, Omega, Surface, Touch};
-    use contact_bench::body::{balance, distance, own_stiffness, own_weight, weight};
-    use forms_contact::operators::multipliers::normal_condition;
+    pub use contact_bench::body::{Loaded, Omega, Touch};
+    use contact_bench::body::{balance, distance, own_weight};
+    use forms_contact::operators::multipliers::allowed_gap;
     #[includes(contact_bench::body::Data)]
     pub struct Data {
-        /// The part with which p = 0 counts on the own surface, so that what nothing faces has no pressure.
         #[default(0.000000000000000001)]
         uncovered: Param,
     }
-    pub fn between(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
-        let condition = normal_condition(this(p), distance(u), 10 * own_stiffness());
-        balance(u, v) + integral(Touch, own_weight() * (this(p) * dot(toward, jump(v)) - condition * this(q)))
-            - integral(Surface, weight() * uncovered * h / (10 * young) * p * q)
+    #[facets(vertices)]
+    pub struct Own;
+    pub fn between(
+        u: Unknown<Vector>,
+        p: Unknown<Scalar>,
+        g: Unknown<Scalar>,
+        v: Test<Vector>,
+        q: Test<Scalar>,
+        r: Test<Scalar>,
+    ) -> Form {
+        balance(u, v) - integral(Own, g * r - allowed_gap(p, g, 10 * young / h) * q)
+            + integral(Touch, own_weight() * (this(p) * dot(toward, jump(v)) + distance(u) * this(r - q)))
     }
 }
 
 #[forms(dimension = 2)]
 mod drawn {
+    use contact_bench::sliding::balance;
     pub use contact_bench::sliding::{Omega, Touch};
-    use contact_bench::sliding::{balance, own_stiffness};
-    use forms_contact::operators::multipliers::normal_condition;
+    use forms_contact::operators::multipliers::allowed_gap;
     #[includes(contact_bench::sliding::Data)]
     pub struct Data {
         #[default(0.000000000000000001)]
         uncovered: Param,
     }
-    #[facets]
+    #[facets(vertices)]
     pub struct Own;
-    pub fn between(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
-        let condition = normal_condition(this(p), gap, 10 * own_stiffness());
-        balance(u, v) + integral(Touch(u), this(p) * dot(toward, jump(v)) - condition * this(q))
-            - integral(Own, uncovered * h / (10 * young) * p * q)
+    pub fn between(
+        u: Unknown<Vector>,
+        p: Unknown<Scalar>,
+        g: Unknown<Scalar>,
+        v: Test<Vector>,
+        q: Test<Scalar>,
+        r: Test<Scalar>,
+    ) -> Form {
+        balance(u, v) - integral(Own, g * r - allowed_gap(p, g, 10 * young / h) * q)
+            + integral(Touch(u), this(p) * dot(toward, jump(v)) + gap * this(r - q))
+    }
+}
+
+#[forms(dimension = 2)]
+mod rough {
+    pub use contact_bench::two_bodies::bodies::{Omega, Touch};
+    use contact_bench::two_bodies::bodies::{balance, separation};
+    pub use forms_contact::laws::mortar_bodies::mortar_bodies_with_friction::traction_of;
+    use forms_contact::laws::mortar_bodies::mortar_bodies_with_friction::{allowed, tangent};
+    #[includes(contact_bench::two_bodies::bodies::Data)]
+    pub struct Data {
+        #[default(0.000000000000000001)]
+        uncovered: Param,
+    }
+    #[facets(vertices)]
+    pub struct Own;
+    pub fn between(
+        u: Unknown<Vector>,
+        m: Unknown<Vector>,
+        d: Unknown<Vector>,
+        v: Test<Vector>,
+        q: Test<Vector>,
+        r: Test<Vector>,
+    ) -> Form {
+        let moved = [separation(u), dot(jump(u - displacement_before), tangent())];
+        balance(u, v)
+            - integral(Own, dot(d, r) - dot(allowed(m, d), q))
+            - integral(Touch, dot(traction_of(m), jump(v)) - dot(moved, this(r - q)))
     }
 }
 
@@ -56,25 +99,34 @@ impl Formulation for Mortar {
         if let Contact::Obstacle(_) = case.contact {
             return Err(not_defined("a rigid obstacle has no mesh: this is the augmented Lagrangian"));
         }
-        let data = law::data_from(case.data.clone());
-        let form =
-            law::between(&data, &case.bodies(), &case.load(), &case.surface(), &case.touch(Sides::Own));
+        let (data, own) = (law::data_from(case.data.clone()), law::Own::on(case.own()));
+        let form = law::between(&data, &own, &case.bodies(), &case.load(), &case.touch(Sides::Own));
         let scalars = Space::on_facets(case.mesh(), case.own(), 1)?;
         let guess = Field::from_values(&scalars, vec![case.pressure; scalars.unknowns()])?;
-        let u = case.first();
-        let solved = case.mixed_problem(&form, &scalars).start([&u, &guess]).solve()?;
+        let start = [case.first(), guess, Field::zero(&scalars)];
+        let problem = case.mixed_problem(&form, [&case.space, &scalars, &scalars]);
+        let solved = problem.options(NewtonOptions::default()).start(&start).solve()?;
         let pressures = case.known_pressures(&solved.fields[1])?;
         Ok(Outcome::of(case, &solved, pressures)?.of_form(form))
     }
 
     fn slide(&self, bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {
-        let own = drawn::Own::on(bodies.surfaces[0]);
-        let form = drawn::between(
-            &drawn::data_from(bodies.data.clone()),
-            &own,
-            &bodies.omega(),
-            &bodies.touch(Sides::Own),
-        );
-        bodies.follow_pressure(&form, &bodies.scalars(1)?)
+        let (data, own) = (drawn::data_from(bodies.data.clone()), drawn::Own::on(bodies.surfaces[0]));
+        let form = drawn::between(&data, &own, &bodies.omega(), &bodies.touch(Sides::Own));
+        let scalars = bodies.scalars(1)?;
+        let guess = Field::from_values(&scalars, vec![bodies.pressure; scalars.unknowns()])?;
+        let start = [bodies.start.clone(), guess, Field::zero(&scalars)];
+        bodies.follow_all(&form, start, NewtonOptions::default())
+    }
+
+    fn rub(&self, bodies: &TwoBodies<2>) -> Result<Vec<AfterLoad<2>>, Refusal> {
+        let own = bodies.surfaces[0].as_str();
+        let (omega, touch) = (bodies.omega(), bodies.touch(Sides::Own));
+        let traces = Space::vector_on_facets(bodies.space.mesh(), own, 1)?;
+        let form = |data| rough::between(&rough::data_from(data), &rough::Own::on(own), &omega, &touch);
+        let start = [&bodies.space, &traces, &traces].map(Field::zero);
+        bodies.follow_fields(10.0, start, form, |data, [_, m, _]| {
+            rough::traction_of(&rough::data_from(data), m)
+        })
     }
 }

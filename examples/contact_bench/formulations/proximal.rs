@@ -144,8 +144,8 @@ impl Formulation for ProximalGalerkin {
                 Contact::Bodies(_) => law::between(&data, &bodies, &load, &case.touch(Sides::Own)),
             };
             // Undamped: a line search on the residual stalls where e^ψ is far off.
-            let problem = case.mixed_problem(&form, &scalars).options(NewtonOptions::default());
-            problem.start([&at.before[0], &at.before[1]]).solve()
+            let problem = case.mixed_problem(&form, [&case.space, &scalars]);
+            problem.options(NewtonOptions::default()).start([&at.before[0], &at.before[1]]).solve()
         };
         let (found, newton) = self.iterate(case.pressure, [case.first(), Field::zero(&scalars)], step)?;
         let pressures = case.known_pressures(&found.multiplier)?;

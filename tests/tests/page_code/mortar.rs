@@ -8,12 +8,13 @@ pub fn solve(
     (mesh, space): (Mesh<2>, Arc<Space<2>>),
     held: Constraints<2>,
     (before, pressure): (Field<2>, Field<2>),
-) -> Result<[Field<2>; 2], Failure> {
+) -> Result<[Field<2>; 3], Failure> {
     let traces = Space::on_facets(&mesh, "block bottom", 1)?;
     let touch = Pairing::onto("block bottom", "slab top").at(PairQuadrature::Pieces);
     let regions = law::Regions::default().touch(touch).own("block bottom").gamma_n("block top");
     let model = law::Model { data: law::data().lambda(15.0).mu(10.0).gamma0(350.0), regions };
-    let solved = law::mortar_problem(&model, [&space, &traces], &held)?.start([&before, &pressure]).solve()?;
-    let [u, p] = solved.fields;
-    Ok([u, p])
+    let start = [&before, &pressure, &Field::zero(&traces)];
+    let solved = law::mortar_problem(&model, [&space, &traces], &held)?.start(start).solve()?;
+    let [u, p, g] = solved.fields;
+    Ok([u, p, g])
 }

@@ -36,6 +36,21 @@ pub fn facet_reference_rule(shape: CellShape, degree: usize) -> Result<Quadratur
     Ok(QuadratureRule { points, weights })
 }
 
+/// The vertices of a facet's own reference cell, each with an equal part of its measure. It is exact for functions of degree 1, in each direction on
+/// quadrilaterals.
+pub fn facet_vertex_rule(shape: CellShape) -> QuadratureRule<2> {
+    let facet = match shape {
+        CellShape::Triangle | CellShape::Quadrilateral => {
+            return QuadratureRule::on_segment(&[(0.0, 0.5), (1.0, 0.5)]);
+        }
+        CellShape::Tetrahedron => CellShape::Triangle,
+        CellShape::Hexahedron => CellShape::Quadrilateral,
+    };
+    let points: Vec<[f64; 2]> = facet.vertex_points().iter().map(|point| [point[0], point[1]]).collect();
+    let measure = if facet == CellShape::Triangle { 0.5 } else { 1.0 };
+    QuadratureRule { weights: vec![measure / points.len() as f64; points.len()], points }
+}
+
 /// The rule of a degree on a local facet.
 ///
 /// # Errors

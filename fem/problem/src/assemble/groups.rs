@@ -13,7 +13,7 @@ pub(super) mod pair_search;
 pub(super) mod positive_parts;
 pub(super) mod split_facets;
 
-use forms_core::contract::{Entity, FieldSlot, Integral, Order, Requirements, Role, Side};
+use forms_core::contract::{Entity, FieldSlot, Integral, Order, RegionRule, Requirements, Role, Side};
 
 use self::cut_groups::{
     CutTables, clipped_between, clipped_facets, inside_of_cells, interface_groups, refusals,
@@ -30,7 +30,9 @@ use crate::assemble::element_loops::sum_factorisation::ProductTables;
 use crate::element::{CellShape, Tables};
 use crate::instantiate::instantiate;
 use crate::mesh::{Facet, Mesh};
-use crate::quadrature::{Piece, Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_rule};
+use crate::quadrature::{
+    Piece, Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_rule, facet_vertex_rule,
+};
 use crate::space::{Scope, Space};
 
 /// Entities with the same points in the reference cell.
@@ -329,8 +331,13 @@ pub(super) fn groups<const D: usize>(
     arguments: &[(Role, &Space<D>)],
 ) -> Result<Vec<Group<D>>, AssemblyError> {
     let mesh = binding.mesh;
-    let history = binding.history_degree(requirements, quadrature)?;
     let region = &binding.regions[integral.region];
+    let at_vertices = (region.rule == RegionRule::Vertices).then(|| {
+        let cell = QuadratureRule { points: vec![], weights: vec![] };
+        Quadrature::Explicit { cell, facet: facet_vertex_rule(mesh.shape_of_facets()) }
+    });
+    let quadrature = at_vertices.as_ref().unwrap_or(quadrature);
+    let history = binding.history_degree(requirements, quadrature)?;
     let place = format!("the region `{}` (\"{}\")", region.symbol, region.name);
     let of_history = history.map(|(_, degree)| degree);
     let of_history = binding.degree_at_points(requirements, arguments, of_history, &place)?;

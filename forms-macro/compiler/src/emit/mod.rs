@@ -104,7 +104,7 @@ fn derived(attributes: &[syn::Attribute]) -> TokenStream {
 }
 
 fn emit_region(region: &Region) -> TokenStream {
-    let Region { attributes, visibility, name, entity } = region;
+    let Region { attributes, visibility, name, entity, rule } = region;
     if let Some(path) = imported_path(attributes) {
         return quote! { #[allow(unused_imports)] #visibility use #path as #name; };
     }
@@ -128,6 +128,7 @@ fn emit_region(region: &Region) -> TokenStream {
             };
         }
     };
+    let at_vertices = (*rule == RegionRule::Vertices).then(|| quote! { .at_vertices() });
     quote! {
         #(#attributes)*
         #derived
@@ -135,7 +136,7 @@ fn emit_region(region: &Region) -> TokenStream {
         impl #name {
             /// Binds this region to a name of the mesh.
             pub fn on(name: impl ::core::convert::Into<::std::string::String>) -> Self {
-                #name(contract::Region::named(contract::Entity::#entity, #symbol, name))
+                #name(contract::Region::named(contract::Entity::#entity, #symbol, name) #at_vertices)
             }
         }
     }

@@ -112,7 +112,7 @@ fn emit_regions(regions: &[Region], members: &[Ident]) -> TokenStream {
         })
         .collect();
     let declared = regions.iter().zip(members).zip(&defaults).map(|((region, member), default)| {
-        let Region { visibility, name, attributes, entity } = region;
+        let Region { visibility, name, attributes, entity, .. } = region;
         let documented = attributes.iter().filter(|attribute| attribute.path().is_ident("doc"));
         let text = match entity {
             Entity::Pairs => format!("The surface `\"{default}\"` with itself unless others are given."),

@@ -4,7 +4,7 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use quote::ToTokens;
 use syn::{AttrStyle, Attribute, Meta};
 
-use super::syntax::Entity;
+use super::syntax::{Entity, RegionRule};
 use crate::diagnostics::{Diagnostics, SourceSpan};
 
 /// First words of attributes that change nothing about a body: lints, documentation, and what tools read.
@@ -38,14 +38,26 @@ pub fn is_marker(attribute: &Attribute) -> bool {
     Entity::MARKERS.iter().any(|(name, _)| attribute.path().is_ident(name))
 }
 
-/// The entities of a region; `None` for other attributes.
-pub fn marker(attribute: &Attribute, diagnostics: &mut Diagnostics) -> Option<Entity> {
+/// The entities of a region and its points; `None` for other attributes.
+pub fn marker(attribute: &Attribute, diagnostics: &mut Diagnostics) -> Option<(Entity, RegionRule)> {
     let (name, entity) = Entity::MARKERS.iter().find(|(name, _)| attribute.path().is_ident(name))?;
-    if !matches!(attribute.meta, Meta::Path(_)) {
-        let message = format!("`#[{name}]` takes nothing");
-        diagnostics.error_with_help(SourceSpan::of(attribute), message, format!("write `#[{name}]`"));
-    }
-    Some(*entity)
+    let rule = match &attribute.meta {
+        Meta::Path(_) => RegionRule::OfBackend,
+        Meta::List(list) if *entity == Entity::Facets && list.tokens.to_string() == "vertices" => {
+            RegionRule::Vertices
+        }
+        _ => {
+            let [more, help] = match entity {
+                Entity::Facets => [" or `vertices`", " or `#[facets(vertices)]`"],
+                _ => [""; 2],
+            };
+            let message = format!("`#[{name}]` takes nothing{more}");
+            let help = format!("write `#[{name}]`{help}");
+            diagnostics.error_with_help(SourceSpan::of(attribute), message, help);
+            RegionRule::OfBackend
+        }
+    };
+    Some((*entity, rule))
 }
 
 /// Reports attributes that would change the meaning of a signature, a body or a `use`.

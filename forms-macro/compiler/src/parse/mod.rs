@@ -65,11 +65,11 @@ pub fn parse(item: ItemMod, diagnostics: &mut Diagnostics) -> Module {
 
 fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnostics) {
     let (marked, others): (Vec<_>, Vec<_>) = item.attrs.into_iter().partition(attributes::is_marker);
-    let markers: Vec<Entity> =
+    let markers: Vec<(Entity, RegionRule)> =
         marked.iter().filter_map(|attribute| attributes::marker(attribute, diagnostics)).collect();
     let attributes = attributes::of_declaration(others, diagnostics);
     // After a mistake the region exists all the same.
-    let entity = markers.first().copied().unwrap_or(Entity::Cells);
+    let (entity, rule) = markers.first().copied().unwrap_or((Entity::Cells, RegionRule::OfBackend));
     if !is_plain(&item.generics) {
         diagnostics.error_with_help(
             SourceSpan::of(&item.generics),
@@ -94,7 +94,8 @@ fn read_struct(item: ItemStruct, module: &mut Module, diagnostics: &mut Diagnost
                 diagnostics.error_with_help(SourceSpan::of(&item.ident), message, help);
                 module.mistaken.push(Mistaken::Region(item.ident.clone()));
             }
-            module.regions.push(Region { attributes, visibility: item.vis, name: item.ident, entity });
+            let (visibility, name) = (item.vis, item.ident);
+            module.regions.push(Region { attributes, visibility, name, entity, rule });
         }
         Fields::Named(fields) if module.data.is_none() => {
             if let Some(marker) = marked.first() {

@@ -161,12 +161,21 @@ impl Entity {
     }
 }
 
+/// The points of the integrals over a region.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RegionRule {
+    OfBackend,
+    /// `#[facets(vertices)]`
+    Vertices,
+}
+
 /// `#[cells] struct Omega;`, `#[facets] struct GammaC;`, `#[interior_facets] struct Skeleton;` or `#[pairs] struct Touch;`
 pub struct Region {
     pub attributes: Vec<Attribute>,
     pub visibility: Visibility,
     pub name: Ident,
     pub entity: Entity,
+    pub rule: RegionRule,
 }
 
 /// A function of the module: a form, an energy, a functional, or a local function.

@@ -10,9 +10,10 @@ use syn::{Fields, ForeignItem, Item, ItemFn, ItemMod, Type};
 use super::names::Import;
 use super::payload::Payload;
 use crate::diagnostics::{Diagnostics, SourceSpan};
+use crate::parse::attributes::is_marker;
 use crate::parse::declared_type::{self, word};
 use crate::parse::inclusion::is_incomplete;
-use crate::parse::syntax::{Entity, Rank};
+use crate::parse::syntax::Rank;
 use crate::sorted::{SortedMap, SortedSet};
 
 /// Are the members and regions that the functions name declared here? Those that are not are reported at once.
@@ -127,10 +128,8 @@ impl Declarations {
                     }));
                 }
                 _ => {
-                    let words = item.attrs.iter().filter_map(|attribute| attribute.path().get_ident());
-                    let marker = words
-                        .map(ToString::to_string)
-                        .find(|word| Entity::MARKERS.iter().any(|(marker, _)| word == marker));
+                    let marker = (item.attrs.iter().find(|attribute| is_marker(attribute)))
+                        .map(|attribute| attribute.meta.to_token_stream().to_string().replace(' ', ""));
                     found.regions.extend(marker.map(|marker| (item.ident.to_string(), marker)));
                 }
             }

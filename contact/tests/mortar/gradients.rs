@@ -1,0 +1,137 @@
+//! Gradients of a history in which a block is pressed on a slab and drawn along it, with friction by multipliers, compared with differences.
+
+use forms_contact::laws::mortar_bodies::data;
+use forms_fem::contract::PairQuadrature;
+use forms_fem::inverse::{ControlError, ControlValues, Controls, LoadHistory, ReducedProblem, taylor_test};
+use forms_fem::prelude::*;
+
+/// The law with a criterion of the displacement, and the rates of a step.
+#[forms(dimension = 2)]
+mod drawn {
+    pub use forms_contact::laws::mortar_bodies::mortar_bodies_with_friction::{
+        Data, GammaN, Omega, Own, Touch, direct,
+    };
+
+    pub fn criterion(u: Unknown<Vector>) -> Energy {
+        integral(Omega, dot(u, u) / 2 + dot(criterion_force, u))
+    }
+
+    pub fn sensitivities(
+        u: State<Vector>,
+        m: State<Vector>,
+        d: State<Vector>,
+        z: State<Vector>,
+        y: State<Vector>,
+        w: State<Vector>,
+        by_before_u: Test<Vector>,
+        by_before_m: Test<Vector>,
+        by_before_d: Test<Vector>,
+        by_friction: Test<Scalar>,
+        by_shear_modulus: Test<Scalar>,
+    ) -> Form {
+        let work = direct(u, m, d, z, y, w);
+        derivative(work, displacement_before, by_before_u)
+            + derivative(work, friction, by_friction)
+            + derivative(work, mu, by_shear_modulus)
+            + integral(Own, 0 * dot(m, by_before_m + by_before_d))
+    }
+}
+
+/// The block on the slab, and its history.
+struct Bodies {
+    space: Arc<Space<2>>,
+    traces: Arc<Space<2>>,
+    materials: Arc<Space<2>>,
+    assembler: Assembler<2>,
+}
+
+const STEPS: usize = 4;
+
+impl Bodies {
+    fn new(degree: usize) -> Self {
+        let slab = rectangle([0.0; 2], [3.0, 0.6], [13, 2], CellShape::Quadrilateral, 1).unwrap();
+        let block = rectangle([0.3, 0.6], [1.3, 1.2], [4, 2], CellShape::Quadrilateral, 1).unwrap();
+        let mesh = Mesh::of_bodies(&[("slab", &slab), ("block", &block)]).unwrap();
+        Bodies {
+            space: Space::vector(&mesh, degree).unwrap(),
+            traces: Space::vector_on_facets(&mesh, "block bottom", 1).unwrap(),
+            materials: Space::discontinuous_scalar(&mesh, 0).unwrap(),
+            assembler: Assembler::new(&mesh).with_quadrature(Quadrature::Degree(2 * degree + 1)),
+        }
+    }
+
+    fn held(&self, step: usize) -> Constraints<2> {
+        let mut held = Constraints::new(&self.space);
+        held.fix("slab bottom", |_| [0.0; 2]).unwrap();
+        held.fix("block top", |_| [0.13 * step as f64, -0.03]).unwrap();
+        held
+    }
+
+    fn model(
+        &self,
+        at: &ControlValues<2>,
+        before: Given<[f64; 2], 2>,
+    ) -> Result<drawn::Model<2>, ControlError> {
+        let data = data().lambda(15.0).mu(at.field("shear_modulus")?).gamma0(300.0);
+        let data = data.friction(at.number("friction")?);
+        let data = data.displacement_before(before).criterion_force(|x: &[f64; 2]| [0.3 + x[0], 0.5 * x[1]]);
+        let touch = Pairing::onto("block bottom", "slab top").at(PairQuadrature::Pieces);
+        let regions = drawn::Regions::default().touch(touch).own("block bottom").gamma_n("block right");
+        Ok(drawn::Model { data, regions })
+    }
+
+    fn controls(&self) -> Controls<2> {
+        let modulus = |x: &[f64; 2]| 10.0 + 2.0 * x[0].sin() * x[1];
+        let modulus = Field::interpolate(&self.materials, modulus).unwrap();
+        Controls::new().number("friction", 0.3).field("shear_modulus", &modulus)
+    }
+
+    fn history(&self) -> LoadHistory<'_, 2> {
+        let options = NewtonOptions {
+            relative_tolerance: 1e-12,
+            line_search: LineSearch::OnResidual,
+            ..NewtonOptions::default()
+        };
+        LoadHistory::new([&self.space, &self.traces, &self.traces], STEPS, self.controls())
+            .step(|at| Ok(self.model(at, before(at)?)?.direct()))
+            .coupled_sensitivities(|at, states, adjoints| {
+                let ([u, m, d], [z, y, w]) = (states, adjoints) else { unreachable!("three unknowns") };
+                Ok(self.model(at, before(at)?)?.sensitivities(u, m, d, z, y, w))
+            })
+            .criterion(|at| Ok(self.model(at, Given::constant([0.0; 2]))?.criterion()))
+            .assembler(&self.assembler)
+            .constrained_at(|step| Ok(self.held(step)))
+            .options(options)
+    }
+}
+
+/// The displacement of the step before.
+fn before(at: &ControlValues<2>) -> Result<Given<[f64; 2], 2>, ControlError> {
+    Ok(Given::field(&at.before_of_all()?[0]))
+}
+
+/// Order two, and differences of fourth order; no node changes its state and no segment its facet on the way.
+#[test]
+fn adjoints_of_sliding_with_friction() {
+    for degree in [1, 2] {
+        let bodies = Bodies::new(degree);
+        let mut history = bodies.history();
+        let m = history.start();
+        let found = history.gradient(&m).unwrap();
+        let direction: Vec<f64> = (0..m.len()).map(|k| 0.1 * (1.0 + 1.7 * k as f64).sin()).collect();
+        let slope: f64 = found.gradient.iter().zip(&direction).map(|(g, along)| g * along).sum();
+        let report = taylor_test(&mut history, &m, &direction, 0.1).unwrap();
+        let order = report.second_order().unwrap();
+        assert!((order - 2.0).abs() < 0.02, "{degree}: {report}");
+        let step = report.steps.iter().filter(|step| step.same_active_set).nth(2).unwrap().step;
+        let mut at = |t: f64| {
+            let moved: Vec<f64> = m.iter().zip(&direction).map(|(m, along)| m + t * along).collect();
+            history.value(&moved).unwrap()
+        };
+        let [above, below, far_above, far_below] = [step, -step, 2.0 * step, -2.0 * step].map(&mut at);
+        let difference = (8.0 * (above - below) - (far_above - far_below)) / (12.0 * step);
+        let error = (difference / slope - 1.0).abs();
+        println!("degree {degree}: {slope:.12e} and {difference:.12e} by differences: {error:.1e}");
+        assert!(error < 1e-7, "{degree}: {error:e}");
+    }
+}
