@@ -53,7 +53,7 @@ impl Grid<'_> {
             Values::Integers(values) => values.len(),
         } / self.points.components;
         let cells = self.types.len();
-        write!(writer, "{HEAD}<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n")?;
+        writeln!(writer, "{HEAD}<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">")?;
         for (name, arrays) in [("PointData", &self.point_data), ("CellData", &self.cell_data)] {
             writeln!(writer, "<{name}{}>", active(arrays))?;
             arrays.iter().try_for_each(|array| array.write(writer))?;
