@@ -10,14 +10,14 @@ mod unknown_rows;
 use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::OsStr;
-use std::fs;
+use std::io::Write;
 use std::ops::{Deref, Range};
 use std::path::Path;
 use std::rc::Rc;
 
 use forms_fem::element::Elements;
 use forms_fem::mesh::MeshError;
-use forms_fem::output::VtuFile;
+use forms_fem::output::{VtuFile, write_whole};
 use forms_fem::prelude::*;
 use forms_fem::solve::{CommunicationError, Communicator, DividedVectors};
 use forms_fem::space::Scope;
@@ -30,7 +30,7 @@ use crate::node_rows::NodeRows;
 use crate::world::World;
 
 /// This process's part of a mesh: its cells with their nodes, and which nodes other processes have, too. [`World::cuboid`],
-/// [`World::rectangle`] and [`World::structured`] build only the part, [`World::part`] divides a mesh that all processes have.
+/// [`World::rectangle`] and [`World::structured`] build only the part, [`World::divide`] divides a mesh that all processes have.
 ///
 /// It serves as the mesh: spaces, constraints and fields on it are those of this process. Its regions are those of the whole mesh, and facets
 /// between parts are on no boundary. A problem `.on(&part)` with a [`PetscSolver::for_part`](crate::PetscSolver::for_part) is solved
@@ -210,7 +210,8 @@ impl<'w, const D: usize> MeshPart<'w, D> {
                 list.push_str(&format!("<DataSet timestep=\"0\" part=\"{rank}\" file=\"{name}\"/>\n"));
             }
             list.push_str("</Collection>\n</VTKFile>\n");
-            fs::write(path, list).map_err(|error| unfit(format!("{}: {error}", path.display())))
+            let written = write_whole(path, |writer| writer.write_all(list.as_bytes()));
+            written.map_err(|error| unfit(error.to_string()))
         };
         Ok(self.world.agree(if self.world.rank() == 0 { list() } else { Ok(()) })?)
     }
