@@ -84,6 +84,34 @@ mod rough {
     }
 }
 
+#[forms(dimension = 3)]
+mod stacked {
+    pub use contact_bench::two_bodies::bodies::{Omega, Touch};
+    use contact_bench::two_bodies::bodies::{balance, separation};
+    use forms_contact::operators::multipliers::allowed_gap;
+    #[includes(contact_bench::two_bodies::bodies::Data)]
+    pub struct Data {
+        #[default(0.000000000000000001)]
+        uncovered: Param,
+    }
+    #[facets(vertices)]
+    pub struct Own;
+    pub fn between(
+        u: Unknown<Vector>,
+        p: Unknown<Scalar>,
+        g: Unknown<Scalar>,
+        v: Test<Vector>,
+        q: Test<Scalar>,
+        r: Test<Scalar>,
+    ) -> Form {
+        balance(u, v) - integral(Own, g * r - allowed_gap(p, g, gamma0 / h) * q)
+            + integral(Touch, this(p) * dot(toward, jump(v)) + separation(u) * this(r - q))
+    }
+    pub fn traction(p: State<Scalar>) -> Vector {
+        -this(p) * toward
+    }
+}
+
 pub struct Mortar;
 
 pub fn all() -> Vec<Mortar> {
@@ -127,6 +155,17 @@ impl Formulation for Mortar {
         let start = [&bodies.space, &traces, &traces].map(Field::zero);
         bodies.follow_fields(10.0, start, form, |data, [_, m, _]| {
             rough::traction_of(&rough::data_from(data), m)
+        })
+    }
+
+    fn stack(&self, bodies: &TwoBodies<3>) -> Result<Vec<AfterLoad<3>>, Refusal> {
+        let own = bodies.surfaces[0].as_str();
+        let (omega, touch) = (bodies.omega(), bodies.touch(Sides::Own));
+        let scalars = Space::on_facets(bodies.space.mesh(), own, 1)?;
+        let form = |data| stacked::between(&stacked::data_from(data), &stacked::Own::on(own), &omega, &touch);
+        let start = [&bodies.space, &scalars, &scalars].map(Field::zero);
+        bodies.follow_fields(10.0, start, form, |data, [_, p, _]| {
+            stacked::traction(&stacked::data_from(data), p)
         })
     }
 }

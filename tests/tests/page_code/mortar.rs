@@ -18,3 +18,29 @@ pub fn solve(
     let [u, p, g] = solved.fields;
     Ok([u, p, g])
 }
+
+#[forms]
+pub mod own_law {
+    pub use forms_contact::laws::two_bodies::{Omega, Touch};
+    use forms_contact::operators::multipliers::allowed_gap;
+    use forms_contact::operators::neo_hookean::first_piola;
+
+    #[includes(forms_contact::laws::two_bodies::Data, forms_contact::operators::multipliers::Data)]
+    pub struct Data {}
+
+    #[facets(vertices)]
+    pub struct Own;
+
+    pub fn direct(
+        u: Unknown<Vector>,
+        p: Unknown<Scalar>,
+        g: Unknown<Scalar>,
+        v: Test<Vector>,
+        q: Test<Scalar>,
+        r: Test<Scalar>,
+    ) -> Form {
+        integral(Omega, inner(first_piola(u), grad(v)))
+            + integral(Touch(u), this(p) * dot(toward, jump(v)) + gap * this(r - q))
+            - integral(Own, g * r - allowed_gap(p, g, gamma0 / h) * q)
+    }
+}
