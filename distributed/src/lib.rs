@@ -2,7 +2,7 @@
 //! process, PETSc adds up and solves over MPI.
 //!
 //! What is partitioned: the integrals (residuals, tangents, functionals), the matrix with its factor or hierarchy, the work of
-//! the linear solver. What every process has: the mesh, the spaces, the vectors of Newton's method; on a [`MeshPart`] it has those of
+//! the linear solver. What every process has: the mesh, the spaces, the vectors of Newton's method; on a `MeshPart` it has those of
 //! its part only.
 //!
 //! ```no_run

@@ -159,13 +159,14 @@ where
         self.all_loads(stiffness, [Field::zero(&self.space)], step, |data, [u]| traction(data, u))
     }
 
-    /// The path of a form in u and fields on the own surface from a start of each, with γ₀ as a multiple of E and the traction on that surface.
+    /// The path of a form in u and fields on the own surface from a start of each, with γ₀ as a multiple of E, options of Newton's method and the
+    /// traction on that surface.
     ///
     /// # Errors
     /// Newton's method fails.
     pub fn follow_fields<const N: usize>(
         &self,
-        stiffness: f64,
+        (stiffness, options): (f64, NewtonOptions),
         start: [Field<D>; N],
         form: impl Fn(Data<D>) -> Form<D>,
         traction: impl Fn(Data<D>, &[Field<D>; N]) -> Expression<D>,
@@ -173,7 +174,7 @@ where
         let step = |data: &Data<D>, load: &Load<D>, fields: &[Field<D>; N]| {
             let problem = Problem::new(&form(data.clone()), fields.each_ref().map(Field::space));
             let problem = problem.constrained(&load.supports).assembler(self.assembler());
-            problem.options(crate::Case::options()).start(fields).solve()
+            problem.options(options.clone()).start(fields).solve()
         };
         self.all_loads(stiffness, start, step, traction)
     }

@@ -101,7 +101,7 @@ impl AugmentedLagrangian {
         let traces = Space::vector_on_facets(space.mesh(), &bodies.surfaces[0], space.degree())?;
         let form = |data| rough::between(&rough::data_from(data), &omega, &touch);
         let start = [Field::zero(space), Field::zero(&traces)];
-        bodies.follow_fields(10.0, start, form, |data, [_, l]| known(&data, l))
+        bodies.follow_fields((10.0, Case::options()), start, form, |data, [_, l]| known(&data, l))
     }
 }
 

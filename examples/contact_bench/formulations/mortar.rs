@@ -153,7 +153,7 @@ impl Formulation for Mortar {
         let traces = Space::vector_on_facets(bodies.space.mesh(), own, 1)?;
         let form = |data| rough::between(&rough::data_from(data), &rough::Own::on(own), &omega, &touch);
         let start = [&bodies.space, &traces, &traces].map(Field::zero);
-        bodies.follow_fields(10.0, start, form, |data, [_, m, _]| {
+        bodies.follow_fields((10.0, Case::options()), start, form, |data, [_, m, _]| {
             rough::traction_of(&rough::data_from(data), m)
         })
     }
@@ -164,7 +164,7 @@ impl Formulation for Mortar {
         let scalars = Space::on_facets(bodies.space.mesh(), own, 1)?;
         let form = |data| stacked::between(&stacked::data_from(data), &stacked::Own::on(own), &omega, &touch);
         let start = [&bodies.space, &scalars, &scalars].map(Field::zero);
-        bodies.follow_fields(10.0, start, form, |data, [_, p, _]| {
+        bodies.follow_fields((10.0, NewtonOptions::default()), start, form, |data, [_, p, _]| {
             stacked::traction(&stacked::data_from(data), p)
         })
     }

@@ -22,7 +22,7 @@ mod smooth;
 mod tresca;
 
 /// The pages with blocks in Rust, and what compiles them elsewhere.
-const PAGES: [(&str, Option<&str>); 21] = [
+const PAGES: [(&str, Option<&str>); 22] = [
     ("adaptivity", None),
     ("bounds", None),
     ("coming_from", Some("the documentation tests of this crate")),
@@ -36,6 +36,7 @@ const PAGES: [(&str, Option<&str>); 21] = [
     ("inverse_problems", None),
     ("language", None),
     ("mean_gaps", None),
+    ("mesh_parts", Some("the documentation test of `MeshPart`")),
     ("mortar", None),
     ("nearly_incompressible", None),
     ("new_contact_law", None),
