@@ -11,6 +11,7 @@ use forms_distributed::cases::mixed_block::MixedBlock;
 use forms_distributed::cases::parts::{Case, whole};
 use forms_distributed::cases::report::{tell, tell_steps};
 use forms_distributed::{MeshPart, Method, PetscSolver, World};
+use forms_fem::cut::Cut;
 use forms_fem::output::VtuFile;
 use forms_fem::prelude::*;
 
@@ -121,6 +122,15 @@ fn refused(part: &MeshPart<'_, 3>, name: &str) -> Outcome {
     let mut case = Case::new("rubber", part, 1)?;
     match name {
         "without on" => return Ok(case.problem().solve().map(drop)?),
+        "refined" => return Ok(part.refined().map(drop)?),
+        "cut" => {
+            let phi = Field::interpolate(&Space::scalar(part, 1)?, |x| x[0] - 0.3)?;
+            return Ok(Cut::by(&phi).map(drop)?);
+        }
+        "on facets" => {
+            let traces = Constraints::new(&Space::vector_on_facets(part, "top", 1)?);
+            return Ok(PetscSolver::for_part(part, &[&traces], Method::Direct).map(drop)?);
+        }
         "nearest" => case.held.fix_nearest(&[0.5; 3], [0.0; 3])?,
         "sliding" => {
             case.held = Constraints::new(&case.space);
