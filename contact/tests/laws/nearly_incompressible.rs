@@ -161,12 +161,11 @@ fn flat_punch() {
 }
 
 /// At finite strain, in load steps, compared with γ₀ = 3 (λ + 2μ). With 10 E and ν from 0.49995 on no step is small enough, and the error names
-/// the threshold.
+/// the threshold. FORMS_SWEEPS=1: all ratios.
 #[test]
 fn round_punch_at_finite_strain() {
     let all = std::env::var_os("FORMS_SWEEPS").is_some();
-    let ratios: Vec<f64> =
-        RATIOS.into_iter().filter(|ratio| all || [0.3, 0.4995, 0.49999].contains(ratio)).collect();
+    let ratios: Vec<f64> = RATIOS.into_iter().filter(|ratio| all || [0.3, 0.49999].contains(ratio)).collect();
     table("round punch, finite strain", &ratios, |poisson| {
         let material = Material::usual(poisson);
         let expected = Punch::Round.finite(material.with_gamma0(0.3 * material.gamma0)).force.unwrap();
