@@ -30,7 +30,7 @@ pub(crate) enum Call {
     Exchange { number: u64 },
 }
 
-/// What a process has sent so far, apart from PETSc's messages.
+/// Counts of a process's messages so far, apart from PETSc's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
     /// Collective calls.
@@ -135,7 +135,7 @@ impl Meetings {
         self.is_left.get()
     }
 
-    /// What was sent so far.
+    /// Counts of messages so far.
     pub fn traffic(&self) -> Traffic {
         self.traffic.get()
     }

@@ -152,7 +152,7 @@ impl NodeRows {
         divided.spread(found.map(Option::unwrap_or_default))
     }
 
-    /// What the processes add to vectors over the free unknowns, added up.
+    /// The sum of all processes' contributions to a vector over the free unknowns.
     pub fn add_up(&self, world: &World, reduced: &[f64]) -> Result<Vec<f64>, PetscError> {
         match &self.divided {
             None => world.sum(reduced),

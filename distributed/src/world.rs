@@ -125,7 +125,7 @@ impl World {
         &self.meetings
     }
 
-    /// What this process has sent so far, apart from PETSc's messages.
+    /// Counts of this process's messages so far, apart from PETSc's.
     pub fn traffic(&self) -> Traffic {
         self.meetings.traffic()
     }

@@ -117,7 +117,7 @@ fn peak() -> f64 {
     kibibytes.map_or(f64::NAN, |count| count * 1024.0 / 1e6)
 }
 
-/// What a part does not have, by a name.
+/// A problem that parts refuse, by a name.
 fn refused(part: &MeshPart<'_, 3>, name: &str) -> Outcome {
     let mut case = Case::new("rubber", part, 1)?;
     match name {

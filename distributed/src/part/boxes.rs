@@ -24,7 +24,7 @@ fn halve<const D: usize>(whole: Box<D>, count: usize, found: &mut Vec<Box<D>>) -
     }
     let lower = ((length * first + count / 2) / count).clamp(1, length - 1);
     let across: usize = whole.iter().map(Range::len).product::<usize>() / length;
-    // Where blocks are few, each half has processes for its blocks.
+    // Each half has processes for its blocks, also if there are few.
     let first = first.max(count.saturating_sub(across * (length - lower))).min(across * lower);
     let cut = whole[axis].start + lower;
     let (mut low, mut high) = (whole.clone(), whole);

@@ -37,7 +37,7 @@ impl DividedUnknowns {
         Ok(self.reduced(&full))
     }
 
-    /// What the processes add to free unknowns, added up.
+    /// The sum of all processes' contributions to the free unknowns.
     pub fn add_up(&self, reduced: &[f64]) -> Result<Vec<f64>, PetscError> {
         Ok(self.reduced(&self.vectors.sums(&self.full(reduced.iter().copied()))?))
     }

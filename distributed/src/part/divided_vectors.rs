@@ -24,7 +24,7 @@ pub(crate) struct SpacesOnPart {
 }
 
 impl SpacesOnPart {
-    /// Of spaces with the given numbers of components.
+    /// Vectors over the unknowns of spaces with the given numbers of components.
     pub(super) fn new(meetings: Rc<Meetings>, spaces: Vec<(usize, Rc<SharedNodes>)>) -> Self {
         let ranks: Vec<usize> =
             spaces.first().map_or(&[][..], |(_, nodes)| &nodes.with).iter().map(|with| with.0).collect();

@@ -55,7 +55,7 @@ use crate::world::World;
 /// # }
 /// ```
 ///
-/// What is not divided is refused by name: integrals over interior facets and contact pairs, histories and
+/// Refused by name: integrals over interior facets and contact pairs, histories and
 /// motions, relations between unknowns, bounds, projections to continuous spaces, adaptivity.
 pub struct MeshPart<'w, const D: usize> {
     world: &'w World,

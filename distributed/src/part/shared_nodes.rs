@@ -11,7 +11,7 @@ use forms_fem::space::Scope;
 use crate::error::PetscError;
 use crate::world::World;
 
-/// Numbers in the whole mesh, and where else vertices are.
+/// Numbers of nodes in the whole mesh, and the other processes that have vertices.
 pub(super) struct Vertices {
     /// Of each node of the mesh.
     pub numbers: Vec<u64>,

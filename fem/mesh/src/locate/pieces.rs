@@ -77,7 +77,7 @@ impl<const D: usize> PieceTree<D> {
         }
         let whole = if D == 2 { 2.0 * PI } else { 4.0 * PI };
         let near = self.angle(0, x, FAR) / whole;
-        // What is taken together far away has an error, which cannot matter next to a whole number.
+        // Far pieces that are taken together have an error, which cannot matter next to a whole number.
         if (near - near.round()).abs() < 0.25 {
             return near.round();
         }

@@ -34,7 +34,7 @@ pub trait Communicator {
     /// [`CommunicationError::Exchange`].
     fn gather(&self, own: u64) -> Result<Vec<u64>, CommunicationError>;
 
-    /// How vectors over the unknowns of spaces are divided, where the processes have pieces of a mesh; none where each has all of it. Each of
+    /// The division of vectors over the unknowns of spaces, if the processes have pieces of a mesh; none if each has all of it. Each of
     /// the spaces is an `Arc<Space<D>>`.
     ///
     /// # Errors

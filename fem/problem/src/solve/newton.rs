@@ -121,7 +121,7 @@ pub fn newton_bounded(
     equations.bounds = set;
     let found = condensation::solve(&mut equations, guess).and_then(|()| equations.unknowns_at_bounds());
     let (Iterates { u, history, .. }, residual, worst) = equations.into_parts();
-    // What was judged without an exchange is no judgement.
+    // A judgement without an exchange is none.
     match together.check().map_err(NewtonFailure::Exchange).and(found) {
         Ok(held) => Ok(NewtonSolution { u, residual, history, held }),
         Err(why) => Err(NewtonError { history, u, worst: worst.map(Box::new), ..why.into() }),

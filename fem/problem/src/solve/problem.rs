@@ -90,7 +90,7 @@ pub struct Problem<'a, const D: usize, const N: usize = 1> {
     pub(in crate::solve) options: NewtonOptions,
     pub(in crate::solve) progress: Option<EachStep<'a>>,
     pub(in crate::solve) communicator: Option<&'a dyn Communicator>,
-    /// How vectors over all unknowns are divided, where processes have pieces of the mesh.
+    /// The division of vectors over all unknowns, if processes have pieces of the mesh.
     pub(in crate::solve) divided: Option<Rc<dyn DividedVectors>>,
     pub(in crate::solve) assembled: Option<Assembled>,
     /// Both parts, if pairs slide and the solver condenses.

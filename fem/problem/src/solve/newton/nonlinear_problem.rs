@@ -28,7 +28,7 @@ pub trait NonlinearProblem {
         vec![]
     }
 
-    /// How vectors over all unknowns are divided among processes, where they are. Norms and judgements are then those of all processes.
+    /// The division of vectors over all unknowns among processes, if there is one. Norms and judgements are then those of all processes.
     fn divided(&self) -> Option<Rc<dyn DividedVectors>> {
         None
     }

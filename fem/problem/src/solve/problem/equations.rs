@@ -32,7 +32,7 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
         residual
     }
 
-    /// What the processes assembled of a vector over all unknowns, added up.
+    /// The sum of the parts of a vector over all unknowns that the processes assembled.
     fn added_up(&self, own: Result<Vec<f64>, AssemblyError>) -> Result<Vec<f64>, AssemblyError> {
         let form = self.system.form.name();
         let Some(divided) = &self.divided else { return summed(self.communicator, form, own) };
