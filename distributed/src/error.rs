@@ -56,7 +56,7 @@ pub enum PetscError {
     TooManyProcesses { processes: usize, cells: usize },
     /// Something that a divided mesh does not have.
     #[error(
-        "on a mesh that is divided among processes there are no {what}: take the whole mesh on each process"
+        "{what} are not available on a mesh that is divided among processes; take the whole mesh on each process"
     )]
     Divided {
         /// The thing, in words.

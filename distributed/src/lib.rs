@@ -49,6 +49,6 @@ pub use error::{DistributedError, PetscError};
 pub use functional::distributed_functional;
 pub use meeting::Traffic;
 pub use method::{Method, TOLERANCE, UnknownMethod};
-pub use part::MeshPart;
+pub use part::{MeshPart, PartCheckpoint, StoredCheckpoint};
 pub use petsc_solver::{PetscReport, PetscSolver};
 pub use world::World;

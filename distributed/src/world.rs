@@ -172,6 +172,37 @@ impl World {
         Ok(numbers.collect())
     }
 
+    /// A list that the first process sends to another; none elsewhere. All processes make this call, with the same `to`.
+    pub(crate) fn list_of_first(&self, to: usize, list: Vec<u64>) -> Result<Option<Vec<u64>>, PetscError> {
+        let (sender, receiver) = (self.rank() == 0, self.rank() == to);
+        let length = self.gather(list.len() as u64)?[0] as usize;
+        if to == 0 {
+            return Ok(sender.then_some(list));
+        }
+        let (lists, lengths) = match (sender, receiver) {
+            (true, _) => (vec![(to, list)], vec![0]),
+            (_, true) => (vec![(0, vec![])], vec![length]),
+            _ => (vec![], vec![]),
+        };
+        let found = self.meetings.exchange(to as u64, lists, &lengths)?;
+        Ok(found.into_iter().next().filter(|_| receiver))
+    }
+
+    /// The error of the first process, on all.
+    pub(crate) fn succeed_on_first<T>(&self, own: Result<T, String>) -> Result<Option<T>, PetscError> {
+        if self.gather(u64::from(own.is_err()))?[0] == 0 {
+            return Ok(own.ok());
+        }
+        let mut message = own.err().unwrap_or_default();
+        for rank in 1..self.size() {
+            let bytes = message.bytes().map(u64::from).collect();
+            if let Some(text) = self.list_of_first(rank, bytes)? {
+                message = String::from_utf8_lossy(&text.into_iter().map(|byte| byte as u8).collect::<Vec<_>>()).into();
+            }
+        }
+        Err(PetscError::Unfit { message })
+    }
+
     /// The result of this process if all processes have one, otherwise an error on all, so that none waits forever.
     ///
     /// # Errors

@@ -7,13 +7,17 @@ use std::process::ExitCode;
 
 use forms_contact::threshold::of_law;
 use forms_distributed::cases::ball_on_flat::{is_near, place, pressed};
+use forms_distributed::cases::histories;
 use forms_distributed::cases::mixed_block::MixedBlock;
+use forms_distributed::cases::motions::Motion;
+use forms_distributed::cases::part_steps::{FACTORS, HALF, Softening, softening};
 use forms_distributed::cases::parts::{Case, whole};
 use forms_distributed::cases::report::{tell, tell_steps};
-use forms_distributed::{MeshPart, Method, PetscSolver, World};
+use forms_distributed::{MeshPart, Method, PartCheckpoint, PetscSolver, World};
 use forms_fem::cut::Cut;
-use forms_fem::output::VtuFile;
+use forms_fem::output::{Failure, VtuFile, VtuSeries};
 use forms_fem::prelude::*;
+use forms_fem::time::Mass;
 
 type Outcome = Result<(), Box<dyn Error>>;
 
@@ -34,7 +38,16 @@ fn run(world: &World) -> Outcome {
             let mesh = cuboid([0.0; 3], [1.0; 3], [divisions; 3], CellShape::Tetrahedron, 1)?;
             solve(&world.divide(&mesh)?, &name, degree, method)
         }
+        // The first process has it.
+        "scattered" => {
+            let part = world.scatter(|| scattered(given(5).as_deref()))?;
+            solve(&part, &name, degree, method)
+        }
+        "missing" => world.read_gmsh::<3>("no/such.msh").map(drop).map_err(Into::into),
         "mixed" => mixed(&cube(CellShape::Hexahedron)?, method),
+        "softening" => softening(world, given(5).as_deref()),
+        "creep" | "swing" => history(world, &name),
+        name if Motion::named(name).is_ok() => motion(world, Motion::named(name)?, divisions, given(5).as_deref()),
         "ball" => ball(world.structured([divisions; 3], CellShape::Hexahedron, 2, place)?, method),
         _ => refused(&cube(CellShape::Hexahedron)?, &name),
     }
@@ -66,9 +79,96 @@ fn solve(part: &MeshPart<'_, 3>, name: &str, degree: usize, method: Method) -> O
         "reactions",
         &[part.reaction(&solved, 0, "left")?, part.reaction(&solved, 0, "top")?].concat(),
     );
-    if let Some(path) = std::env::args().nth(5) {
-        part.write(path, &VtuFile::new(part).point_data("u", u)?)?;
+    if let (Some(path), true) = (std::env::args().nth(5), name == "diffusion") {
+        let file = VtuFile::new(part).point_data("u", u)?.on(part);
+        let mut series = VtuSeries::new(path)?;
+        series.write(0.0, &file)?;
+        series.write(1.0, &file)?;
     }
+    Ok(())
+}
+
+/// The mesh of a file with the sides that the diffusion has.
+fn scattered(path: Option<&str>) -> Result<Mesh<3>, Failure> {
+    let mut mesh = Mesh::read_vtk(path.unwrap_or("no/such.vtu"))?;
+    mesh.name_facets("left", "boundary", |x| x[0] < 1e-9)?;
+    mesh.name_facets("right", "boundary", |x| x[0] > 1.0 - 1e-9)?;
+    mesh.name_facets("top", "boundary", |x| x[2] > 1.0 - 1e-9)?;
+    Ok(mesh)
+}
+
+/// Load steps with a memory. With a file they stop after the first half and leave a checkpoint there, or go on from that.
+fn softening(world: &World, path: Option<&str>) -> Outcome {
+    let part = world.rectangle([0.0; 2], [2.0, 1.0], [6, 4], CellShape::Triangle, 1)?;
+    let body = Softening::on(&part)?;
+    let mut solver = PetscSolver::for_part(&part, &[&body.held(1.0)?], Method::Direct)?;
+    let (mut from, mut u, mut factors) = (0.0, Field::zero(&body.space), &FACTORS[..]);
+    let stored = path.map(|path| PartCheckpoint::read(&part, path)).transpose()?.flatten();
+    if let Some(stored) = &stored {
+        (from, u, factors) = (stored.number("factor")?, stored.field("u", &body.space)?, &FACTORS[HALF..]);
+        stored.history("memory", &body.assembler, &body.data.largest)?;
+    } else if path.is_some() {
+        factors = &FACTORS[..HALF];
+    }
+    let u = body.pulled((from, u), factors, |problem| {
+        Ok(problem.on(&part).solver(&mut solver).solve().map_err(Failure::from)?.into_field())
+    })?;
+    if let (Some(path), None) = (path, &stored) {
+        let checkpoint = PartCheckpoint::new(&part).number("factor", factors[HALF - 1])?.field("u", &u)?;
+        checkpoint.history("memory", &body.assembler, &body.data.largest)?.write(path)?;
+    }
+    tell(world, "u", &whole(&part, &u)?);
+    let memory = softening::memory(&body.data, &softening::Omega::on("all"), &u);
+    let assembler = body.assembler.clone();
+    tell(world, "memory", &[part.functional(&assembler, &memory)?]);
+    Ok(())
+}
+
+/// A motion of some steps; with a file it stops after half of them and leaves a checkpoint there, or goes on from that.
+fn motion(world: &World, motion: Motion, steps: usize, path: Option<&str>) -> Outcome {
+    let (upper, cells) = Motion::SIZE;
+    let part = world.rectangle([0.0; 2], upper, cells, CellShape::Quadrilateral, 1)?;
+    let conditions = motion.conditions_on(&part)?;
+    let all: Vec<_> = conditions.iter().collect();
+    let spaces: Vec<_> = conditions.iter().map(Constraints::space).collect();
+    let mut solver = PetscSolver::for_part(&part, &all, Method::Direct)?;
+    let (begun, size) = motion.begin(&conditions)?;
+    let mut begun = begun.on(&part).solver(&mut solver);
+    let stored = path.map(|path| PartCheckpoint::read(&part, path)).transpose()?.flatten();
+    let mut count = if path.is_some() { steps / 2 } else { steps };
+    if let Some(stored) = &stored {
+        begun = begun.resumed(stored.motion(&spaces)?);
+        count = steps - begun.steps();
+    }
+    for _ in 0..count {
+        begun.take(size)?;
+    }
+    if let (Some(path), None) = (path, &stored) {
+        PartCheckpoint::new(&part).motion(&begun.checkpoint())?.write(path)?;
+    }
+    for (number, state) in begun.states().iter().enumerate() {
+        tell(world, &format!("value{number}"), &whole(&part, &state.value)?);
+        tell(world, &format!("rate{number}"), &whole(&part, &state.rate)?);
+    }
+    Ok(())
+}
+
+/// Value, gradient and Hessian of a history.
+fn history(world: &World, name: &str) -> Outcome {
+    let (upper, cells) = histories::SIZE;
+    let part = world.rectangle([0.0; 2], upper, cells, CellShape::Quadrilateral, 1)?;
+    let held = histories::held_on(name, &part)?;
+    let mut solver = PetscSolver::for_part(&part, &[&held], Method::Direct)?;
+    let found = if name == "creep" {
+        let (history, m) = histories::creeping(&held);
+        history.on(&part).solver(&mut solver).hessian(&m, &[0.3, -0.7])?
+    } else {
+        let (history, m) = histories::swinging_motion(&held, Mass::Consistent)?;
+        history.on(&part).solver(&mut solver).hessian(&m, &[0.3, -0.7])?
+    };
+    tell(world, "value", &[found.value]);
+    tell(world, "gradient", &found.gradient);
+    tell(world, "along", &found.along);
     Ok(())
 }
 

@@ -92,20 +92,30 @@ fn swung(
     Ok(swinging::Model::new(data))
 }
 
+/// Upper corner and numbers of cells of the body.
+pub const SIZE: ([f64; 2], [usize; 2]) = ([2.0, 1.0], [8, 4]);
+
 /// A space with its conditions: zero at the left.
 ///
 /// # Errors
 /// Regions that do not exist.
 pub fn held(name: &str) -> Result<Constraints<2>, Box<dyn Error>> {
-    let mesh = rectangle([0.0; 2], [2.0, 1.0], [8, 4], CellShape::Quadrilateral, 1)?;
+    held_on(name, &rectangle([0.0; 2], SIZE.0, SIZE.1, CellShape::Quadrilateral, 1)?)
+}
+
+/// The same on this mesh, or a part of it.
+///
+/// # Errors
+/// As [`held`].
+pub fn held_on(name: &str, mesh: &Mesh<2>) -> Result<Constraints<2>, Box<dyn Error>> {
     match name {
         "creep" => {
-            let mut held = Constraints::new(&Space::scalar(&mesh, 2)?);
+            let mut held = Constraints::new(&Space::scalar(mesh, 2)?);
             held.fix("left", |_| 0.0)?;
             Ok(held)
         }
         "swing" | "lumped" => {
-            let mut held = Constraints::new(&Space::vector(&mesh, 1)?);
+            let mut held = Constraints::new(&Space::vector(mesh, 1)?);
             held.fix("left", |_| [0.0; 2])?;
             Ok(held)
         }

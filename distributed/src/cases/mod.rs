@@ -7,6 +7,7 @@ pub mod hanging_block;
 pub mod histories;
 pub mod mixed_block;
 pub mod motions;
+pub mod part_steps;
 pub mod parts;
 pub mod poisson;
 pub mod report;

@@ -66,21 +66,32 @@ impl Motion {
         known.map(|(_, motion)| *motion).ok_or_else(|| format!("no motion is called {name}").into())
     }
 
+    /// Upper corner and numbers of cells of the body.
+    pub const SIZE: ([f64; 2], [usize; 2]) = ([3.0, 1.0], [12, 4]);
+
     /// Spaces of the unknowns on 12 × 4 cells, and their conditions.
     ///
     /// # Errors
     /// Regions that do not exist.
     pub fn conditions(self) -> Result<Vec<Constraints<2>>, Box<dyn Error>> {
-        let mesh = rectangle([0.0; 2], [3.0, 1.0], [12, 4], CellShape::Quadrilateral, 1)?;
+        let (upper, cells) = Self::SIZE;
+        self.conditions_on(&rectangle([0.0; 2], upper, cells, CellShape::Quadrilateral, 1)?)
+    }
+
+    /// The same on this mesh, or a part of it.
+    ///
+    /// # Errors
+    /// Regions that do not exist.
+    pub fn conditions_on(self, mesh: &Mesh<2>) -> Result<Vec<Constraints<2>>, Box<dyn Error>> {
         let degree = if self == Motion::Lumped { 1 } else { 2 };
-        let mut held = Constraints::new(&Space::vector(&mesh, degree)?);
+        let mut held = Constraints::new(&Space::vector(mesh, degree)?);
         if self != Motion::Porous {
             return Ok(vec![held]);
         }
         held.fix("bottom", |_| [0.0; 2])?;
         held.fix_component("left", 0, |_| 0.0)?;
         held.fix_component("right", 0, |_| 0.0)?;
-        let mut drained = Constraints::new(&Space::scalar(&mesh, 1)?);
+        let mut drained = Constraints::new(&Space::scalar(mesh, 1)?);
         drained.fix("top", |_| 0.0)?;
         Ok(vec![held, drained])
     }

@@ -97,7 +97,7 @@ impl Case {
 
 /// The values of a field at the vertices of its mesh, which has the given numbers in a larger mesh with `count` nodes; and 1 for each of its
 /// vertices.
-pub fn at_vertices(field: &Field<3>, numbers: &[u64], count: usize) -> (Vec<f64>, Vec<f64>) {
+pub fn at_vertices<const D: usize>(field: &Field<D>, numbers: &[u64], count: usize) -> (Vec<f64>, Vec<f64>) {
     let (space, components) = (field.space(), field.space().components());
     let (mut values, mut is_there) = (vec![0.0; count * components], vec![0.0; count]);
     for cell in 0..space.mesh().cell_count() {
@@ -114,7 +114,10 @@ pub fn at_vertices(field: &Field<3>, numbers: &[u64], count: usize) -> (Vec<f64>
 ///
 /// # Errors
 /// Those of an exchange.
-pub fn whole(part: &MeshPart<'_, 3>, field: &Field<3>) -> Result<Vec<f64>, Box<dyn Error>> {
+pub fn whole<const D: usize>(
+    part: &MeshPart<'_, D>,
+    field: &Field<D>,
+) -> Result<Vec<f64>, Box<dyn Error>> {
     let world = part.world();
     let largest = part.node_numbers().iter().max().copied().unwrap_or(0);
     let count = world.gather(largest)?.into_iter().max().unwrap_or(0) as usize + 1;

@@ -114,6 +114,11 @@ impl DividedVectors for SpacesOnPart {
         self.copy_from_owners(values).map_err(failed)
     }
 
+    fn sum(&self, own: &[f64]) -> Result<Vec<f64>, CommunicationError> {
+        let length = own.len() as u64;
+        self.meetings.meet(Call::Sum { length }).and_then(|_| self.meetings.sum(own)).map_err(failed)
+    }
+
     fn gather(&self, own: f64) -> Result<Vec<f64>, CommunicationError> {
         let all = self.meetings.meet(Call::Gather { number: own.to_bits() }).map_err(failed)?;
         let numbers = all.into_iter().filter_map(|call| match call {

@@ -1,18 +1,18 @@
-//! Making of parts: of a grid, whose other parts are never built, and of a mesh that all processes have.
+//! Making of parts: of a grid, whose other parts are never built, of a mesh that all processes have, and of one that the first reads.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
+use std::path::Path;
 
 use forms_fem::element::CellShape;
 use forms_fem::mesh::{BOUNDARY, Facet, Mesh, MeshError, RegionNames, straight_map, structured};
 
 use super::MeshPart;
 use super::boxes::boxes;
+use super::cutting::{Cutting, Piece};
 use super::shared_nodes::Vertices;
 use crate::error::PetscError;
 use crate::world::World;
-
-/// The name of this process's cells, while a mesh is divided.
-const OWN: &str = "cells of this process";
 
 impl World {
     /// This process's part of a box \[length\], as [`forms_fem::mesh::cuboid`] makes it: a box of its blocks.
@@ -122,38 +122,67 @@ impl World {
     /// # Errors
     /// [`PetscError::Unfit`] of a mesh with rigid surfaces or hanging nodes; [`PetscError::TooManyProcesses`].
     pub fn divide<const D: usize>(&self, mesh: &Mesh<D>) -> Result<MeshPart<'_, D>, PetscError> {
-        let (processes, cells) = (self.size(), mesh.cell_count());
-        if cells < processes {
-            return Err(PetscError::TooManyProcesses { processes, cells });
-        }
-        let own = self.own_cells(mesh);
-        let mut named = mesh.clone();
-        let part = named.name_listed_cells(OWN, own).and_then(|()| named.part(OWN));
-        let part = self.agree(part.map_err(unfit))?;
-        let is_cut = |facet: &&Facet| {
-            let parent = Facet { cell: part.cells[facet.cell as usize], local: facet.local };
-            mesh.boundary_facets().binary_search(&parent).is_err()
-        };
-        let cut: Vec<Facet> = part.mesh.boundary_facets().iter().filter(is_cut).copied().collect();
-        let list = |names: &mut dyn Iterator<Item = &str>| names.map(str::to_owned).collect::<Vec<_>>();
-        let (cell_names, facet_names) =
-            (list(&mut mesh.cell_region_names()), list(&mut mesh.facet_region_names()));
-        let names = RegionNames { cells: &cell_names, facets: &facet_names };
-        let mut sharers: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-        for rank in (0..processes).filter(|rank| *rank != self.rank()) {
-            for cell in &mesh.cell_order().cells()[self.part_of(rank, cells)] {
-                for node in mesh.cell_vertices(*cell as usize) {
-                    let Ok(local) = part.nodes.binary_search(node) else { continue };
-                    let others = sharers.entry(local as u32).or_default();
-                    if others.last() != Some(&rank) {
-                        others.push(rank);
-                    }
-                }
+        let piece = Cutting::new(self, mesh).and_then(|cutting| cutting.piece(self.rank()).map_err(unfit));
+        Ok(self.agree(piece)?.into_part(self))
+    }
+
+    /// This process's part of a mesh in a Gmsh file ([`Mesh::read_gmsh`]), as [`World::scatter`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn read_gmsh<const D: usize>(&self, path: impl AsRef<Path>) -> Result<MeshPart<'_, D>, PetscError> {
+        self.scatter(|| Mesh::read_gmsh(path))
+    }
+
+    /// This process's part of a mesh in a VTK file ([`Mesh::read_vtk`]), as [`World::scatter`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn read_vtk<const D: usize>(&self, path: impl AsRef<Path>) -> Result<MeshPart<'_, D>, PetscError> {
+        self.scatter(|| Mesh::read_vtk(path))
+    }
+
+    /// This process's part of a mesh that the first process makes or reads, and sends to the others piece by piece: these never have the whole
+    /// mesh. It is divided as by [`World::divide`]. Regions are named in `make`, or on the part.
+    ///
+    /// ```no_run
+    /// # let world = forms_distributed::World::start()?;
+    /// use forms_fem::prelude::*;
+    ///
+    /// let part = world.scatter(|| {
+    ///     let mut mesh = Mesh::<3>::read_gmsh("wheel.msh")?;
+    ///     mesh.name_facets("hub", "boundary", |x| x[0].hypot(x[1]) < 0.1)?;
+    ///     Ok::<_, Box<dyn std::error::Error>>(mesh)
+    /// })?;
+    /// # Ok::<(), forms_distributed::PetscError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`PetscError::Unfit`] with the error of `make`, or that of a mesh that cannot be divided, on all processes.
+    pub fn scatter<const D: usize, E: Display>(
+        &self,
+        make: impl FnOnce() -> Result<Mesh<D>, E>,
+    ) -> Result<MeshPart<'_, D>, PetscError> {
+        let is_first = self.rank() == 0;
+        let mesh = if is_first { make().map(Some).map_err(|error| error.to_string()) } else { Ok(None) };
+        let mesh = self.succeed_on_first(mesh)?.flatten();
+        let cutting = mesh.as_ref().map(|mesh| Cutting::new(self, mesh)).transpose();
+        let cutting = self.succeed_on_first(cutting.map_err(|error| error.to_string()))?.flatten();
+        let mut own = Ok(None);
+        // The first process has its own piece, and one other at a time.
+        for rank in (0..self.size()).rev() {
+            let piece = cutting.as_ref().map(|cutting| cutting.piece(rank)).transpose();
+            let piece = self.succeed_on_first(piece.map_err(|error| error.to_string()))?.flatten();
+            let words = piece.as_ref().filter(|_| rank > 0).map_or_else(Vec::new, Piece::to_words);
+            match self.list_of_first(rank, words)? {
+                Some(_) if rank == 0 => own = Ok(piece),
+                Some(words) => own = Piece::of_words(&words),
+                None => {}
             }
         }
-        let numbers = part.nodes.iter().map(|node| u64::from(*node)).collect();
-        let mesh = part.mesh.into_piece(&cut, names);
-        Ok(MeshPart::new(self, mesh, Vertices { numbers, sharers }))
+        let lost = || PetscError::Unfit { message: "a piece of a mesh was not received".to_owned() };
+        let own = own.map_err(unfit).and_then(|own| own.ok_or_else(lost));
+        Ok(self.agree(own)?.into_part(self))
     }
 }
 

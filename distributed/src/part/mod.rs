@@ -1,6 +1,8 @@
 //! Parts of a mesh: each process has its own cells, and nothing of the size of the whole.
 
 mod boxes;
+mod checkpoint;
+mod cutting;
 mod divided_unknowns;
 mod divided_vectors;
 mod division;
@@ -9,19 +11,16 @@ mod unknown_rows;
 
 use std::any::Any;
 use std::cell::RefCell;
-use std::ffi::OsStr;
-use std::io::Write;
 use std::ops::{Deref, Range};
-use std::path::Path;
 use std::rc::Rc;
 
 use forms_fem::element::Elements;
 use forms_fem::mesh::MeshError;
-use forms_fem::output::{VtuFile, write_whole};
 use forms_fem::prelude::*;
 use forms_fem::solve::{CommunicationError, Communicator, DividedVectors};
 use forms_fem::space::Scope;
 
+pub use self::checkpoint::{PartCheckpoint, StoredCheckpoint};
 pub(crate) use self::divided_unknowns::DividedUnknowns;
 use self::divided_vectors::SpacesOnPart;
 use self::shared_nodes::{SharedNodes, Vertices};
@@ -30,7 +29,8 @@ use crate::node_rows::NodeRows;
 use crate::world::World;
 
 /// This process's part of a mesh: its cells with their nodes, and which nodes other processes have, too. [`World::cuboid`],
-/// [`World::rectangle`] and [`World::structured`] build only the part, [`World::divide`] divides a mesh that all processes have.
+/// [`World::rectangle`] and [`World::structured`] build only the part, [`World::read_gmsh`] and [`World::scatter`] send each process the part of a
+/// mesh that the first has, and [`World::divide`] divides a mesh that all have.
 ///
 /// It serves as the mesh: spaces, constraints and fields on it are those of this process. Its regions are those of the whole mesh, and facets
 /// between parts are on no boundary. A problem `.on(&part)` with a [`PetscSolver::for_part`](crate::PetscSolver::for_part) is solved
@@ -55,8 +55,9 @@ use crate::world::World;
 /// # }
 /// ```
 ///
-/// Refused by name: integrals over interior facets and contact pairs, histories and
-/// motions, relations between unknowns, bounds, projections to continuous spaces, adaptivity.
+/// Load steps, motions and histories take `.on(&part)` in the same way, [`VtuFile::on`](forms_fem::output::VtuFile::on) writes all parts, and
+/// [`PartCheckpoint`] keeps them. Refused by name: integrals over interior facets and contact pairs, relations between unknowns, bounds,
+/// projections to continuous spaces, adaptivity.
 pub struct MeshPart<'w, const D: usize> {
     world: &'w World,
     mesh: Mesh<D>,
@@ -187,35 +188,6 @@ impl<'w, const D: usize> MeshPart<'w, D> {
         self.world.sum(&sums)
     }
 
-    /// Files of all parts, which ParaView opens as one mesh: `out/block.pvd` lists `block_0000.vtu`, the part of the first process, and so on.
-    ///
-    /// # Errors
-    /// [`PetscError::Unfit`] where a file cannot be written, or the path names none.
-    pub fn write(&self, path: impl AsRef<Path>, file: &VtuFile<'_, D>) -> Result<(), PetscError> {
-        let (path, unfit) = (path.as_ref(), |message: String| PetscError::Unfit { message });
-        let name = |rank: usize| {
-            let stem = path.file_stem().and_then(OsStr::to_str);
-            let stem = stem.ok_or_else(|| unfit(format!("{} names no file", path.display())))?;
-            Ok::<_, PetscError>(format!("{stem}_{rank:04}.vtu"))
-        };
-        let own = name(self.world.rank())
-            .and_then(|own| file.write(path.with_file_name(own)).map_err(|error| unfit(error.to_string())));
-        self.world.agree(own)?;
-        let list = || {
-            let mut list =
-                "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n"
-                    .to_owned();
-            for rank in 0..self.world.size() {
-                let name = name(rank)?.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
-                list.push_str(&format!("<DataSet timestep=\"0\" part=\"{rank}\" file=\"{name}\"/>\n"));
-            }
-            list.push_str("</Collection>\n</VTKFile>\n");
-            let written = write_whole(path, |writer| writer.write_all(list.as_bytes()));
-            written.map_err(|error| unfit(error.to_string()))
-        };
-        Ok(self.world.agree(if self.world.rank() == 0 { list() } else { Ok(()) })?)
-    }
-
     /// The vectors over the unknowns of spaces on this part.
     fn vectors(&self, spaces: &[&Arc<Space<D>>]) -> Result<Rc<SpacesOnPart>, PetscError> {
         let on_part = spaces.iter().all(|space| space.mesh().is_same(&self.mesh));
@@ -267,7 +239,7 @@ impl<const D: usize> Communicator for MeshPart<'_, D> {
     /// Refused: no process has whole vectors.
     fn sum(&self, _own: &[f64]) -> Result<Vec<f64>, CommunicationError> {
         Err(CommunicationError::Divided {
-            what: "sums of whole vectors (as of motions and histories)".to_owned(),
+            what: "sums of whole vectors".to_owned(),
         })
     }
 

@@ -20,10 +20,10 @@ pub(super) struct Vertices {
 }
 
 /// Vertices in the whole mesh, each with a weight: the same on all processes, and of one node.
-type Key = Vec<u64>;
+pub(super) type Key = Vec<u64>;
 
 /// Vertices of a cell with weights.
-type Support = Vec<(usize, u64)>;
+pub(super) type Support = Vec<(usize, u64)>;
 
 /// Parts of one in which weights are counted.
 const STEPS: f64 = 1e6;
@@ -102,19 +102,14 @@ fn candidates<const D: usize>(
         scope => return Err(PetscError::Divided { what: format!("spaces {scope}") }),
     }
     let mesh = space.mesh();
-    let mut supports: Vec<(CellShape, Vec<Support>)> = vec![];
+    let mut supports = Supports::default();
     for cell in 0..mesh.cell_count() {
         let corners = mesh.cell_vertices(cell);
         let shared: Vec<Option<&Vec<usize>>> = corners.iter().map(|one| vertices.sharers.get(one)).collect();
         if shared.iter().all(Option::is_none) {
             continue;
         }
-        let shape = mesh.cell_shape(cell);
-        if !supports.iter().any(|(known, _)| *known == shape) {
-            supports.push((shape, supports_of::<D>(space.cell_element(cell))));
-        }
-        let own = supports.iter().find(|(known, _)| *known == shape).map_or(&[][..], |(_, own)| own);
-        for (node, support) in space.cell_nodes(cell).iter().zip(own) {
+        for (node, support) in space.cell_nodes(cell).iter().zip(supports.of(space, cell)) {
             let all: Option<Vec<&Vec<usize>>> = support.iter().map(|(corner, _)| shared[*corner]).collect();
             let Some((first, others)) = all.as_deref().and_then(<[_]>::split_first) else { continue };
             let is_everywhere = |rank: &&usize| others.iter().all(|ranks| ranks.contains(rank));
@@ -122,11 +117,7 @@ fn candidates<const D: usize>(
             if ranks.is_empty() {
                 continue;
             }
-            let number =
-                |(corner, weight): &(usize, u64)| [vertices.numbers[corners[*corner] as usize], *weight];
-            let mut key: Vec<[u64; 2]> = support.iter().map(number).collect();
-            key.sort_unstable();
-            let (known, _) = found.entry(key.into_flattened()).or_insert((*node, ranks));
+            let (known, _) = found.entry(vertices.key(corners, support)).or_insert((*node, ranks));
             if known != node {
                 let what = "elements with several nodes at one place".to_owned();
                 return Err(PetscError::Divided { what });
@@ -134,6 +125,30 @@ fn candidates<const D: usize>(
         }
     }
     Ok(found)
+}
+
+impl Vertices {
+    /// The key of a node between some of the corners of a cell.
+    pub fn key(&self, corners: &[u32], support: &Support) -> Key {
+        let number = |(corner, weight): &(usize, u64)| [self.numbers[corners[*corner] as usize], *weight];
+        let mut key: Vec<[u64; 2]> = support.iter().map(number).collect();
+        key.sort_unstable();
+        key.into_flattened()
+    }
+}
+
+/// The supports of the nodes of cells, by the shape of these.
+#[derive(Default)]
+pub(super) struct Supports(Vec<(CellShape, Vec<Support>)>);
+
+impl Supports {
+    pub fn of<const D: usize>(&mut self, space: &Space<D>, cell: usize) -> &[Support] {
+        let shape = space.mesh().cell_shape(cell);
+        if !self.0.iter().any(|(known, _)| *known == shape) {
+            self.0.push((shape, supports_of::<D>(space.cell_element(cell))));
+        }
+        self.0.iter().find(|(known, _)| *known == shape).map_or(&[][..], |(_, own)| own)
+    }
 }
 
 /// The vertices of the smallest edge, face or cell that has a node, with the values of their linear functions there: for each node of an

@@ -66,9 +66,11 @@ macro_rules! choices_of {
             }
 
             /// Steps and adjoints on several processes: each assembles the tangents of its part of the cells. The linear solver has to
-            /// take matrices that are sums over the processes. All processes have the same states, gradients and Hessians.
+            /// take matrices that are sums over the processes. All processes have the same states, on pieces of a mesh those of the piece, and
+            /// the same gradients and Hessians.
             pub fn on(mut self, communicator: &'a dyn Communicator) -> Self {
-                self.equations.communicator = Some(communicator).filter(|all| all.size() > 1);
+                let is_piece = self.unknowns_on()[0].mesh().is_piece();
+                self.equations.communicator = Some(communicator).filter(|all| is_piece || all.size() > 1);
                 self
             }
 
@@ -134,10 +136,9 @@ macro_rules! choices_of {
             ) -> Result<(), HistoryFailure> {
                 let [values, changes] = pair.map(|values| fields_on(&self.unknowns_on(), values));
                 let (values, changes) = (values?, changes?);
-                let (at, assembler) =
-                    (ControlValues::new(&self.controls, step, None), &self.equations.assembler);
-                self.criterion.add_slope(&at, assembler, &values, slope)?;
-                self.criterion.add_curvature(&at, assembler, [&values, &changes], change)
+                let at = ControlValues::new(&self.controls, step, None);
+                self.criterion.add_slope(&at, &self.equations, &values, slope)?;
+                self.criterion.add_curvature(&at, &self.equations, [&values, &changes], change)
             }
         }
 

@@ -263,6 +263,11 @@ impl<const D: usize> Controls<D> {
         self.entries.iter().find(is_start).map(|entry| &*entry.name)
     }
 
+    /// Whether a control is a field, or a start.
+    pub(super) fn has_fields(&self) -> bool {
+        self.entries.iter().any(|entry| matches!(entry.kind, Kind::Field(_) | Kind::Start(..)))
+    }
+
     /// The names of the controls whose rates a form has to give.
     pub(super) fn tested(&self) -> impl Iterator<Item = &str> {
         self.entries.iter().filter(|entry| !matches!(entry.kind, Kind::Start(..))).map(|entry| &*entry.name)

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::controls::{ControlError, ControlValues};
+use super::controls::{ControlError, ControlValues, Controls};
 use super::error::HistoryFailure;
 use super::observations::Observations;
 use super::second_order::Hessian;
+use super::step_equations::StepEquations;
 use super::sweep::{Gradient, Work};
-use crate::assemble::Assembler;
 use crate::contract::{Energy, Role};
 use crate::field::Field;
 use crate::linear_algebra::vector::add_scaled;
@@ -43,6 +43,17 @@ fn unknown_of<const D: usize>(observations: &Observations<D>, states: &[Field<D>
 /// The number of coefficients of the unknowns before one.
 fn values_before<const D: usize>(unknown: usize, states: &[Field<D>]) -> usize {
     states[..unknown].iter().map(|field| field.values().len()).sum()
+}
+
+/// Parts of a history that need all of a mesh on each process.
+pub(super) fn whole_only<const D: usize>(
+    controls: &Controls<D>,
+    criterion: &Criterion<'_, D>,
+) -> [(bool, &'static str); 2] {
+    [
+        (controls.has_fields(), "controls that are fields"),
+        (!criterion.observations.is_empty(), "observations"),
+    ]
 }
 
 impl<'a, const D: usize> Criterion<'a, D> {
@@ -89,13 +100,14 @@ impl<'a, const D: usize> Criterion<'a, D> {
     pub fn value(
         &self,
         at: &ControlValues<D>,
-        assembler: &Assembler<D>,
+        equations: &StepEquations<'_, D>,
         after: &[Field<D>],
     ) -> Result<f64, HistoryFailure> {
         let energy = match &self.energy {
             Some(energy) => {
                 let energy = energy(at)?;
-                assembler.energy(&energy, &read_by(&energy, after))?
+                let own = equations.assembler.energy(&energy, &read_by(&energy, after))?;
+                equations.totals(vec![own])?[0]
             }
             None => 0.0,
         };
@@ -112,7 +124,7 @@ impl<'a, const D: usize> Criterion<'a, D> {
     pub fn add_slope(
         &self,
         at: &ControlValues<D>,
-        assembler: &Assembler<D>,
+        equations: &StepEquations<'_, D>,
         after: &[Field<D>],
         slope: &mut [f64],
     ) -> Result<(), HistoryFailure> {
@@ -120,8 +132,9 @@ impl<'a, const D: usize> Criterion<'a, D> {
             let energy = energy(at)?;
             let read = read_by(&energy, after);
             let spaces: Vec<&Arc<Space<D>>> = read.iter().map(|field| field.space()).collect();
-            let found = assembler.residual(&energy, &read, &spaces)?;
-            add_scaled(&mut slope[..found.len()], 1.0, &found);
+            let mut found = equations.assembler.residual(&energy, &read, &spaces)?;
+            found.resize(slope.len(), 0.0);
+            add_scaled(slope, 1.0, &equations.completed(None, found)?);
         }
         for observations in self.observations.get(&at.step()).into_iter().flatten() {
             let unknown = unknown_of(observations, after);
@@ -138,7 +151,7 @@ impl<'a, const D: usize> Criterion<'a, D> {
     pub fn add_curvature(
         &self,
         at: &ControlValues<D>,
-        assembler: &Assembler<D>,
+        equations: &StepEquations<'_, D>,
         [after, change]: [&[Field<D>]; 2],
         curvature: &mut [f64],
     ) -> Result<(), HistoryFailure> {
@@ -146,8 +159,9 @@ impl<'a, const D: usize> Criterion<'a, D> {
             let energy = energy(at)?;
             let (read, changed) = (read_by(&energy, after), read_by(&energy, change));
             let spaces: Vec<&Arc<Space<D>>> = read.iter().map(|field| field.space()).collect();
-            let product = assembler.action(&energy, &read, &changed, &spaces)?;
-            add_scaled(&mut curvature[..product.len()], 1.0, &product);
+            let mut product = equations.assembler.action(&energy, &read, &changed, &spaces)?;
+            product.resize(curvature.len(), 0.0);
+            add_scaled(curvature, 1.0, &equations.completed(None, product)?);
         }
         for observations in self.observations.get(&at.step()).into_iter().flatten() {
             let unknown = unknown_of(observations, after);

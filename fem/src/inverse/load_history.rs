@@ -10,7 +10,7 @@ pub use self::second_order::{SecondOrderState, SecondOrderStates};
 use super::checkpoint_store::Storage;
 use super::choices::choices_of;
 use super::controls::{ControlError, ControlValues, Controls, Start};
-use super::criterion::Criterion;
+use super::criterion::{Criterion, whole_only};
 use super::differentiable_map::Part;
 use super::error::{HistoryError, HistoryFailure};
 use super::evolution::{ControlledEvolution, Evolution};
@@ -26,6 +26,7 @@ use crate::constraints::{Constraints, ConstraintsError};
 use crate::contract::{Energy, Form, Functional};
 use crate::field::{Field, FieldView, fields_on};
 use crate::instantiate::instantiate;
+use crate::solve::communicator::Fingerprint;
 use crate::solve::{Communicator, LinearSolver, NewtonOptions, PerUnknown, SolverReport};
 use crate::space::Space;
 use crate::time::conditions::Conditions;
@@ -173,8 +174,8 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
             return Err(ControlError::NoRate { name: name.to_owned() }.into());
         }
         self.criterion.check(&self.unknowns_on(), self.steps)?;
-        self.equations.forget();
         self.before_is_read.set(false);
+        self.equations.begin(whole_only(&self.controls, &self.criterion))?;
         Ok(self.controls.set_values(m)?)
     }
 
@@ -227,7 +228,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
     ) -> Result<Vec<f64>, HistoryFailure> {
         let (before, after) = (self.fields(before)?, self.fields(after)?);
         let at = ControlValues::new(&self.controls, step, None);
-        self.criterion.add_slope(&at, &self.equations.assembler, &after, &mut slope)?;
+        self.criterion.add_slope(&at, &self.equations, &after, &mut slope)?;
         let at = ControlValues::new(&self.controls, step, Some((&before, &self.before_is_read)));
         let (form, constraints) = (self.form(&at)?, self.conditions(step)?);
         let adjoint = self.equations.adjoint(Solution::Step(step), &form, &constraints, &after, &slope)?;
@@ -237,7 +238,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         let constants = self.equations.constants()?;
         let tests = self.tests_before(&form);
         let controls = (&self.controls, self.remembers());
-        add_sensitivities(&rates, step, controls, (&tests, &constants), &self.equations.assembler, gradient)
+        add_sensitivities(&rates, step, controls, (&tests, &constants), &self.equations, gradient)
     }
 }
 
@@ -263,7 +264,7 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
     fn cost(&mut self, step: usize, _: &[f64], after: &[f64]) -> Result<f64, HistoryError> {
         let value = || {
             let (after, at) = (self.fields(after)?, ControlValues::new(&self.controls, step, None));
-            self.criterion.value(&at, &self.equations.assembler, &after)
+            self.criterion.value(&at, &self.equations, &after)
         };
         value().map_err(|why| why.at(step))
     }
@@ -306,7 +307,12 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
                     .flat_map(|all| all.pairs.contact_topology());
                 switches.get_or_insert_default().extend(met);
             }
-            Ok(switches)
+            // On pieces of a mesh a number that tells apart the switches of all.
+            let own = Fingerprint::default().numbers(switches.iter().flatten().map(|on| u64::from(*on)));
+            match self.equations.processes().fingerprint(form.name(), &own)? {
+                Some(all) if switches.is_some() => Ok(Some(vec![all as u32, (all >> 32) as u32])),
+                _ => Ok(switches),
+            }
         };
         found().map_err(|why| why.at(step))
     }

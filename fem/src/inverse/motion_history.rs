@@ -186,7 +186,8 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         self.controls.check(&self.unknowns_on(), self.sizes.count())?;
         self.controls.are_not(&[&OPERATORS[..], &[BEFORE]].concat())?;
         self.criterion.check(&self.unknowns_on(), self.sizes.count())?;
-        self.equations.forget();
+        let lumps = (self.mass == Mass::Lumped, "adjoint states of motions with lumped masses");
+        self.equations.begin(whole_only(&self.controls, &self.criterion).into_iter().chain([lumps]))?;
         self.reading = Reading::Unseen;
         self.before_is_read.set(false);
         Ok(self.controls.set_values(m)?)
@@ -367,7 +368,7 @@ impl<const D: usize> Evolution for MotionHistory<'_, D> {
         let value = || {
             let after = self.values_in(after)?;
             let at = ControlValues::new(&self.controls, step, None);
-            self.criterion.value(&at, &self.equations.assembler, &after)
+            self.criterion.value(&at, &self.equations, &after)
         };
         value().map_err(|why| why.at(step))
     }
@@ -384,7 +385,7 @@ impl<const D: usize> Evolution for MotionHistory<'_, D> {
             let values = self.values_in(after)?;
             let at = ControlValues::new(&self.controls, step, None);
             let own = &mut slope[..self.count()];
-            self.criterion.add_slope(&at, &self.equations.assembler, &values, own)?;
+            self.criterion.add_slope(&at, &self.equations, &values, own)?;
             self.reverse_by(&self.interval(step)?, [before, after], &slope, gradient)
         };
         reverse().map_err(|why| why.at(step))

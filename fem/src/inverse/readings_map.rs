@@ -5,6 +5,8 @@ use super::error::{HistoryError, HistoryFailure};
 use super::evolution::{ControlledEvolution, Evolution};
 use super::readings::Readings;
 use super::sweep::{gradient_of, value_of};
+use crate::assemble::AssemblyError;
+use crate::mesh::TAKE_THE_WHOLE;
 
 /// Readings of the states after some steps of a history as a map of its controls. A product F′ᵀ w is the gradient of their sum
 /// with the weights w: one way back.
@@ -33,6 +35,11 @@ impl<H: ControlledEvolution<D>, const D: usize> ReadingsMap<H, D> {
     /// # Errors
     /// [`HistoryFailure::OwnCriterion`].
     pub fn new(history: H) -> Result<Self, HistoryError> {
+        if let Some(space) = history.spaces().first() {
+            let whole = space.mesh().without_pieces("a reading of a history", TAKE_THE_WHOLE);
+            let failed = |source| AssemblyError::Mesh { form: "readings", source };
+            whole.map_err(|source| HistoryFailure::from(failed(source)).at(0))?;
+        }
         if history.has_criterion() {
             return Err(HistoryFailure::OwnCriterion.at(0));
         }

@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use super::controls::{ControlError, Controls};
 use super::error::HistoryFailure;
-use crate::assemble::Assembler;
+use super::step_equations::StepEquations;
 use crate::contract::{Form, Role};
+use crate::linear_algebra::vector::add_scaled;
 use crate::space::Space;
 
 /// The test function of the derivative by the state before.
@@ -64,13 +65,13 @@ pub(super) fn add_sensitivities<const D: usize>(
     step: usize,
     (controls, remembers): (&Controls<D>, bool),
     (before, constants): (&[(String, &Arc<Space<D>>)], &Arc<Space<D>>),
-    assembler: &Assembler<D>,
+    equations: &StepEquations<'_, D>,
     gradient: &mut [f64],
 ) -> Result<Vec<f64>, HistoryFailure> {
     let wanted = Wanted::when(remembers);
     let own = before.iter().map(|(name, space)| Own { name, meaning: OF_BEFORE, wanted, space });
     let own: Vec<Own<'_, D>> = own.collect();
-    Ok(rows_of(rates, &own, step, controls, constants, assembler, gradient)?.concat())
+    Ok(rows_of(rates, &own, step, controls, constants, equations, gradient)?.concat())
 }
 
 /// A test function of a form of rates that belongs to no control, and why it is wanted, if it is.
@@ -107,7 +108,7 @@ pub(super) fn rows_of<const D: usize>(
     step: usize,
     controls: &Controls<D>,
     constants: &Arc<Space<D>>,
-    assembler: &Assembler<D>,
+    equations: &StepEquations<'_, D>,
     gradient: &mut [f64],
 ) -> Result<Vec<Vec<f64>>, HistoryFailure> {
     let tests = tests(rates, controls, own)?;
@@ -119,17 +120,19 @@ pub(super) fn rows_of<const D: usize>(
     let spaces: Vec<&Arc<Space<D>>> = tests.iter().filter_map(space_of).collect();
     let unread = |name: &str| own.iter().any(|own| own.name == name && own.wanted == Wanted::No);
     let left_out: Vec<usize> = (0..tests.len()).filter(|number| unread(tests[*number])).collect();
-    let rows = assembler.residual_without(rates, &spaces, &left_out)?;
+    let rows = equations.assembler.residual_without(rates, &spaces, &left_out)?;
     let mut rest = &rows[..];
     let mut own_rows: Vec<Vec<f64>> = own.iter().map(|own| vec![0.0; own.space.unknowns()]).collect();
+    let mut by_controls = vec![0.0; gradient.len()];
     for (name, space) in tests.iter().zip(&spaces) {
         let (row, others) = rest.split_at(space.unknowns());
         match place(name) {
-            Some(place) => own_rows[place].copy_from_slice(row),
-            None => controls.add_rate(name, step, row, gradient),
+            Some(place) => own_rows[place] = equations.completed(Some(space), row.to_vec())?,
+            None => controls.add_rate(name, step, row, &mut by_controls),
         }
         rest = others;
     }
+    add_scaled(gradient, 1.0, &equations.totals(by_controls)?);
     Ok(own_rows)
 }
 

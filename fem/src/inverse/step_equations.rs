@@ -10,8 +10,8 @@ use crate::field::{Field, FieldView, fields_on};
 use crate::instantiate::instantiate;
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::{
-    Communicator, Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, SolverReport, StepMemory,
-    Transpose, on_part_of_cells, solve_linear, solve_linear_transposed, solve_owned, summed,
+    Communicator, Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, Processes,
+    SolverReport, StepMemory, Transpose, solve_linear, solve_linear_transposed, solve_owned,
 };
 use crate::space::Space;
 
@@ -23,6 +23,9 @@ pub(super) struct StepEquations<'a, const D: usize> {
     pub positive: Vec<Functional<D>>,
     /// The processes that solve each step together, if there are several.
     pub communicator: Option<&'a dyn Communicator>,
+    /// The same with the division of vectors over all unknowns, and over each.
+    processes: Processes<'a>,
+    of_unknowns: Vec<Processes<'a>>,
     spaces: Vec<Arc<Space<D>>>,
     solver: LentSolver<'a>,
     pattern: Option<Arc<BlockPattern<D>>>,
@@ -32,6 +35,9 @@ pub(super) struct StepEquations<'a, const D: usize> {
     /// The step whose tangent at its solution is the solver's matrix.
     tangent_of: Option<Solution>,
 }
+
+/// Name of a history in errors of exchanges.
+const HISTORY: &str = "a history";
 
 /// The number of a solution, by which its adjoint finds it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +56,8 @@ impl<'a, const D: usize> StepEquations<'a, D> {
             options: NewtonOptions::default(),
             positive: vec![],
             communicator: None,
+            processes: Processes::default(),
+            of_unknowns: vec![],
             spaces: spaces.iter().map(|space| Arc::clone(space)).collect(),
             solver: LentSolver::default(),
             pattern: None,
@@ -72,9 +80,51 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         self.solver.get().report()
     }
 
-    /// The solver's tangent is out of date from now on: data may have changed.
-    pub fn forget(&mut self) {
+    /// The start with other data, after which the solver's tangent is out of date. It refuses what histories on pieces of a mesh do not have.
+    ///
+    /// # Errors
+    /// [`crate::solve::CommunicationError::Divided`]; a failed exchange.
+    pub fn begin(
+        &mut self,
+        refused: impl IntoIterator<Item = (bool, &'static str)>,
+    ) -> Result<(), HistoryFailure> {
         self.tangent_of = None;
+        let spaces: Vec<_> = self.spaces.iter().collect();
+        self.processes = Processes::on(self.communicator, &spaces, HISTORY)?;
+        self.of_unknowns = vec![];
+        if self.processes.divided().is_none() {
+            return Ok(());
+        }
+        self.processes.refuse(HISTORY, refused)?;
+        for space in &spaces {
+            self.of_unknowns.push(Processes::on(self.communicator, &[*space], HISTORY)?);
+        }
+        // Vectors and functionals are of this process's piece, too, and are added up.
+        self.assembler = self.processes.assembler(&self.assembler, spaces[0].mesh(), HISTORY)?;
+        Ok(())
+    }
+
+    /// The processes.
+    pub fn processes(&self) -> &Processes<'a> {
+        &self.processes
+    }
+
+    /// A vector over the unknowns, or those on one space, that was assembled by [`Self::assembler`].
+    ///
+    /// # Errors
+    /// A failed exchange.
+    pub fn completed(&self, on: Option<&Arc<Space<D>>>, own: Vec<f64>) -> Result<Vec<f64>, AssemblyError> {
+        let place = on.and_then(|space| self.spaces.iter().position(|own| Arc::ptr_eq(own, space)));
+        let processes = place.and_then(|place| self.of_unknowns.get(place)).unwrap_or(&self.processes);
+        processes.completed(HISTORY, Ok(own))
+    }
+
+    /// Numbers that were integrated by [`Self::assembler`].
+    ///
+    /// # Errors
+    /// A failed exchange.
+    pub fn totals(&self, own: Vec<f64>) -> Result<Vec<f64>, AssemblyError> {
+        self.processes.totals(HISTORY, Ok(own))
     }
 
     /// The space of constants per cell.
@@ -90,8 +140,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
 
     /// The assembler of tangents: on several processes of this one's part of the cells. Vectors and functionals are assembled whole on each.
     fn of_tangents(&self) -> Result<Assembler<D>, HistoryFailure> {
-        let Some(communicator) = self.communicator else { return Ok(self.assembler.clone()) };
-        Ok(on_part_of_cells(&self.assembler, self.spaces[0].mesh(), communicator, "a history")?)
+        Ok(self.processes.assembler(&self.assembler, self.spaces[0].mesh(), HISTORY)?)
     }
 
     /// The places of a tangent's entries at a state: those that are known, unless pairs of displaced surfaces have left them.
@@ -161,7 +210,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         solution: &[Field<D>],
         slope: &[f64],
     ) -> Result<Vec<Field<D>>, HistoryFailure> {
-        if slope.iter().all(|rate| *rate == 0.0) {
+        if !self.processes.any(form.name(), slope.iter().any(|rate| *rate != 0.0))? {
             // Nothing depends on this step, as on one that only leads to the next.
             return Ok(self.spaces.iter().map(Field::zero).collect());
         }
@@ -203,7 +252,8 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     ) -> Result<Vec<Field<D>>, HistoryFailure> {
         let load: Vec<f64> = load.iter().map(|load| -load).collect();
         let constraints: Vec<_> = constraints.iter().map(Constraints::homogeneous).collect();
-        let mut elimination = Elimination::of(&constraints.iter().collect::<Vec<_>>())?;
+        let own = Elimination::of(&constraints.iter().collect::<Vec<_>>())?;
+        let mut elimination = self.processes.elimination(form.name(), own)?;
         let found = if self.tangent_of == Some(number) && self.solver.get().judges_equations() {
             let found = self.solver.get().solve_with(&elimination.reduce(&load)?, 0.0, transpose)?;
             elimination.extend_by_zero(&found.solution)?
@@ -241,7 +291,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     /// # Errors
     /// A failed exchange.
     pub fn summed(&self, form: &Form<D>, own: Vec<f64>) -> Result<Vec<f64>, AssemblyError> {
-        summed(self.communicator, form.name(), Ok(own))
+        self.processes.added_up(form.name(), Ok(own))
     }
 }
 

@@ -132,14 +132,10 @@ impl<S: Serialize + DeserializeOwned> Checkpoint<S> {
     }
 }
 
-/// The checksum of what a checkpoint holds: FNV-1a of 64 bits over its text. A value that was read gives the text that was
+/// The checksum of what a checkpoint holds, over its text. A value that was read gives the text that was
 /// written, whatever spaces stood between, for names are in alphabetical order and numbers come back to the last bit.
 fn checksum(checkpoint: &Value) -> String {
-    const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
-    const PRIME: u64 = 0x0000_0100_0000_01b3;
-    let sum =
-        checkpoint.to_string().bytes().fold(BASIS, |sum, byte| (sum ^ u64::from(byte)).wrapping_mul(PRIME));
-    format!("{sum:016x}")
+    format!("{:016x}", crate::output::checksum(checkpoint.to_string().bytes()))
 }
 
 #[cfg(test)]

@@ -11,7 +11,8 @@ use thiserror::Error;
 use super::step::State;
 use crate::field::{Field, FieldError};
 use crate::instantiate::instantiate;
-use crate::output::write_whole;
+use crate::mesh::MeshError;
+use crate::output::{checksum, write_whole};
 use crate::solve::PerUnknown;
 use crate::space::Space;
 
@@ -43,6 +44,9 @@ pub enum CheckpointError {
     /// It was written on another space.
     #[error("{} was written on another space: its nodes are not those of this one", path.display())]
     OtherSpace { path: PathBuf },
+    /// One process's piece of a mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
     /// A number of a field is not finite.
     #[error("{}: {why}", path.display())]
     Field {
@@ -62,6 +66,7 @@ impl<const D: usize> Checkpoint<D> {
     /// The system's error, with the name of the file.
     #[inline(never)]
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {
+        self.states.iter().flatten().try_for_each(|state| no_piece(state.value.space()))?;
         let mut text = String::new();
         for state in self.states.iter().flatten() {
             let _ = writeln!(text, "{:e}", state.time);
@@ -73,7 +78,7 @@ impl<const D: usize> Checkpoint<D> {
         }
         let spaces = self.states.iter().take(1).flatten().map(|state| state.value.space());
         let space = fingerprint(&spaces.collect::<Vec<_>>());
-        let sum = hash(text.bytes());
+        let sum = checksum(text.bytes());
         let (steps, count) = (self.steps, self.states.len());
         Ok(write_whole(path, |file| write!(file, "{TITLE}\n{steps}\n{count}\n{space}\n{sum}\n{text}"))?)
     }
@@ -92,6 +97,7 @@ impl<const D: usize> Checkpoint<D> {
 
     #[inline(never)]
     fn read_on(path: &Path, spaces: &[&Arc<Space<D>>]) -> Result<Option<Self>, CheckpointError> {
+        spaces.iter().try_for_each(|space| no_piece(space))?;
         let text = match std::fs::read_to_string(path) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(error) => {
@@ -108,7 +114,7 @@ impl<const D: usize> Checkpoint<D> {
         if lines.number::<u64>("the number of the space")? != fingerprint(spaces) {
             return Err(CheckpointError::OtherSpace { path: path.to_owned() });
         }
-        if lines.number::<u64>("the checksum")? != hash(lines.rest.bytes()) {
+        if lines.number::<u64>("the checksum")? != checksum(lines.rest.bytes()) {
             return Err(lines.unexpected("the checksum of what follows"));
         }
         let mut states = vec![];
@@ -124,6 +130,12 @@ impl<const D: usize> Checkpoint<D> {
         }
         Ok(Some(Checkpoint { states, steps }))
     }
+}
+
+/// Refuses the piece of a mesh that one process has, whose file would be that of all.
+fn no_piece<const D: usize>(space: &Space<D>) -> Result<(), CheckpointError> {
+    let instead = "take `PartCheckpoint`, a file of all processes";
+    Ok(space.mesh().without_pieces("a checkpoint of one process", instead)?)
 }
 
 /// The lines of a file that are left.
@@ -159,15 +171,10 @@ impl<'a> Lines<'a> {
 
 /// A number of the spaces' components and of the positions of their nodes.
 fn fingerprint<const D: usize>(spaces: &[&Arc<Space<D>>]) -> u64 {
-    hash(spaces.iter().flat_map(|space| {
+    checksum(spaces.iter().flat_map(|space| {
         let coordinates = space.positions().iter().flatten().flat_map(|x| x.to_bits().to_le_bytes());
         (space.components() as u64).to_le_bytes().into_iter().chain(coordinates)
     }))
-}
-
-/// The 64-bit hash of Fowler, Noll and Vo (1a): it tells damage, not malice.
-fn hash(bytes: impl Iterator<Item = u8>) -> u64 {
-    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
 instantiate!(checkpoint: fingerprint::<D>, Checkpoint::<D>::read_on);

@@ -94,8 +94,8 @@ pub enum StepFailure {
     /// Unknowns without inertia, as those of nodes at which there is no density, with a scheme that reads accelerations of states
     /// there: the trapezoidal and the mid-point rule and backward differences read none except for inertia.
     #[error(
-        "{} unknowns, unknown {} the first, have no inertia, and the scheme reads accelerations there: take the trapezoidal or the mid-point rule, or backward differences",
-        .unknowns.len(), .unknowns[0]
+        "{} have no inertia, and the scheme reads accelerations there: take the trapezoidal or the mid-point rule, or backward differences",
+        listed(.unknowns)
     )]
     Massless { unknowns: Vec<usize> },
     /// Lumped masses of related unknowns.
@@ -130,6 +130,14 @@ pub enum StepFailure {
     /// A tolerance that no step could keep.
     #[error("the tolerance {0} is no positive number")]
     Tolerance(f64),
+}
+
+/// Unknowns by their number and the first of them. A process may have none of those that another has.
+fn listed(unknowns: &[usize]) -> String {
+    match unknowns.first() {
+        Some(first) => format!("{} unknowns, unknown {first} the first,", unknowns.len()),
+        None => "unknowns of another process".to_owned(),
+    }
 }
 
 impl From<SolveError> for StepFailure {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::error::StepFailure;
-use super::mass::{Mass, check_inertia, diagonal, largest_of_rows, lumped, row_sums};
+use super::mass::{Mass, diagonal, largest_of_rows, lumped, row_sums, without_inertia};
 use super::step_cost::StepCost;
 use crate::assemble::{Assembler, AssemblyError, BlockPattern, Parts, ValuesBefore};
 use crate::contract::Form;
@@ -13,7 +13,7 @@ use crate::instantiate::instantiate;
 use crate::linear_algebra::equations::Equations;
 use crate::linear_algebra::vector::{add_scaled, largest};
 use crate::linear_algebra::{BlockMatrix, CsrMatrix};
-use crate::solve::{Communicator, Elimination, LinearSolver, SolverError, agreed, groups_of, summed};
+use crate::solve::{Elimination, LinearSolver, Processes, SolverError, agreed, groups_of};
 use crate::space::Space;
 
 /// The matrix of steps with the same weights, on several processes this one's part; the solver has its reduced form and the factor.
@@ -42,8 +42,8 @@ pub(super) struct LinearStep {
 pub(super) struct Means<'a, const D: usize> {
     /// On several processes of this one's part of the cells.
     pub assembler: &'a Assembler<D>,
-    /// The processes that add up what they assemble, if there are several.
-    pub communicator: Option<&'a dyn Communicator>,
+    /// The processes that add up what they assemble.
+    pub processes: &'a Processes<'a>,
     pub pattern: &'a Arc<BlockPattern<D>>,
     pub solver: &'a mut dyn LinearSolver,
     pub mass: Mass,
@@ -52,7 +52,7 @@ pub(super) struct Means<'a, const D: usize> {
 impl<const D: usize> Means<'_, D> {
     /// Hands the solver a matrix, on several processes this one's part of it.
     fn set_matrix(&mut self, own: CsrMatrix) -> Result<(), SolverError> {
-        let Some(communicator) = self.communicator else { return self.solver.set_matrix(own) };
+        let Some(communicator) = self.processes.communicator() else { return self.solver.set_matrix(own) };
         self.solver.set_processes(communicator.size())?;
         let set = self.solver.set_matrix(own);
         // The next matrix is a whole one, unless its owner says otherwise; a solver that takes none then says so.
@@ -87,12 +87,12 @@ pub(super) fn solve<const D: usize>(
     check: Check,
 ) -> Result<LinearStep, StepFailure> {
     let mut cost = StepCost::default();
-    let (assembler, communicator) = (means.assembler, means.communicator);
+    let (assembler, processes) = (means.assembler, means.processes);
     let residual_at = |values: &[f64], cost: &mut StepCost| {
         let begun = Instant::now();
         let views = views_on(spaces, values);
         let own = assembler.residual_of(form, &views, spaces, Parts::ALL);
-        let residual = summed(communicator, form.name(), own);
+        let residual = processes.added_up(form.name(), own);
         cost.residuals += 1;
         cost.residual_seconds += begun.elapsed().as_secs_f64();
         residual
@@ -101,7 +101,8 @@ pub(super) fn solve<const D: usize>(
     let load: Vec<f64> = elimination.reduce(&before)?.iter().map(|value| -value).collect();
     let known = kept.take().filter(|kept| kept.weights == weights && kept.free == elimination.free());
     // A relation may have other factors than before without another free unknown.
-    let mut fresh = known.is_none() || !elimination.only_prescribes();
+    let fresh = known.is_none() || !elimination.only_prescribes();
+    let mut fresh = processes.any(form.name(), fresh)?;
     let mut matrix = match known {
         Some(known) if !fresh => known,
         _ => StepMatrix::assemble((form, weights), (spaces, guess), elimination, means, &mut cost)?,
@@ -114,13 +115,13 @@ pub(super) fn solve<const D: usize>(
         let mut unknown = guess.to_vec();
         add_scaled(&mut unknown, 1.0, &step);
         if check == Check::Nothing || matrix.lumped.is_some() {
-            let residual = matrix.residual_after(&before, &step, form.name(), communicator)?;
+            let residual = matrix.residual_after(&before, &step, form.name(), processes)?;
             *kept = Some(matrix);
             return Ok(LinearStep { unknown, residual, cost });
         }
         let residual = residual_at(&unknown, &mut cost)?;
         let Some(residual_of_row) =
-            matrix.wrong_row(&residual, (form, &load), (spaces, &unknown), elimination, communicator)?
+            matrix.wrong_row(&residual, (form, &load), (spaces, &unknown), elimination, processes)?
         else {
             *kept = Some(matrix);
             return Ok(LinearStep { unknown, residual, cost });
@@ -150,21 +151,27 @@ impl StepMatrix {
         let mut matrix = BlockMatrix::zero(means.pattern.sparsity());
         let views = views_on(spaces, at);
         let arguments = (&views[..], spaces);
-        let (assembler, communicator, vanish) = (means.assembler, means.communicator, ValuesBefore::Vanish);
+        let (assembler, processes, vanish) = (means.assembler, means.processes, ValuesBefore::Vanish);
         let own = assembler.write_tangent(form, arguments, Parts::ALL, means.pattern, &mut matrix, vanish);
-        agreed(communicator, form.name(), own)?;
-        let sum = |own| summed(communicator, form.name(), Ok(own));
+        agreed(processes.communicator(), form.name(), own)?;
         let (own, lumped) = match means.mass {
             Mass::Consistent => {
                 let own = elimination.reduce_matrix(&matrix)?;
                 if weights.iter().all(|weights| weights[..2] == [0.0; 2]) {
-                    check_inertia(&sum(largest_of_rows(&own))?, elimination)?;
+                    let largest = largest_of_rows(&own);
+                    let (free, size) = (elimination.free(), elimination.size());
+                    let largest = processes.added_up_at(form.name(), free, &largest, size)?;
+                    let unknowns = without_inertia(&largest, elimination);
+                    if processes.any(form.name(), !unknowns.is_empty())? {
+                        return Err(StepFailure::Massless { unknowns });
+                    }
                 }
                 (own, None)
             }
             Mass::Lumped => {
                 let own = row_sums(&matrix)?;
-                let masses = lumped(sum(own.clone())?)?;
+                let masses = lumped(processes.added_up(form.name(), Ok(own.clone()))?);
+                let masses = processes.all_succeed(form.name(), masses)?;
                 (diagonal(&own, elimination)?, Some(masses))
             }
         };
@@ -184,18 +191,26 @@ impl StepMatrix {
         (form, load): (&Form<D>, &[f64]),
         (spaces, found): (&[&Arc<Space<D>>], &[f64]),
         elimination: &Elimination,
-        communicator: Option<&dyn Communicator>,
+        processes: &Processes<'_>,
     ) -> Result<Option<f64>, StepFailure> {
-        let views = views_on(spaces, found);
-        let amplitudes = views.iter().flat_map(|view| vec![largest(view.values); view.values.len()]);
-        let amplitudes: Vec<f64> = amplitudes.collect();
+        let mut amplitudes = vec![];
+        for view in views_on(spaces, found) {
+            let amplitude = processes.largest(form.name(), largest(view.values))?;
+            amplitudes.resize(amplitudes.len() + view.values.len(), amplitude);
+        }
         let own = self.matrix.products(&amplitudes)?.1;
-        let sizes = elimination.reduce_amounts(&summed(communicator, form.name(), Ok(own))?)?;
+        let sizes = elimination.reduce_amounts(&processes.added_up(form.name(), Ok(own))?)?;
         let rows = elimination.reduce(residual)?.into_iter().zip(load).zip(sizes);
         // A residual that is no number does not hold.
         let holds = |residual: f64, load: f64, size: f64| residual <= HOLDS[0] * load + HOLDS[1] * size;
         let mut wrong = rows.filter(|((row, load), size)| !holds(row.abs(), load.abs(), *size));
-        Ok(wrong.next().map(|((row, _), _)| row))
+        let own = wrong.next().map(|((row, _), _)| row);
+        if processes.divided().is_none() {
+            return Ok(own);
+        }
+        // A row that is off is not zero.
+        let of_all = processes.largest(form.name(), own.map_or(0.0, f64::abs))?;
+        Ok(if of_all == 0.0 { None } else { Some(of_all) })
     }
 
     /// The residual after a step in the rows in which constraints act, by the matrix; the others are solved for.
@@ -204,7 +219,7 @@ impl StepMatrix {
         before: &[f64],
         step: &[f64],
         form: &'static str,
-        communicator: Option<&dyn Communicator>,
+        processes: &Processes<'_>,
     ) -> Result<Vec<f64>, AssemblyError> {
         let held = self.held.iter();
         let forces = match &self.lumped {
@@ -213,7 +228,8 @@ impl StepMatrix {
                 let product = |row: &usize| {
                     self.matrix.row(*row).map(|(column, value)| value * step[column]).sum::<f64>()
                 };
-                summed(communicator, form, Ok(held.map(product).collect()))?
+                let own: Vec<f64> = held.map(product).collect();
+                processes.added_up_at(form, &self.held, &own, step.len())?
             }
         };
         let mut after = vec![0.0; before.len()];

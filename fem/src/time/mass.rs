@@ -45,9 +45,8 @@ pub(super) fn largest_of_rows(matrix: &CsrMatrix) -> Vec<f64> {
     matrix.row_pointers().windows(2).map(|ends| largest(&matrix.values()[ends[0]..ends[1]])).collect()
 }
 
-/// An error where a free unknown has no inertia: its row of the reduced mass matrix has only zeros.
-pub(super) fn check_inertia(largest: &[f64], elimination: &Elimination) -> Result<(), StepFailure> {
+/// The free unknowns without inertia: their rows of the reduced mass matrix have only zeros.
+pub(super) fn without_inertia(largest: &[f64], elimination: &Elimination) -> Vec<usize> {
     let empty = largest.iter().zip(elimination.free()).filter(|(largest, _)| **largest == 0.0);
-    let unknowns: Vec<usize> = empty.map(|(_, unknown)| *unknown).collect();
-    if unknowns.is_empty() { Ok(()) } else { Err(StepFailure::Massless { unknowns }) }
+    empty.map(|(_, unknown)| *unknown).collect()
 }

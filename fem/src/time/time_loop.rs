@@ -21,7 +21,7 @@ use crate::instantiate::instantiate;
 use crate::solve::communicator::Fingerprint;
 use crate::solve::{
     Communicator, Elimination, GivenEquations, LentSolver, LinearSolver, NewtonOptions, OwnedForm,
-    SolvedForm, StepMemory, agreed, on_part_of_cells, solve_owned,
+    Processes, SolvedForm, StepMemory, agreed, solve_owned,
 };
 
 /// A form of motion that is followed step by step, from a state, by a scheme. Forms of up to four unknowns are
@@ -40,6 +40,8 @@ pub struct TimeLoop<'a, const D: usize> {
     solver: LentSolver<'a>,
     /// The processes that take each step together, if there are several.
     communicator: Option<&'a dyn Communicator>,
+    /// The same with the division of vectors, once it is known.
+    processes: Option<Processes<'a>>,
     options: NewtonOptions,
     mass: Mass,
     constant_coefficients: bool,
@@ -60,6 +62,9 @@ type FormOfStep<'a, const D: usize> = Box<dyn Fn(&[Step<D>]) -> Form<D> + 'a>;
 
 /// With coefficients that are promised to be constant, every n steps the equations are assembled at the solution.
 const CHECKED_STEPS: usize = 32;
+
+/// Name of a motion in errors of exchanges before its form is known.
+const MOTION: &str = "a motion";
 
 /// Step sizes that differ by less than this part are equal.
 const SAME_SIZE: f64 = 1e-9;
@@ -150,6 +155,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
             constraints: Conditions::none(),
             solver: LentSolver::default(),
             communicator: None,
+            processes: None,
             options: NewtonOptions::default(),
             mass: Mass::Consistent,
             constant_coefficients: false,
@@ -200,9 +206,12 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
     }
 
     /// Steps on several processes: each assembles the integrals over its part of the cells. The linear solver has to take
-    /// matrices that are sums over the processes. All processes have the same states, and take the same steps.
+    /// matrices that are sums over the processes. All processes have the same states, on pieces of a mesh those of the piece, and take the same
+    /// steps.
     pub fn on(mut self, communicator: &'a dyn Communicator) -> Self {
-        self.communicator = Some(communicator).filter(|communicator| communicator.size() > 1);
+        let is_piece = self.assembler.mesh().is_piece();
+        self.communicator = Some(communicator).filter(|communicator| is_piece || communicator.size() > 1);
+        self.processes = None;
         // Each process has the positions of its own entries only.
         (self.pattern, self.kept) = (None, None);
         self
@@ -302,7 +311,8 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         if let Some(unknown) = self.no_unknown {
             return Err(StepFailure::NoUnknown { unknown, count: self.schemes.len() });
         }
-        let constraints = self.constraints_at(end)?;
+        let processes = self.processes()?;
+        let constraints = processes.all_succeed(MOTION, self.constraints_at(end))?;
         self.find_second_rates(&constraints)?;
         let sizes = self.sizes(size)?;
         let formulas: Vec<Formulas> = self.schemes.iter().map(|scheme| scheme.formulas(&sizes)).collect();
@@ -317,9 +327,10 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         let form = (self.form)(&steps);
         let (x, residual, history, cost) = match solved_for {
             SolvedFor::SecondRate => {
-                for (step, constraints) in steps.iter().zip(&constraints) {
-                    supports_stand(&step.known[0], constraints)?;
-                }
+                let mut stand = steps.iter().zip(&constraints);
+                let stand =
+                    stand.try_for_each(|(step, constraints)| supports_stand(&step.known[0], constraints));
+                processes.all_succeed(MOTION, stand)?;
                 let homogeneous: Vec<_> = constraints.iter().map(Constraints::homogeneous).collect();
                 let (x, residual, cost) = self.solve_affine(&form, &weights, &homogeneous)?;
                 (x, residual, vec![], Some(cost))
@@ -343,8 +354,9 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         let error = self.schemes[0].error_factor().map(|factor| {
             let ends = [&states[0], self.state()].map(|state| state.second_rate.values());
             let changes = ends[0].iter().zip(ends[1]).map(|(after, before)| (after - before).abs());
-            factor * size * size * changes.fold(0.0, f64::max)
+            processes.largest(MOTION, factor * size * size * changes.fold(0.0, f64::max))
         });
+        let error = error.transpose()?;
         if let Some(error) = error
             && error > tolerance
         {
@@ -461,14 +473,24 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         Ok(())
     }
 
+    /// The processes with the division of vectors between them.
+    fn processes(&mut self) -> Result<Processes<'a>, StepFailure> {
+        if let Some(known) = &self.processes {
+            return Ok(known.clone());
+        }
+        let spaces: Vec<_> = self.states[0].iter().map(|state| state.value.space()).collect();
+        let found = Processes::on(self.communicator, &spaces, MOTION)?;
+        Ok(self.processes.insert(found).clone())
+    }
+
     /// Takes this process's part of the cells, and compares what the processes were given.
     fn agree_on_step(&mut self, form: &Form<D>, constraints: &[&Constraints<D>]) -> Result<(), StepFailure> {
         let Some(communicator) = self.communicator else { return Ok(()) };
+        let processes = self.processes()?;
+        processes.check_form(form)?;
         let spaces: Vec<_> = self.states[0].iter().map(|state| state.value.space()).collect();
-        if !self.assembler.has_owned_cells() {
-            let own = on_part_of_cells(&self.assembler, spaces[0].mesh(), communicator, form.name());
-            self.assembler = agreed(Some(communicator), form.name(), own)?;
-        }
+        let own = processes.assembler(&self.assembler, spaces[0].mesh(), form.name());
+        self.assembler = agreed(Some(communicator), form.name(), own)?;
         let promises = [self.mass == Mass::Lumped, self.constant_coefficients].map(u64::from);
         let given = GivenEquations {
             form,
@@ -500,7 +522,8 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         let constraints: Vec<_> = constraints.iter().collect();
         self.agree_on_step(form, &constraints)?;
         let pattern = self.pattern(form)?;
-        let mut elimination = Elimination::of(&constraints)?;
+        let processes = self.processes()?;
+        let mut elimination = processes.elimination(form.name(), Elimination::of(&constraints)?)?;
         // From zero where masses are lumped: the form's residual knows the consistent ones.
         let values = self.states[0].iter().flat_map(|state| state.value.values());
         let mut guess: Vec<f64> = values.map(|value| if of_second_rate { 0.0 } else { *value }).collect();
@@ -513,7 +536,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         };
         let mut means = Means {
             assembler: &self.assembler,
-            communicator: self.communicator,
+            processes: &processes,
             pattern: &pattern,
             solver: self.solver.get(),
             mass: if of_second_rate { self.mass } else { Mass::Consistent },

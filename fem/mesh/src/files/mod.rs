@@ -3,5 +3,8 @@
 pub mod atomic;
 #[doc(hidden)]
 pub mod base64;
+mod checksum;
 
 pub use atomic::{check_writable, write_whole};
+#[doc(hidden)]
+pub use checksum::checksum;

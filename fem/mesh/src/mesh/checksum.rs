@@ -1,37 +1,22 @@
 //! A number by which files recognise the mesh that they belong to.
 
 use super::Mesh;
+use crate::files::checksum;
 use crate::instantiate;
-
-/// The start and the factor of FNV-1a with 64 bits (G. Fowler, L. C. Noll, K.-P. Vo; RFC 9923).
-const OFFSET_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
-const PRIME: u64 = 0x0000_0100_0000_01b3;
 
 impl<const D: usize> Mesh<D> {
     /// FNV-1a of dimension, degree, blocks of cells, cells and nodes, to the last bit of each coordinate: another number of a node, another
     /// order of the cells or a coordinate that differs by rounding give another sum. Names of regions do not count.
     #[inline(never)]
     pub fn checksum(&self) -> u64 {
-        let mut sum = OFFSET_BASIS;
-        let mut add = |bytes: &[u8]| {
-            for &byte in bytes {
-                sum = (sum ^ u64::from(byte)).wrapping_mul(PRIME);
-            }
-        };
-        for number in [D, self.degree(), self.node_count(), self.cell_count()] {
-            add(&(number as u64).to_le_bytes());
-        }
-        for block in self.blocks() {
-            add(block.shape.name().as_bytes());
-            add(&(block.cells.end as u64).to_le_bytes());
-        }
-        for node in self.cells() {
-            add(&node.to_le_bytes());
-        }
-        for coordinate in self.nodes().iter().flatten() {
-            add(&coordinate.to_bits().to_le_bytes());
-        }
-        sum
+        let sizes = [D, self.degree(), self.node_count(), self.cell_count()];
+        let blocks = self.blocks().iter().flat_map(|block| {
+            block.shape.name().bytes().chain((block.cells.end as u64).to_le_bytes())
+        });
+        let nodes = self.nodes().iter().flatten().flat_map(|coordinate| coordinate.to_bits().to_le_bytes());
+        let sizes = sizes.into_iter().flat_map(|number| (number as u64).to_le_bytes());
+        let cells = self.cells().iter().flat_map(|node| node.to_le_bytes());
+        checksum(sizes.chain(blocks).chain(cells).chain(nodes))
     }
 }
 

@@ -45,8 +45,12 @@ pub enum MeshError {
         what: &'static str,
     },
     /// A feature that needs a whole mesh.
-    #[error("{what}: this mesh is one process's piece of a larger one, and that needs the whole mesh")]
-    Piece { what: &'static str },
+    #[error("{what} is not available on a mesh that is divided among processes; {instead}")]
+    Piece {
+        what: &'static str,
+        /// Advice.
+        instead: &'static str,
+    },
     /// A feature for quadrilaterals and hexahedra.
     #[error("{feature} is of quadrilaterals and hexahedra; this mesh has {} (`BisectedMesh` refines them)", shape.plural())]
     NotTensorProducts { feature: &'static str, shape: CellShape },

@@ -48,11 +48,19 @@ impl<const D: usize> Mesh<D> {
     /// # Errors
     /// [`MeshError::UnknownCellRegion`]; [`MeshError::RigidSurface`] and [`MeshError::FacetParts`], for meshes with rigid surfaces, and
     /// those with hanging nodes on facets that are parts of others.
-    #[inline(never)]
     pub fn part(&self, region: &str) -> Result<PartOfMesh<D>, MeshError> {
+        self.part_of_cells(self.cell_region(region)?.to_vec())
+    }
+
+    /// The mesh of some cells, in ascending order.
+    ///
+    /// # Errors
+    /// As [`Mesh::part`].
+    #[doc(hidden)]
+    #[inline(never)]
+    pub fn part_of_cells(&self, cells: Vec<u32>) -> Result<PartOfMesh<D>, MeshError> {
         self.without_rigid_surfaces("a part of a mesh")?;
         self.without_facet_parts("a part of a mesh")?;
-        let cells = self.cell_region(region)?.to_vec();
         let mut nodes: Vec<u32> = cells.iter().flat_map(|cell| self.cell(*cell as usize)).copied().collect();
         nodes.sort_unstable();
         nodes.dedup();
@@ -98,7 +106,7 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-instantiate!(part: Mesh::<D>::part);
+instantiate!(part: Mesh::<D>::part_of_cells);
 
 #[cfg(test)]
 mod tests {

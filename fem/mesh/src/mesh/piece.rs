@@ -14,6 +14,10 @@ pub(super) enum Extent {
     Piece,
 }
 
+/// Advice for what needs the whole mesh.
+#[doc(hidden)]
+pub const TAKE_THE_WHOLE: &str = "take the whole mesh on each process";
+
 /// Names of the regions of the mesh that is divided.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
@@ -53,13 +57,13 @@ impl<const D: usize> Mesh<D> {
         self.extent == Extent::Piece
     }
 
-    /// Check that the mesh is no piece of a larger one, for functions that need all of it.
+    /// Check that the mesh is no piece of a larger one, for functions that need all of it, with what to do instead.
     ///
     /// # Errors
     /// [`MeshError::Piece`].
     #[doc(hidden)]
-    pub fn without_pieces(&self, what: &'static str) -> Result<(), MeshError> {
-        if self.is_piece() { Err(MeshError::Piece { what }) } else { Ok(()) }
+    pub fn without_pieces(&self, what: &'static str, instead: &'static str) -> Result<(), MeshError> {
+        if self.is_piece() { Err(MeshError::Piece { what, instead }) } else { Ok(()) }
     }
 }
 
@@ -83,7 +87,8 @@ mod tests {
         piece.name_facets("support", "right", |_| true)?;
         assert!(piece.facet_region("support")?.is_empty() && piece.is_piece());
         let said = piece.refined().map(|_| ()).unwrap_err().to_string();
-        assert!(said.starts_with("refinement: this mesh is one process's piece"), "{said}");
+        let text = "refinement is not available on a mesh that is divided among processes; take the whole mesh";
+        assert!(said.starts_with(text), "{said}");
         Ok(())
     }
 }

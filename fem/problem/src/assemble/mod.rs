@@ -147,8 +147,8 @@ impl<const D: usize> Assembler<D> {
     ) -> Result<Binding<'a, D>, AssemblyError> {
         if self.owned.is_none() {
             // Whoever names the cells that are assembled adds up over processes.
-            let whole =
-                self.mesh.without_pieces("integrals, which `.on(..)` this part would add up over processes");
+            let instead = "write `.on(&part)` in the problem, and `part.functional(..)` for a functional";
+            let whole = self.mesh.without_pieces("an integral of one process", instead);
             whole.map_err(|source| AssemblyError::Mesh { form: form.name(), source })?;
         }
         Ok(Binding::new(form, &self.mesh, unknowns)?.assembled_by(self))

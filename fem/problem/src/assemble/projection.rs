@@ -269,7 +269,7 @@ fn check_field<const D: usize>(expression: &Expression<D>, space: &Space<D>) -> 
 
 /// Refuses a space that has no values in some cells.
 fn check_space<const D: usize>(form: &'static str, space: &Space<D>) -> Result<(), AssemblyError> {
-    let whole = space.mesh().without_pieces("a projection");
+    let whole = space.mesh().without_pieces("a projection", crate::mesh::TAKE_THE_WHOLE);
     whole.map_err(|source| AssemblyError::Mesh { form, source })?;
     if let Some(region) = space.facet_region() {
         let (place, region) = ("all cells".to_owned(), region.to_owned());

@@ -79,7 +79,7 @@ impl<const D: usize> RigidMap<D> {
         if space.shape() != [D] {
             return Err(ConstraintsError::Components { place, space: space.components(), value: D });
         }
-        space.mesh().without_pieces("the motion of a region")?;
+        space.mesh().without_pieces("the motion of a region", crate::mesh::TAKE_THE_WHOLE)?;
         let nodes = space.nodes_on(region)?;
         let before: Vec<[f64; D]> = nodes.iter().map(|node| space.positions()[*node as usize]).collect();
         let by = nodes.iter().map(|node| field.at_node(*node as usize));

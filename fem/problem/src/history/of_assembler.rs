@@ -7,7 +7,7 @@ use crate::cut::CutError;
 use forms_core::contract::{Entity, History, Pairing, QuadratureValues, Source};
 use forms_core::source::{FieldValue, HistoryHandle};
 
-use super::{HistoryMismatch, PointStorage};
+use super::{HistoryMismatch, NONE, PointStorage, Snapshot};
 use crate::assemble::{Assembler, AssemblyError};
 use crate::instantiate::instantiate;
 use crate::mesh::MeshError;
@@ -211,11 +211,70 @@ impl<const D: usize> Assembler<D> {
         &self,
         history: &History<V, D>,
     ) -> Result<Vec<Vec<f64>>, AssemblyError> {
-        let mismatch =
-            |source| AssemblyError::History { form: "history_values", field: "the history", source };
-        let storage = PointStorage::<D>::of(&**history.handle()).map_err(mismatch)?;
-        let snapshot = storage.snapshot(self.mesh()).map_err(mismatch)?;
-        Ok(snapshot.values.chunks(storage.components).map(<[f64]>::to_vec).collect())
+        let snapshot = self.snapshot_of("history_values", history.handle())?;
+        Ok(snapshot.values.chunks(snapshot.storage.components).map(<[f64]>::to_vec).collect())
+    }
+
+    fn snapshot_of<'h>(
+        &self,
+        form: &'static str,
+        history: &'h HistoryHandle,
+    ) -> Result<Snapshot<'h, D>, AssemblyError> {
+        let mismatch = |source| AssemblyError::History { form, field: "the history", source };
+        let storage = PointStorage::<D>::of(&**history).map_err(mismatch)?;
+        storage.snapshot(self.mesh()).map_err(mismatch)
+    }
+
+    /// Commits values as [`Assembler::history_values`] gives them, for example those of an earlier run.
+    ///
+    /// # Errors
+    /// Another number of points or components than the history has, a value that is not finite, a history of another mesh or backend.
+    pub fn set_history_values<V: FieldValue>(
+        &self,
+        history: &History<V, D>,
+        values: &[Vec<f64>],
+    ) -> Result<(), AssemblyError> {
+        let (form, field) = ("set_history_values", "the history");
+        let Snapshot { storage, values: before } = self.snapshot_of(form, history.handle())?;
+        if let Some(other) = values.iter().find(|value| value.len() != storage.components) {
+            let (expected, found) = (storage.components, other.len());
+            return Err(AssemblyError::Components { form, field, expected, found });
+        }
+        let values = values.concat();
+        if values.len() != before.len() {
+            return Err(AssemblyError::History { form, field, source: HistoryMismatch::Rule });
+        }
+        if !values.iter().all(|value| value.is_finite()) {
+            return Err(AssemblyError::NotFinite { form, field, position: None });
+        }
+        storage.write(values);
+        storage.commit();
+        Ok(())
+    }
+
+    /// The cells, or facets of cells, in the order of [`Assembler::history_values`], each with its number of points. None of pairs.
+    ///
+    /// # Errors
+    /// A history of another mesh or backend.
+    #[doc(hidden)]
+    pub fn history_entities<V: FieldValue>(
+        &self,
+        history: &History<V, D>,
+    ) -> Result<Vec<(u32, Option<u8>, usize)>, AssemblyError> {
+        let storage = self.snapshot_of("history_entities", history.handle())?.storage;
+        let facets = storage.mesh.most_facets();
+        let places = storage.entities.iter().enumerate().filter(|(_, entity)| **entity != NONE);
+        let mut found: Vec<(u32, (u32, Option<u8>, usize))> = vec![];
+        for (place, entity) in places {
+            let points = storage.starts[*entity as usize + 1] - storage.starts[*entity as usize];
+            let (cell, local) = match storage.entity {
+                Entity::Cells => (place, None),
+                _ => (place / facets, Some((place % facets) as u8)),
+            };
+            found.push((*entity, (cell as u32, local, points)));
+        }
+        found.sort_unstable();
+        Ok(found.into_iter().map(|(_, entity)| entity).collect())
     }
 }
 

@@ -8,6 +8,8 @@ pub mod time_series;
 pub mod vtu;
 pub mod vtu_series;
 
+#[doc(hidden)]
+pub use forms_mesh::files::checksum;
 pub use forms_mesh::files::{atomic, check_writable, write_whole};
 pub use matrix_market::write_matrix_market;
 pub use standard_output::{Failure, StandardOutput, one_line, program, tell};

@@ -1,10 +1,11 @@
 //! `.vtu` files (VTK unstructured grid, XML), which ParaView and VisIt read.
 
 mod error;
+mod pieces;
 mod xml;
 
 use std::borrow::Cow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::write_whole;
 use crate::element::CellShape;
@@ -12,6 +13,8 @@ use crate::field::Field;
 use crate::instantiate::instantiate;
 use crate::mesh::Mesh;
 use crate::mesh::vtk::kinds::nodes_in_order;
+use crate::solve::communicator::agreed_or;
+use crate::solve::{CommunicationError, Communicator, Processes};
 use crate::space::Scope;
 
 pub use error::VtuError;
@@ -28,6 +31,8 @@ pub struct VtuFile<'a, const D: usize> {
     /// One value per cell and node of it: fields that jump between cells.
     corners: Vec<Array>,
     cells: Vec<Array>,
+    /// The processes that write the file together.
+    processes: Processes<'a>,
 }
 
 /// A data array.
@@ -43,7 +48,16 @@ struct Array {
 impl<'a, const D: usize> VtuFile<'a, D> {
     /// A file with the mesh and no data yet.
     pub fn new(mesh: &'a Mesh<D>) -> Self {
-        VtuFile { mesh, points: Vec::new(), corners: Vec::new(), cells: Vec::new() }
+        let [points, corners, cells] = [const { Vec::new() }; 3];
+        VtuFile { mesh, points, corners, cells, processes: Processes::default() }
+    }
+
+    /// The file of several processes. All call [`VtuFile::write`], and the first one writes where each has the whole mesh. Of pieces of a
+    /// mesh each writes one file, and the first a list of them: `block.vtu` becomes `block.pvtu` with `block_p0000.vtu`, `block_p0001.vtu`
+    /// and so on, which readers open as one mesh.
+    pub fn on(mut self, communicator: &'a dyn Communicator) -> Self {
+        self.processes = Processes::new(Some(communicator), None);
+        self
     }
 
     /// The values of a field at the mesh's nodes, as one more array. The field's degree need not be the mesh's: the
@@ -144,8 +158,51 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     /// The file, written whole or not at all.
     ///
     /// # Errors
-    /// [`VtuError`] if the file cannot be written.
+    /// [`VtuError`] if the file cannot be written, on all processes that write it together.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), VtuError> {
+        self.write_by_all(path.as_ref()).map(|_| ())
+    }
+
+    /// Writes the file, and gives the name of the one to be opened.
+    #[inline(never)]
+    pub(super) fn write_by_all(&self, path: &Path) -> Result<PathBuf, VtuError> {
+        let Some(all) = self.processes.communicator() else {
+            self.mesh.without_pieces("a .vtu file of one process", "write `.on(&part)` before `.write(..)`")?;
+            self.write_here(path)?;
+            return Ok(path.to_owned());
+        };
+        if !self.mesh.is_piece() {
+            self.by_first(|| self.write_here(path))?;
+            return Ok(path.to_owned());
+        }
+        let named = |rank: usize| pieces::name(path, rank);
+        let written = named(all.rank()).and_then(|own| self.write_here(&path.with_file_name(own)));
+        let names = self.all(written.and_then(|()| (0..all.size()).map(named).collect::<Result<Vec<_>, _>>()))?;
+        let grid = self.grid()?;
+        let arrays = all.gather(grid.fingerprint()).map_err(|source| VtuError::Processes { source })?;
+        if arrays.iter().any(|other| *other != arrays[0]) {
+            let source = CommunicationError::Different { what: "the data arrays of a file".to_owned() };
+            return Err(VtuError::Processes { source });
+        }
+        let list = path.with_extension("pvtu");
+        let write = || write_whole(&list, |writer| pieces::write_list(&grid, &names, writer));
+        self.by_first(|| write().map_err(|source| VtuError::Write { source }))?;
+        Ok(list)
+    }
+
+    /// Something that all processes do: an error on all where one fails.
+    fn all<T>(&self, own: Result<T, VtuError>) -> Result<T, VtuError> {
+        let Some(all) = self.processes.communicator() else { return own };
+        agreed_or(all, own, |source| VtuError::Processes { source })
+    }
+
+    /// Something that the first process does.
+    pub(super) fn by_first(&self, write: impl FnOnce() -> Result<(), VtuError>) -> Result<(), VtuError> {
+        let is_first = self.processes.communicator().is_none_or(|all| all.rank() == 0);
+        self.all(if is_first { write() } else { Ok(()) })
+    }
+
+    fn write_here(&self, path: &Path) -> Result<(), VtuError> {
         let grid = self.grid()?;
         write_whole(path, |writer| grid.write(writer)).map_err(|source| VtuError::Write { source })
     }
@@ -278,6 +335,7 @@ instantiate!(
     VtuFile::<D>::point_values,
     VtuFile::<D>::cell_data,
     VtuFile::<D>::regions,
+    VtuFile::<D>::write_by_all,
     VtuFile::<D>::grid
 );
 

@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 use super::vtu::{VtuError, VtuFile};
 use super::write_whole;
 
-/// A series of `.vtu` files next to one another: `out/ring.pvd` names `ring_0000.vtu`, `ring_0001.vtu` and so on.
+/// A series of `.vtu` files next to one another: `out/ring.pvd` names `ring_0000.vtu`, `ring_0001.vtu` and so on. Of pieces of a mesh
+/// ([`VtuFile::on`]) each step is a `.pvtu` file with one `.vtu` file for each process.
 ///
 /// ```
 /// use forms_fem::output::{VtuFile, VtuSeries};
@@ -28,7 +29,8 @@ use super::write_whole;
 pub struct VtuSeries {
     path: PathBuf,
     stem: String,
-    times: Vec<f64>,
+    /// The time of each step, and whether its file is a list of pieces.
+    steps: Vec<(f64, bool)>,
 }
 
 impl VtuSeries {
@@ -41,7 +43,7 @@ impl VtuSeries {
         let Some(stem) = path.file_stem().and_then(OsStr::to_str) else {
             return Err(VtuError::Series { path });
         };
-        Ok(VtuSeries { stem: stem.to_owned(), path, times: Vec::new() })
+        Ok(VtuSeries { stem: stem.to_owned(), path, steps: Vec::new() })
     }
 
     /// The next step, written and listed. After each step the series can be opened.
@@ -49,27 +51,29 @@ impl VtuSeries {
     /// # Errors
     /// [`VtuError`] for a time that is not finite, or if a file cannot be written.
     pub fn write<const D: usize>(&mut self, time: f64, file: &VtuFile<'_, D>) -> Result<(), VtuError> {
-        let index = self.times.len();
+        let index = self.steps.len();
         if !time.is_finite() {
             return Err(VtuError::NotFinite { name: "time".to_owned(), index, value: time });
         }
-        file.write(self.path.with_file_name(self.name(index)))?;
-        self.times.push(time);
+        let written = file.write_by_all(&self.path.with_file_name(self.name(index, false)))?;
+        self.steps.push((time, written.extension().is_some_and(|extension| extension == "pvtu")));
         let list = self.list();
-        write_whole(&self.path, |writer| writer.write_all(list.as_bytes()))
-            .map_err(|source| VtuError::Write { source })
+        file.by_first(|| {
+            let written = write_whole(&self.path, |writer| writer.write_all(list.as_bytes()));
+            written.map_err(|source| VtuError::Write { source })
+        })
     }
 
-    fn name(&self, index: usize) -> String {
-        format!("{}_{index:04}.vtu", self.stem)
+    fn name(&self, index: usize, in_pieces: bool) -> String {
+        format!("{}_{index:04}.{}", self.stem, if in_pieces { "pvtu" } else { "vtu" })
     }
 
     fn list(&self) -> String {
         let mut list = String::from(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",
         );
-        for (index, time) in self.times.iter().enumerate() {
-            let mut name = self.name(index);
+        for (index, (time, in_pieces)) in self.steps.iter().enumerate() {
+            let mut name = self.name(index, *in_pieces);
             for (mark, written) in [("&", "&amp;"), ("<", "&lt;"), ("\"", "&quot;")] {
                 name = name.replace(mark, written);
             }
@@ -100,7 +104,7 @@ mod tests {
 
     #[test]
     fn names_are_written_as_xml_asks() {
-        let series = VtuSeries { path: "a&b.pvd".into(), stem: "a&b".to_owned(), times: vec![0.25] };
+        let series = VtuSeries { path: "a&b.pvd".into(), stem: "a&b".to_owned(), steps: vec![(0.25, false)] };
         assert!(series.list().contains("file=\"a&amp;b_0000.vtu\""));
     }
 }

@@ -56,7 +56,7 @@ pub enum CommunicationError {
     Exchange(String),
     /// Something that a divided mesh does not have.
     #[error(
-        "on a mesh that is divided among processes there are no {what}: take the whole mesh on each process"
+        "{what} are not available on a mesh that is divided among processes; take the whole mesh on each process"
     )]
     Divided {
         /// The thing, in words.
@@ -130,10 +130,14 @@ pub fn on_part_of_cells<const D: usize>(
     communicator: &dyn Communicator,
     form: &'static str,
 ) -> Result<Assembler<D>, AssemblyError> {
-    let whole = mesh.without_pieces("histories and motions");
-    whole.map_err(|source| AssemblyError::Mesh { form, source })?;
-    let part = &mesh.cell_order().cells()[communicator.part(mesh.cell_count())];
-    let own = assembler.clone().on_owned_cells(part);
+    let own = match mesh.is_piece() {
+        // All of them are this process's own.
+        true => assembler.clone().on_owned_cells(&(0..mesh.cell_count() as u32).collect::<Vec<_>>()),
+        false => {
+            let part = &mesh.cell_order().cells()[communicator.part(mesh.cell_count())];
+            assembler.clone().on_owned_cells(part)
+        }
+    };
     own.map_err(|source| AssemblyError::Region { form, symbol: "this process's cells", source })
 }
 
@@ -148,12 +152,24 @@ pub fn agreed<T>(
     own: Result<T, AssemblyError>,
 ) -> Result<T, AssemblyError> {
     let Some(communicator) = communicator else { return own };
-    let failed = communicator.gather(u64::from(own.is_err()));
+    agreed_or(communicator, own, |source| AssemblyError::Communication { form, source })
+}
+
+/// A result of this process, as [`agreed`] with other errors: `failed` makes that of an exchange.
+///
+/// # Errors
+/// As [`agreed`].
+#[doc(hidden)]
+pub fn agreed_or<T, E>(
+    communicator: &dyn Communicator,
+    own: Result<T, E>,
+    failed: impl Fn(CommunicationError) -> E,
+) -> Result<T, E> {
+    let of_all = communicator.gather(u64::from(own.is_err()));
     let own = own?;
-    let failed = failed.map_err(|source| AssemblyError::Communication { form, source })?;
-    match failed.iter().sum::<u64>() as usize {
+    match of_all.map_err(&failed)?.iter().sum::<u64>() as usize {
         0 => Ok(own),
-        count => Err(AssemblyError::Communication { form, source: CommunicationError::Elsewhere { count } }),
+        count => Err(failed(CommunicationError::Elsewhere { count })),
     }
 }
 

@@ -26,6 +26,12 @@ pub trait DividedVectors {
     /// [`CommunicationError::Exchange`].
     fn spread(&self, values: &mut [f64]) -> Result<(), CommunicationError>;
 
+    /// The sums over all processes of as many numbers of each; the same bits on all.
+    ///
+    /// # Errors
+    /// [`CommunicationError::Exchange`].
+    fn sum(&self, own: &[f64]) -> Result<Vec<f64>, CommunicationError>;
+
     /// A number of each process, in their order; the same on all.
     ///
     /// # Errors

@@ -31,6 +31,7 @@ pub mod newton;
 mod node_blocks;
 pub mod per_unknown;
 pub mod problem;
+mod processes;
 mod rigid_loads;
 pub mod solved;
 pub mod solver_report;
@@ -73,6 +74,8 @@ pub use problem::agreement::GivenEquations;
 #[doc(hidden)]
 pub use problem::{OwnedForm, SolvedForm, solve_owned};
 pub use problem::{PositivityError, Problem, SolveError};
+#[doc(hidden)]
+pub use processes::Processes;
 pub use rigid_loads::{RigidLoadError, RigidLoads};
 pub use solved::{ReactionError, Solved};
 pub use solver_report::{SolverPath, SolverReport};

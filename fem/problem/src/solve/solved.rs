@@ -187,7 +187,7 @@ impl<const D: usize> Solved<D, 1> {
         if space.shape() != [D] {
             return Err(ReactionError::NoMoment { components: space.components() });
         }
-        space.mesh().without_pieces("moments of reactions")?;
+        space.mesh().without_pieces("the moment of a reaction", crate::mesh::TAKE_THE_WHOLE)?;
         let axes: &[[usize; 2]] = if D == 2 { &[[0, 1]] } else { &[[1, 2], [2, 0], [0, 1]] };
         let mut moment = vec![0.0; axes.len()];
         for node in space.nodes_on(region)? {
@@ -213,7 +213,7 @@ pub fn resultant<const D: usize>(
     region: &str,
 ) -> Result<Vec<f64>, ReactionError> {
     let components = space.components();
-    space.mesh().without_pieces("reactions, which the part of the mesh adds up over processes")?;
+    space.mesh().without_pieces("a reaction of one process", "call `part.reaction(..)`")?;
     let mut sums = vec![0.0; components];
     for node in space.nodes_on(region)? {
         let at_node = &residual[node as usize * components..][..components];

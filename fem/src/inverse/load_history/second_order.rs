@@ -116,8 +116,8 @@ impl<const D: usize> LoadHistory<'_, D> {
             own.extend(unknowns.map(|(name, space)| Own { name, meaning, wanted, space }));
         }
         let constants = self.equations.constants()?;
-        let assembler = &self.equations.assembler;
-        let found = rows_of(&second, &own, step, &self.controls, &constants, assembler, action)?;
+        let equations = &self.equations;
+        let found = rows_of(&second, &own, step, &self.controls, &constants, equations, action)?;
         let mut found = found.chunks(self.spaces.len()).map(<[_]>::concat);
         Ok(std::array::from_fn(|_| found.next().unwrap_or_default()))
     }
@@ -183,9 +183,9 @@ impl<const D: usize> Linearised<D> for LoadHistory<'_, D> {
         let rates = rates(&at, &u, &p)?;
         let form = self.form(&at)?;
         let tests = self.tests_before(&form);
-        let (controls, assembler) = ((&self.controls, self.remembers()), &self.equations.assembler);
+        let (controls, equations) = ((&self.controls, self.remembers()), &self.equations);
         let mut by_before =
-            add_sensitivities(&rates, step, controls, (&tests, &constants), assembler, gradient)?;
+            add_sensitivities(&rates, step, controls, (&tests, &constants), equations, gradient)?;
         let zero = self.zero();
         let mut unused = vec![0.0; action.len()];
         // Without a change of p first, which is found from it.

@@ -77,8 +77,8 @@ impl<const D: usize> MotionHistory<'_, D> {
         }
         let before = of_before.iter().zip(&self.spaces);
         own.extend(before.map(|(name, space)| Own { name, meaning: OF_BEFORE, wanted, space }));
-        let (constants, assembler) = (self.equations.constants()?, &self.equations.assembler);
-        let found = rows_of(&rates, &own, interval.step(), &self.controls, &constants, assembler, gradient)?;
+        let (constants, equations) = (self.equations.constants()?, &self.equations);
+        let found = rows_of(&rates, &own, interval.step(), &self.controls, &constants, equations, gradient)?;
         let (given, before) = found.split_at(3 * names.len());
         add_scaled(&mut by_before[..interval.count()], 1.0, &before.concat());
         let mut by_tangents = vec![];
@@ -168,7 +168,10 @@ impl<const D: usize> MotionHistory<'_, D> {
             let evaluated = evaluated(steps, unknowns)?;
             let form = self.form(interval, &fixed(steps, &evaluated))?;
             let read = unknown_read_itself(&form, unknowns, &evaluated, &self.equations.assembler)?;
-            if let Some(unknown) = read {
+            // A process may have none of the integrals that read an unknown.
+            let first = read.map_or(-(self.spaces.len() as f64), |unknown| -(unknown as f64));
+            let first = -self.equations.processes().largest(form.name(), first)? as usize;
+            if let Some(unknown) = Some(first).filter(|first| *first < self.spaces.len()) {
                 self.reading = Reading::Itself(unknown);
             } else if form.is_affine() {
                 self.reading = Reading::ByOperators;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{RigidSurface, flat_facet};
 use crate::element::CellShape;
 use crate::locate::Locator;
-use crate::mesh::{BOUNDARY, EVERYWHERE, INTERIOR, Mesh, MeshError};
+use crate::mesh::{BOUNDARY, EVERYWHERE, INTERIOR, Mesh, MeshError, TAKE_THE_WHOLE};
 
 /// A surface on a cell: points have reference coordinates in it, which is exact where displacements are affine on the cell.
 #[derive(Clone, Debug)]
@@ -57,7 +57,7 @@ impl<const D: usize> Mesh<D> {
     /// small relative to its distance from the origin that its cell has no volume; [`MeshError::InsideBody`] for one that is deep in a body.
     #[inline(never)]
     pub fn with_rigid_surfaces(&self, surfaces: &[(&str, &RigidSurface<D>)]) -> Result<Self, MeshError> {
-        self.without_pieces("rigid surfaces")?;
+        self.without_pieces("a rigid surface", TAKE_THE_WHOLE)?;
         for (name, surface) in surfaces {
             if self.has_within(surface) {
                 let position = surface.points[0].to_vec();

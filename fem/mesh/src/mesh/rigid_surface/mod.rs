@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 pub use self::carried::CarriedSurface;
 pub use self::error::RigidSurfaceError;
 pub use self::signed_distance::SignedDistance;
-use super::{Facet, Mesh, MeshError};
+use super::{Facet, Mesh, MeshError, TAKE_THE_WHOLE};
 use crate::instantiate;
 
 /// The side of a rigid tool: segments in the plane, triangles in space, whose normals point out of the tool, toward the bodies that
@@ -233,7 +233,7 @@ impl<const D: usize> Mesh<D> {
 
     /// Check that the mesh has no rigid surfaces and is no piece of another, for functions that do not support them.
     pub(super) fn without_rigid_surfaces(&self, what: &'static str) -> Result<(), MeshError> {
-        self.without_pieces(what)?;
+        self.without_pieces(what, TAKE_THE_WHOLE)?;
         match self.rigid.first() {
             None => Ok(()),
             Some(first) => Err(MeshError::RigidSurface { name: first.name.clone(), what }),

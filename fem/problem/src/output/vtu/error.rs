@@ -63,6 +63,15 @@ pub enum VtuError {
     /// A path without the name of a file.
     #[error("\"{}\" names no .pvd file", path.display())]
     Series { path: std::path::PathBuf },
+    /// A piece of a mesh without the processes that have the others.
+    #[error(transparent)]
+    Mesh(#[from] crate::mesh::MeshError),
+    /// Other processes failed, or write something else.
+    #[error("a .vtu file of several processes: {source}")]
+    Processes {
+        /// The failure.
+        source: crate::solve::CommunicationError,
+    },
     /// The file cannot be written.
     #[error("the .vtu file cannot be written: {source}")]
     Write {

@@ -81,7 +81,7 @@ impl Array<'_> {
 }
 
 /// The attributes that name the first array of each kind, which readers show by default.
-fn active(arrays: &[Array]) -> String {
+pub(super) fn active(arrays: &[Array]) -> String {
     let mut text = String::new();
     for (kind, components) in [("Scalars", 1), ("Vectors", 3), ("Tensors", 9)] {
         if let Some(array) = arrays.iter().find(|array| array.components == components) {
@@ -128,7 +128,7 @@ fn write_array<T: Copy + Sync, const N: usize>(
 }
 
 /// A name as the value of an attribute. White space other than a blank would be read as one.
-fn escaped(name: &str) -> String {
+pub(super) fn escaped(name: &str) -> String {
     let mut text = String::with_capacity(name.len());
     for character in name.chars() {
         match character {

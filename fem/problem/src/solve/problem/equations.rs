@@ -9,11 +9,11 @@ use std::time::Instant;
 use super::Problem;
 use crate::assemble::{AssemblyError, Outline, Parts, Terms};
 use crate::history::commits;
-use crate::solve::communicator::{agreed, all_active, summed};
+use crate::solve::communicator::{agreed, all_active};
 use crate::solve::linear_and_nonlinear::Nonlinear;
 use crate::solve::{
     ActivePoints, DividedVectors, FieldUnknowns, LinearPart, NonlinearProblem, NonlinearTangent,
-    PartlyLinear, Products, Tangent,
+    PartlyLinear, Processes, Products, Tangent,
 };
 use crate::space::Space;
 
@@ -35,9 +35,7 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
     /// The sum of the parts of a vector over all unknowns that the processes assembled.
     fn added_up(&self, own: Result<Vec<f64>, AssemblyError>) -> Result<Vec<f64>, AssemblyError> {
         let form = self.system.form.name();
-        let Some(divided) = &self.divided else { return summed(self.communicator, form, own) };
-        let own = agreed(self.communicator, form, own)?;
-        divided.add_up(&own).map_err(|source| AssemblyError::Communication { form, source })
+        Processes::new(self.communicator, self.divided.clone()).added_up(form, own)
     }
 
     fn update(&mut self, u: &[f64]) -> Result<(), AssemblyError> {

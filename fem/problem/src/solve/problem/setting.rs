@@ -1,18 +1,14 @@
 //! Constraints, start and cells of a problem: what was given, checked and completed.
 
-use std::any::Any;
 use std::borrow::Cow;
 use std::sync::Arc;
-
-use forms_core::contract::{Entity, Region, Source};
 
 use super::{Problem, SolveError};
 use crate::assemble::AssemblyError;
 use crate::constraints::Constraints;
 use crate::contract::Form;
-use crate::solve::communicator::{CommunicationError, agreed, on_part_of_cells};
-use crate::solve::divided::prescribed_by_all;
-use crate::solve::{Elimination, NewtonFailure};
+use crate::solve::communicator::on_part_of_cells;
+use crate::solve::{Elimination, Processes};
 use crate::space::Space;
 
 /// A number of commits that no form has.
@@ -92,49 +88,25 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     /// Learns how vectors are divided, where processes have pieces of the mesh: an elimination of what any of them prescribes.
     ///
     /// # Errors
-    /// [`CommunicationError::Divided`] of what a divided mesh does not have; a failed exchange.
+    /// [`CommunicationError::Divided`](crate::solve::CommunicationError::Divided) of what a divided mesh does not have; a failed exchange.
     pub(super) fn divide(&mut self, own: Elimination) -> Result<Elimination, SolveError> {
         let form = self.system.form.name();
-        let Some(communicator) = self.communicator else { return Ok(own) };
-        let spaces = self.system.spaces.each_ref().map(|space| space as &dyn Any);
-        let failed = |source| AssemblyError::Communication { form, source };
-        self.divided = communicator.divided(&spaces).map_err(failed)?;
-        let Some(divided) = &self.divided else {
-            let whole = self.system.spaces[0]
-                .mesh()
-                .without_pieces("`.on(..)` other processes than those of the part");
-            agreed(Some(communicator), form, whole.map_err(|source| AssemblyError::Mesh { form, source }))?;
-            return Ok(own);
-        };
-        agreed(Some(communicator), form, self.check_divided(&own).map_err(failed))?;
-        let prescribed = prescribed_by_all(&**divided, own.size(), own.prescribed()).map_err(failed)?;
-        Ok(Elimination::new(own.size(), &prescribed).map_err(NewtonFailure::Mismatch)?)
-    }
-
-    /// An error for what a divided mesh does not have.
-    fn check_divided(&self, elimination: &Elimination) -> Result<(), CommunicationError> {
-        let inputs = self.system.form.inputs();
-        let is_local = |region: &Region| matches!(region.entity, Entity::Cells | Entity::Facets);
-        let region = inputs.regions.iter().find(|region| !is_local(region));
-        let (assembler, mesh) = (&self.system.assembler, self.system.spaces[0].mesh());
-        let all_cells = (0..mesh.cell_count() as u32).all(|cell| assembler.owns_cell(cell));
-        let refused = [
-            (!all_cells, "cells that no process assembles"),
-            (region.is_some(), "contact pairs, interfaces or interior facets"),
-            (inputs.sources.iter().flatten().any(|source| matches!(source, Source::History(_))), "histories"),
-            (
-                !elimination.only_prescribes(),
-                "relations between unknowns (sliding, periodic, rigid, mean values)",
-            ),
-            (!self.bounds.is_empty(), "bounds on unknowns"),
-            (!self.positive.is_empty(), "quantities that are kept positive"),
-            (self.deflation.is_some(), "deflated solutions"),
-            (!self.system.loads.is_empty(), "loads of rigid surfaces"),
-        ];
-        match refused.into_iter().find(|(is_there, _)| *is_there) {
-            None => Ok(()),
-            Some((_, what)) => Err(CommunicationError::Divided { what: what.to_owned() }),
+        let processes = Processes::on(self.communicator, &self.system.spaces.each_ref(), form)?;
+        self.divided = processes.divided().cloned();
+        if self.divided.is_some() {
+            let (assembler, mesh) = (&self.system.assembler, self.system.spaces[0].mesh());
+            let all_cells = (0..mesh.cell_count() as u32).all(|cell| assembler.owns_cell(cell));
+            let things = [
+                (!all_cells, "assemblers of some cells only"),
+                (!self.bounds.is_empty(), "bounds on unknowns"),
+                (!self.positive.is_empty(), "quantities that are kept positive"),
+                (self.deflation.is_some(), "deflated solutions"),
+                (!self.system.loads.is_empty(), "loads of rigid surfaces"),
+            ];
+            processes.refuse(form, things)?;
+            processes.check_form(&self.system.form)?;
         }
+        Ok(processes.elimination(form, own)?)
     }
 
     /// On several processes the assembler takes this one's part of the cells, unless it has its own already.
@@ -145,14 +117,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         }
         let system = &self.system;
         let (assembler, mesh, form) = (&*system.assembler, system.spaces[0].mesh(), system.form.name());
-        let own = if mesh.is_piece() {
-            let all: Vec<u32> = (0..mesh.cell_count() as u32).collect();
-            let own = assembler.clone().on_owned_cells(&all);
-            own.map_err(|source| AssemblyError::Region { form, symbol: "this process's cells", source })?
-        } else {
-            on_part_of_cells(assembler, mesh, communicator, form)?
-        };
-        self.system.assembler = Cow::Owned(own);
+        self.system.assembler = Cow::Owned(on_part_of_cells(assembler, mesh, communicator, form)?);
         Ok(())
     }
 }
