@@ -197,7 +197,9 @@ impl World {
         for rank in 1..self.size() {
             let bytes = message.bytes().map(u64::from).collect();
             if let Some(text) = self.list_of_first(rank, bytes)? {
-                message = String::from_utf8_lossy(&text.into_iter().map(|byte| byte as u8).collect::<Vec<_>>()).into();
+                message =
+                    String::from_utf8_lossy(&text.into_iter().map(|byte| byte as u8).collect::<Vec<_>>())
+                        .into();
             }
         }
         Err(PetscError::Unfit { message })

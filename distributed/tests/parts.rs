@@ -206,7 +206,9 @@ fn a_mesh_of_one_process_is_scattered() {
     ] {
         let output = mpirun(2, env!("CARGO_BIN_EXE_parts"), arguments).output().unwrap();
         let said = String::from_utf8_lossy(&output.stderr);
-        let told = |rank| said.lines().any(|line| line.contains(&format!("process {rank}: ")) && line.contains(cause));
+        let told = |rank| {
+            said.lines().any(|line| line.contains(&format!("process {rank}: ")) && line.contains(cause))
+        };
         assert!(!output.status.success() && told(0) && told(1), "{said}");
     }
 }
@@ -219,7 +221,11 @@ fn softened() -> Numbers {
     let mesh = in_plane([6, 4], [2.0, 1.0], CellShape::Triangle);
     let body = Softening::on(&mesh).unwrap();
     let start = (0.0, Field::zero(&body.space));
-    let u = body.pulled(start, &FACTORS, |problem| Ok({ problem }.solve()?.into_field())).unwrap();
+    let u = body.pulled(start, &FACTORS, |form, held, step| {
+        let problem = Problem::new(form, &body.space).assembler(&body.assembler).constrained(held);
+        Ok(problem.increment(step).solve()?.into_field())
+    });
+    let u = u.unwrap();
     let memory = softening::memory(&body.data, &softening::Omega::on("all"), &u);
     let memory = body.assembler.functional(&memory).unwrap();
     assert!(memory > 0.1, "{memory}");

@@ -15,7 +15,7 @@ use forms_distributed::cases::parts::{Case, whole};
 use forms_distributed::cases::report::{tell, tell_steps};
 use forms_distributed::{MeshPart, Method, PartCheckpoint, PetscSolver, World};
 use forms_fem::cut::Cut;
-use forms_fem::output::{Failure, VtuFile, VtuSeries};
+use forms_fem::output::{VtuFile, VtuSeries};
 use forms_fem::prelude::*;
 use forms_fem::time::Mass;
 
@@ -47,7 +47,9 @@ fn run(world: &World) -> Outcome {
         "mixed" => mixed(&cube(CellShape::Hexahedron)?, method),
         "softening" => softening(world, given(5).as_deref()),
         "creep" | "swing" => history(world, &name),
-        name if Motion::named(name).is_ok() => motion(world, Motion::named(name)?, divisions, given(5).as_deref()),
+        name if Motion::named(name).is_ok() => {
+            motion(world, Motion::named(name)?, divisions, given(5).as_deref())
+        }
         "ball" => ball(world.structured([divisions; 3], CellShape::Hexahedron, 2, place)?, method),
         _ => refused(&cube(CellShape::Hexahedron)?, &name),
     }
@@ -89,7 +91,7 @@ fn solve(part: &MeshPart<'_, 3>, name: &str, degree: usize, method: Method) -> O
 }
 
 /// The mesh of a file with the sides that the diffusion has.
-fn scattered(path: Option<&str>) -> Result<Mesh<3>, Failure> {
+fn scattered(path: Option<&str>) -> Result<Mesh<3>, Box<dyn Error>> {
     let mut mesh = Mesh::read_vtk(path.unwrap_or("no/such.vtu"))?;
     mesh.name_facets("left", "boundary", |x| x[0] < 1e-9)?;
     mesh.name_facets("right", "boundary", |x| x[0] > 1.0 - 1e-9)?;
@@ -110,8 +112,9 @@ fn softening(world: &World, path: Option<&str>) -> Outcome {
     } else if path.is_some() {
         factors = &FACTORS[..HALF];
     }
-    let u = body.pulled((from, u), factors, |problem| {
-        Ok(problem.on(&part).solver(&mut solver).solve().map_err(Failure::from)?.into_field())
+    let u = body.pulled((from, u), factors, |form, held, step| {
+        let problem = Problem::new(form, &body.space).assembler(&body.assembler).constrained(held);
+        Ok(problem.on(&part).solver(&mut solver).increment(step).solve()?.into_field())
     })?;
     if let (Some(path), None) = (path, &stored) {
         let checkpoint = PartCheckpoint::new(&part).number("factor", factors[HALF - 1])?.field("u", &u)?;

@@ -1,7 +1,9 @@
 //! Load steps with a memory at quadrature points: a plate that becomes softer where it has been strained.
 
-use forms_fem::output::Failure;
+use std::error::Error;
+
 use forms_fem::prelude::*;
+use forms_fem::solve::Increment;
 
 /// The forms.
 #[forms(dimension = 2)]
@@ -37,6 +39,9 @@ pub const FACTORS: [f64; 4] = [0.2, 0.5, 0.1, 0.6];
 /// The number of those after which a run may stop and go on.
 pub const HALF: usize = 2;
 
+/// A state, or why there is none.
+type Solution = Result<Field<2>, Box<dyn Error>>;
+
 /// The plate, or a part of it.
 pub struct Softening {
     /// The space of the displacement.
@@ -52,7 +57,7 @@ impl Softening {
     ///
     /// # Errors
     /// Regions that do not exist.
-    pub fn on(mesh: &Mesh<2>) -> Result<Self, Failure> {
+    pub fn on(mesh: &Mesh<2>) -> Result<Self, Box<dyn Error>> {
         let assembler = Assembler::new(mesh).with_threads(Threads::new(1));
         let data = softening::data().largest(assembler.history(Entity::Cells, "all", 4, 0.0)?);
         Ok(Softening { space: Space::vector(mesh, 2)?, assembler, data })
@@ -62,14 +67,14 @@ impl Softening {
     ///
     /// # Errors
     /// Regions that do not exist.
-    pub fn held(&self, factor: f64) -> Result<Constraints<2>, Failure> {
+    pub fn held(&self, factor: f64) -> Result<Constraints<2>, Box<dyn Error>> {
         let mut held = Constraints::new(&self.space);
         held.fix("left", |_| [0.0; 2])?;
         held.fix("right", move |x| [factor * (1.0 + x[1]), factor])?;
         Ok(held)
     }
 
-    /// The state after some factors, from one at another factor. Each step commits the memory.
+    /// The state after some factors, from one at another factor, with `solve` for each step by [`Softening::assembler`]. It commits the memory.
     ///
     /// # Errors
     /// Those of `solve`.
@@ -77,18 +82,17 @@ impl Softening {
         &self,
         (from, state): (f64, Field<2>),
         factors: &[f64],
-        mut solve: impl FnMut(Problem<'_, 2>) -> Result<Field<2>, Failure>,
-    ) -> Result<Field<2>, Failure> {
+        mut solve: impl FnMut(&Form<2>, &Constraints<2>, &Increment<'_, Field<2>>) -> Solution,
+    ) -> Solution {
         let form = softening::Model::new(self.data.clone()).balance();
         let steps = LoadSteps::through(factors.iter().copied()).starting_at(from);
         let path = steps.advance(state, |step| {
             let held = self.held(step.factor)?;
-            let problem = Problem::new(&form, &self.space).assembler(&self.assembler);
-            let u = solve(problem.constrained(&held).increment(step))?;
+            let u = solve(&form, &held, step)?;
             self.assembler.update_history(&softening::after(&self.data, &u), &self.data.largest)?;
             self.data.largest.commit();
-            Ok::<_, Failure>(u)
+            Ok::<_, Box<dyn Error>>(u)
         });
-        Ok(path?.state)
+        Ok(path.map_err(|error| error.to_string())?.state)
     }
 }

@@ -114,10 +114,7 @@ pub fn at_vertices<const D: usize>(field: &Field<D>, numbers: &[u64], count: usi
 ///
 /// # Errors
 /// Those of an exchange.
-pub fn whole<const D: usize>(
-    part: &MeshPart<'_, D>,
-    field: &Field<D>,
-) -> Result<Vec<f64>, Box<dyn Error>> {
+pub fn whole<const D: usize>(part: &MeshPart<'_, D>, field: &Field<D>) -> Result<Vec<f64>, Box<dyn Error>> {
     let world = part.world();
     let largest = part.node_numbers().iter().max().copied().unwrap_or(0);
     let count = world.gather(largest)?.into_iter().max().unwrap_or(0) as usize + 1;

@@ -267,7 +267,8 @@ impl<const D: usize> StoredCheckpoint<'_, '_, D> {
     /// [`PetscError::Unfit`] where there is none, where it was on another space, or where a file is missing or damaged.
     pub fn field(&self, name: &str, space: &Arc<Space<D>>) -> Result<Field<D>, PetscError> {
         let read = || {
-            let values = self.values(name, &on_space(space), &entries_of(self.part, space)?, space.unknowns())?;
+            let values =
+                self.values(name, &on_space(space), &entries_of(self.part, space)?, space.unknowns())?;
             Field::from_values(space, values).map_err(unfit)
         };
         Ok(self.part.world().agree(read())?)
@@ -320,7 +321,10 @@ impl<const D: usize> StoredCheckpoint<'_, '_, D> {
         let found = self.index.values.iter().find(|values| values.name == name);
         let found = found.ok_or_else(|| unfit(format!("{path} has no values \"{name}\"")))?;
         if found.on != on {
-            return Err(unfit(format!("{path}: \"{name}\" was written on {}, and is read on {on}", found.on)));
+            return Err(unfit(format!(
+                "{path}: \"{name}\" was written on {}, and is read on {on}",
+                found.on
+            )));
         }
         let wanted: HashMap<&Key, (usize, usize)> =
             entries.iter().map(|(key, first, count)| (key, (*first, *count))).collect();

@@ -99,7 +99,10 @@ impl<const D: usize> Piece<D> {
         words.push(mesh.blocks().len() as u64);
         for block in mesh.blocks() {
             add(&mut words, block.shape.name().bytes().map(u64::from));
-            add(&mut words, block.cells.clone().flat_map(|cell| mesh.cell(cell)).map(|node| u64::from(*node)));
+            add(
+                &mut words,
+                block.cells.clone().flat_map(|cell| mesh.cell(cell)).map(|node| u64::from(*node)),
+            );
         }
         let [cells, facets] = &self.names;
         words.push(cells.len() as u64);
@@ -226,9 +229,15 @@ mod tests {
     fn a_piece_comes_back_from_its_list() -> Result<(), MeshError> {
         let mut mesh = rectangle([0.0; 2], [1.0; 2], [3, 2], CellShape::Triangle, 2)?;
         mesh.name_cells("steel", |x| x[0] < 0.5)?;
-        let (vertices, cut) =
-            (Vertices { numbers: (7..7 + mesh.node_count() as u64).collect(), sharers: BTreeMap::from([(3, vec![0, 2])]) }, vec![mesh.boundary_facets()[1]]);
-        let names = [vec!["all".to_owned(), "steel".to_owned()], vec!["boundary".to_owned(), "left".to_owned()]];
+        let (vertices, cut) = (
+            Vertices {
+                numbers: (7..7 + mesh.node_count() as u64).collect(),
+                sharers: BTreeMap::from([(3, vec![0, 2])]),
+            },
+            vec![mesh.boundary_facets()[1]],
+        );
+        let names =
+            [vec!["all".to_owned(), "steel".to_owned()], vec!["boundary".to_owned(), "left".to_owned()]];
         let piece = Piece { mesh, cut, names, vertices };
         let words = piece.to_words();
         let back = Piece::<2>::of_words(&words)?.unwrap();

@@ -238,9 +238,7 @@ impl<const D: usize> Communicator for MeshPart<'_, D> {
 
     /// Refused: no process has whole vectors.
     fn sum(&self, _own: &[f64]) -> Result<Vec<f64>, CommunicationError> {
-        Err(CommunicationError::Divided {
-            what: "sums of whole vectors".to_owned(),
-        })
+        Err(CommunicationError::Divided { what: "sums of whole vectors".to_owned() })
     }
 
     fn gather(&self, own: u64) -> Result<Vec<u64>, CommunicationError> {

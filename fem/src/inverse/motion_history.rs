@@ -13,7 +13,7 @@ pub use self::second_order::{SecondOrderMotion, SecondOrderMotions};
 use super::checkpoint_store::Storage;
 use super::choices::choices_of;
 use super::controls::{ControlError, ControlValues, Controls, Start};
-use super::criterion::Criterion;
+use super::criterion::{Criterion, whole_only};
 use super::differentiable_map::Part;
 use super::error::{HistoryError, HistoryFailure};
 use super::evolution::{ControlledEvolution, Evolution};

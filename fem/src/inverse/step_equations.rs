@@ -10,8 +10,8 @@ use crate::field::{Field, FieldView, fields_on};
 use crate::instantiate::instantiate;
 use crate::linear_algebra::BlockMatrix;
 use crate::solve::{
-    Communicator, Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, Processes,
-    SolverReport, StepMemory, Transpose, solve_linear, solve_linear_transposed, solve_owned,
+    Communicator, Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, Processes, SolverReport,
+    StepMemory, Transpose, solve_linear, solve_linear_transposed, solve_owned,
 };
 use crate::space::Space;
 

@@ -20,8 +20,8 @@ use crate::field::{Field, fields_on};
 use crate::instantiate::instantiate;
 use crate::solve::communicator::Fingerprint;
 use crate::solve::{
-    Communicator, Elimination, GivenEquations, LentSolver, LinearSolver, NewtonOptions, OwnedForm,
-    Processes, SolvedForm, StepMemory, agreed, solve_owned,
+    Communicator, Elimination, GivenEquations, LentSolver, LinearSolver, NewtonOptions, OwnedForm, Processes,
+    SolvedForm, StepMemory, agreed, solve_owned,
 };
 
 /// A form of motion that is followed step by step, from a state, by a scheme. Forms of up to four unknowns are

@@ -13,7 +13,10 @@ use crate::part::shared_nodes::{Key, Supports};
 pub(super) type Entry = (Key, usize, usize);
 
 /// The nodes of a space.
-pub(super) fn entries_of<const D: usize>(part: &MeshPart<'_, D>, space: &Space<D>) -> Result<Vec<Entry>, PetscError> {
+pub(super) fn entries_of<const D: usize>(
+    part: &MeshPart<'_, D>,
+    space: &Space<D>,
+) -> Result<Vec<Entry>, PetscError> {
     let (mesh, components) = (space.mesh(), space.components());
     let (mut supports, mut entries) = (Supports::default(), vec![]);
     let mut is_known = vec![false; space.node_count()];

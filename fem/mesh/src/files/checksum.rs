@@ -2,7 +2,7 @@
 
 /// FNV-1a with 64 bits (G. Fowler, L. C. Noll, K.-P. Vo; RFC 9923): it tells damage, not malice.
 pub fn checksum(bytes: impl IntoIterator<Item = u8>) -> u64 {
-    let add = |sum, byte| (sum ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+    let add = |sum: u64, byte: u8| (sum ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
     bytes.into_iter().fold(0xcbf2_9ce4_8422_2325, add)
 }
 

@@ -10,9 +10,10 @@ impl<const D: usize> Mesh<D> {
     #[inline(never)]
     pub fn checksum(&self) -> u64 {
         let sizes = [D, self.degree(), self.node_count(), self.cell_count()];
-        let blocks = self.blocks().iter().flat_map(|block| {
-            block.shape.name().bytes().chain((block.cells.end as u64).to_le_bytes())
-        });
+        let blocks = self
+            .blocks()
+            .iter()
+            .flat_map(|block| block.shape.name().bytes().chain((block.cells.end as u64).to_le_bytes()));
         let nodes = self.nodes().iter().flatten().flat_map(|coordinate| coordinate.to_bits().to_le_bytes());
         let sizes = sizes.into_iter().flat_map(|number| (number as u64).to_le_bytes());
         let cells = self.cells().iter().flat_map(|node| node.to_le_bytes());

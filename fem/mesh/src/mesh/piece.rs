@@ -87,7 +87,8 @@ mod tests {
         piece.name_facets("support", "right", |_| true)?;
         assert!(piece.facet_region("support")?.is_empty() && piece.is_piece());
         let said = piece.refined().map(|_| ()).unwrap_err().to_string();
-        let text = "refinement is not available on a mesh that is divided among processes; take the whole mesh";
+        let text =
+            "refinement is not available on a mesh that is divided among processes; take the whole mesh";
         assert!(said.starts_with(text), "{said}");
         Ok(())
     }

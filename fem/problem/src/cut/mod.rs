@@ -119,7 +119,8 @@ impl<const D: usize> Cut<D> {
     fn made(phi: &Field<D>, band: Option<&Arc<CutBand<D>>>) -> Result<Arc<Self>, CutError> {
         let space = phi.space();
         let mesh = space.mesh();
-        mesh.without_pieces("a cut", crate::mesh::TAKE_THE_WHOLE).map_err(|error| CutError::Mesh { text: error.to_string() })?;
+        mesh.without_pieces("a cut", crate::mesh::TAKE_THE_WHOLE)
+            .map_err(|error| CutError::Mesh { text: error.to_string() })?;
         if space.components() != 1 {
             return Err(CutError::Components { found: space.components() });
         }

@@ -167,7 +167,8 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     #[inline(never)]
     pub(super) fn write_by_all(&self, path: &Path) -> Result<PathBuf, VtuError> {
         let Some(all) = self.processes.communicator() else {
-            self.mesh.without_pieces("a .vtu file of one process", "write `.on(&part)` before `.write(..)`")?;
+            self.mesh
+                .without_pieces("a .vtu file of one process", "write `.on(&part)` before `.write(..)`")?;
             self.write_here(path)?;
             return Ok(path.to_owned());
         };
@@ -177,7 +178,8 @@ impl<'a, const D: usize> VtuFile<'a, D> {
         }
         let named = |rank: usize| pieces::name(path, rank);
         let written = named(all.rank()).and_then(|own| self.write_here(&path.with_file_name(own)));
-        let names = self.all(written.and_then(|()| (0..all.size()).map(named).collect::<Result<Vec<_>, _>>()))?;
+        let names =
+            self.all(written.and_then(|()| (0..all.size()).map(named).collect::<Result<Vec<_>, _>>()))?;
         let grid = self.grid()?;
         let arrays = all.gather(grid.fingerprint()).map_err(|source| VtuError::Processes { source })?;
         if arrays.iter().any(|other| *other != arrays[0]) {

@@ -83,6 +83,8 @@ pub struct Problem<'a, const D: usize, const N: usize = 1> {
     pub(in crate::solve) start: Option<[&'a Field<D>; N]>,
     /// The state from which a load step goes; the start is its prediction.
     pub(in crate::solve) last_state: Option<[&'a Field<D>; N]>,
+    /// The load factor of that state, and of the step's end.
+    pub(in crate::solve) factors: Option<[f64; 2]>,
     /// Known solutions, and the same as seen from the start.
     pub(in crate::solve) deflation: Option<Deflation<D, N>>,
     pub(in crate::solve) repulsion: Option<Repulsion>,
@@ -143,6 +145,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
             held: vec![],
             start: None,
             last_state: None,
+            factors: None,
             deflation: None,
             repulsion: None,
             solver: Solver::Own(Box::default()),
@@ -249,6 +252,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         let before = increment.before.per_unknown();
         self.start = Some(increment.start().per_unknown());
         self.last_state = Some(before);
+        self.factors = Some([increment.from, increment.factor]);
         self
     }
 

@@ -49,7 +49,8 @@ impl<'a> Processes<'a> {
         let divided = all.divided(&known).map_err(|source| AssemblyError::Communication { form, source })?;
         if divided.is_none() {
             let mesh = spaces[0].mesh();
-            let whole = mesh.without_pieces("`.on(..)` the world", "write `.on(&part)` with the part of the mesh");
+            let whole =
+                mesh.without_pieces("`.on(..)` the world", "write `.on(&part)` with the part of the mesh");
             agreed(communicator, form, whole.map_err(|source| AssemblyError::Mesh { form, source }))?;
         }
         Ok(Processes { communicator, divided })
@@ -121,10 +122,7 @@ impl<'a> Processes<'a> {
         let Some(divided) = &self.divided else { return Ok(own) };
         self.refuse(
             form,
-            [(
-                !own.only_prescribes(),
-                "relations between unknowns (sliding, periodic, rigid, mean values)",
-            )],
+            [(!own.only_prescribes(), "relations between unknowns (sliding, periodic, rigid, mean values)")],
         )?;
         let failed = |source| AssemblyError::Communication { form, source };
         let prescribed = prescribed_by_all(&**divided, own.size(), own.prescribed()).map_err(failed)?;

@@ -41,8 +41,12 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
             .numbers(entries.clone().map(|(unknown, _)| *unknown as u64))
             .reals(entries.map(|(_, force)| force));
         let options = Fingerprint::default().text(&format!("{:?}", self.options));
-        let mut others =
-            vec![("the loads of rigid surfaces", loads.finish()), ("Newton's options", options.finish())];
+        let factors = Fingerprint::default().reals(self.factors.iter().flatten());
+        let mut others = vec![
+            ("the loads of rigid surfaces", loads.finish()),
+            ("Newton's options", options.finish()),
+            ("the load factors", factors.finish()),
+        ];
         if !system.spaces[0].mesh().is_piece() {
             let start = Fingerprint::default().numbers(starts.map(|start| start.finish()));
             others.push(("the start", start.finish()));
@@ -116,6 +120,8 @@ impl<const D: usize> GivenEquations<'_, D> {
                 ("a given field or history", fields.numbers([commits(inputs)]).finish()),
             ]);
         }
+        // A process that failed to write a history is a step behind.
+        parts.push(("the number of commits to histories", commits(inputs)));
         parts.extend(&self.others);
         parts
     }
