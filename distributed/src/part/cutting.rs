@@ -168,6 +168,9 @@ struct Words<'a>(&'a [u64]);
 /// Degree, nodes and cells by their shapes.
 type Cells<const D: usize> = (usize, Vec<[f64; D]>, Vec<(CellShape, Vec<u32>)>);
 
+/// Cells or facets by the names of regions.
+type Regions<T> = BTreeMap<String, Vec<T>>;
+
 impl Words<'_> {
     fn number(&mut self) -> Option<usize> {
         let (first, rest) = self.0.split_first()?;
@@ -198,7 +201,7 @@ impl Words<'_> {
         Some((degree, nodes, blocks))
     }
 
-    fn regions(&mut self) -> Option<(BTreeMap<String, Vec<u32>>, BTreeMap<String, Vec<Facet>>)> {
+    fn regions(&mut self) -> Option<(Regions<u32>, Regions<Facet>)> {
         let mut cells = BTreeMap::new();
         for _ in 0..self.number()? {
             cells.insert(self.text()?, self.list(|cell| *cell as u32)?);

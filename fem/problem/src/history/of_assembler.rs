@@ -14,6 +14,9 @@ use crate::mesh::MeshError;
 use crate::pairs::PairError;
 use crate::quadrature::QuadratureError;
 
+/// A cell, or a local facet of it, with its number of points.
+type EntityOfHistory = (u32, Option<u8>, usize);
+
 /// Errors of making a history.
 pub(super) enum MadeError {
     Mesh(MeshError),
@@ -260,11 +263,11 @@ impl<const D: usize> Assembler<D> {
     pub fn history_entities<V: FieldValue>(
         &self,
         history: &History<V, D>,
-    ) -> Result<Vec<(u32, Option<u8>, usize)>, AssemblyError> {
+    ) -> Result<Vec<EntityOfHistory>, AssemblyError> {
         let storage = self.snapshot_of("history_entities", history.handle())?.storage;
         let facets = storage.mesh.most_facets();
         let places = storage.entities.iter().enumerate().filter(|(_, entity)| **entity != NONE);
-        let mut found: Vec<(u32, (u32, Option<u8>, usize))> = vec![];
+        let mut found: Vec<(u32, EntityOfHistory)> = vec![];
         for (place, entity) in places {
             let points = storage.starts[*entity as usize + 1] - storage.starts[*entity as usize];
             let (cell, local) = match storage.entity {
