@@ -164,7 +164,6 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     }
 
     /// Writes the file, and gives the name of the one to be opened.
-    #[inline(never)]
     pub(super) fn write_by_all(&self, path: &Path) -> Result<PathBuf, VtuError> {
         let Some(all) = self.processes.communicator() else {
             self.mesh
