@@ -244,10 +244,11 @@ fn load_steps_with_a_memory_are_the_same() {
     check_to(DIGITS, &[2], &arguments, &expected);
     // Another mesh, a damaged file.
     refused(&["impact", "8", "0", "direct", &path], "run.checkpoint was written on another mesh");
-    let piece = directory.file("run_w1_p0001.checkpoint");
+    let piece = directory.file("run_w2_p0001.checkpoint");
+    assert!(!std::fs::exists(directory.file("run_w1_p0002.checkpoint")).unwrap(), "it was replaced");
     let text = std::fs::read_to_string(&piece).unwrap();
     std::fs::write(&piece, text.replacen('1', "2", 1)).unwrap();
-    refused(&arguments, "run_w1_p0001.checkpoint: its checksum is another one");
+    refused(&arguments, "run_w2_p0001.checkpoint: its checksum is another one");
 }
 
 /// Newton's method in each step, affine equations for accelerations, lumped masses, and two unknowns.

@@ -99,7 +99,7 @@ fn scattered(path: Option<&str>) -> Result<Mesh<3>, Box<dyn Error>> {
     Ok(mesh)
 }
 
-/// Load steps with a memory. With a file they stop after the first half and leave a checkpoint there, or go on from that.
+/// Load steps with a memory. With a file they stop after the first half, or go on from the checkpoint there, and leave one at the end.
 fn softening(world: &World, path: Option<&str>) -> Outcome {
     let part = world.rectangle([0.0; 2], [2.0, 1.0], [6, 4], CellShape::Triangle, 1)?;
     let body = Softening::on(&part)?;
@@ -116,7 +116,7 @@ fn softening(world: &World, path: Option<&str>) -> Outcome {
         let problem = Problem::new(form, &body.space).assembler(&body.assembler).constrained(held);
         Ok(problem.on(&part).solver(&mut solver).increment(step).solve()?.into_field())
     })?;
-    if let (Some(path), None) = (path, &stored) {
+    if let Some(path) = path {
         let checkpoint = PartCheckpoint::new(&part).number("factor", factors[HALF - 1])?.field("u", &u)?;
         checkpoint.history("memory", &body.assembler, &body.data.largest)?.write(path)?;
     }
