@@ -1,6 +1,8 @@
 //! Solutions on cut bodies, their parts, and their pieces as a mesh.
 
-use forms_fem::cut::{Cut, CutSide};
+use std::sync::Arc;
+
+use forms_fem::cut::{Cut, CutError, CutSide};
 use forms_fem::output::VtuFile;
 use forms_fem::prelude::*;
 
@@ -33,7 +35,7 @@ mod membrane {
     }
 }
 
-/// The error of a solution whose Dirichlet values are given on the interface.
+/// The error of a solution whose Dirichlet values are given on the interface of a circle.
 fn error(
     mesh: &Mesh<2>,
     theta: f64,
@@ -41,10 +43,24 @@ fn error(
     exact: fn(&[f64; 2]) -> f64,
     load: fn(&[f64; 2]) -> f64,
 ) -> f64 {
-    let space = Space::scalar(mesh, degree).unwrap();
-    let body = cut(mesh, circle);
+    error_on(&Cut::by(&level(mesh, circle)).unwrap(), theta, degree, exact, load)
+}
+
+/// The same on any body.
+fn error_on<const D: usize>(
+    cut: &Arc<Cut<D>>,
+    theta: f64,
+    degree: usize,
+    exact: fn(&[f64; D]) -> f64,
+    load: fn(&[f64; D]) -> f64,
+) -> f64
+where
+    Dim: Dimension<D>,
+{
+    let space = Space::scalar(cut.mesh(), degree).unwrap();
+    let body = Assembler::new(cut.mesh()).with_cut(cut).unwrap();
     let mut held = Constraints::new(&space);
-    body.cut().unwrap().hold_outside(&mut held).unwrap();
+    cut.hold_outside(&mut held).unwrap();
     let data = membrane::data()
         .theta(theta)
         .gamma0(10.0 * (degree * degree) as f64)
@@ -74,6 +90,41 @@ fn errors_fall_with_order_2() {
     let found = [8, 16, 32].map(|cells| error(&square(cells, CellShape::Triangle), 1.0, 1, exact, load));
     let order = (found[0] / found[2]).log2() / 2.0;
     assert!((order - 2.0).abs() < 0.2, "order {order} of {found:?}");
+}
+
+#[test]
+fn aggregates_reproduce_polynomials_without_a_ghost_penalty() {
+    for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
+        let mesh = square(9, shape);
+        let plain = Cut::by(&level(&mesh, circle)).unwrap();
+        let cut = plain.aggregated().unwrap();
+        assert!(cut.ghost_facets().is_empty() && !plain.ghost_facets().is_empty());
+        for theta in [-1.0, 0.0, 1.0] {
+            let linear = error_on(&cut, theta, 1, |x| 1.0 + 2.0 * x[0] - 3.0 * x[1], |_| 0.0);
+            assert!(linear < 1e-11, "{shape:?}: {linear:e}");
+            let quadratic = error_on(&cut, theta, 2, |x| x[0] * x[0] - 2.0 * x[0] * x[1] + x[1], |_| -2.0);
+            assert!(quadratic < 1e-10, "{shape:?}: {quadratic:e}");
+        }
+        let within = Cut::within(&level(&mesh, circle), &plain.band(0.05)).unwrap();
+        assert_eq!(within.aggregated().unwrap_err(), CutError::Band);
+    }
+    let mesh = cuboid([-1.0; 3], [1.0; 3], [5; 3], CellShape::Tetrahedron, 1).unwrap();
+    let ball = level(&mesh, |x| x.iter().map(|x| (x - 0.03) * (x - 0.03)).sum::<f64>().sqrt() - 0.7);
+    let cut = Cut::by(&ball).unwrap().aggregated().unwrap();
+    let linear = error_on(&cut, 1.0, 1, |x| 1.0 + 2.0 * x[0] - 3.0 * x[1] + x[2], |_| 0.0);
+    assert!(linear < 1e-11, "{linear:e}");
+}
+
+#[test]
+fn errors_with_aggregates_fall_with_order_3() {
+    let exact = |x: &[f64; 2]| (2.0 * x[0]).sin() * x[1].exp();
+    let load = |x: &[f64; 2]| 3.0 * (2.0 * x[0]).sin() * x[1].exp();
+    let found = [8, 16, 32].map(|cells| {
+        let cut = Cut::by(&level(&square(cells, CellShape::Triangle), circle)).unwrap();
+        error_on(&cut.aggregated().unwrap(), 1.0, 2, exact, load)
+    });
+    let order = (found[0] / found[2]).log2() / 2.0;
+    assert!((order - 3.0).abs() < 0.3, "order {order} of {found:?}");
 }
 
 #[test]

@@ -66,6 +66,14 @@ pub enum CutError {
     /// A function that has changed by more than a band allows.
     #[error("near {position:?} the level set function has changed by more than the band's width")]
     LeftBand { position: Vec<f64> },
+    /// Aggregates of a cut whose ghost facets a band keeps.
+    #[error("a cut within a band keeps its ghost facets; aggregates are for cuts made with `Cut::by`")]
+    Band,
+    /// A cell whose polynomials have no values outside of it.
+    #[error(
+        "the cell near {position:?} is curved; aggregates need cells with straight edges, and of quadrilaterals parallelograms"
+    )]
+    CurvedAggregate { position: Vec<f64> },
     /// A surface that encloses no body.
     #[error("{text}")]
     Surface { text: String },

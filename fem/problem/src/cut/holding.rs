@@ -7,10 +7,11 @@ use crate::instantiate::instantiate;
 
 impl<const D: usize> Cut<D> {
     /// Zero for all unknowns of a space that no active cell has. Those that are prescribed or given by relations already stay as they are. In
-    /// cells of a band without body and without ghost facets, unknowns between vertices are interpolated from those at the vertices.
+    /// cells of a band without body and without ghost facets, unknowns between vertices are interpolated from those at the vertices. With
+    /// [aggregates](Cut::aggregated) it relates unknowns that only badly cut cells have to those of well-posed ones.
     ///
     /// # Errors
-    /// [`CutError`]: constraints of a space on another mesh or on facets.
+    /// [`CutError`]: constraints of a space on another mesh or on facets, aggregates of curved cells.
     #[inline(never)]
     pub fn hold_outside(&self, constraints: &mut Constraints<D>) -> Result<(), CutError> {
         let space = constraints.space().clone();
@@ -20,6 +21,7 @@ impl<const D: usize> Cut<D> {
         if space.facet_region().is_some() {
             return Err(CutError::OnFacets);
         }
+        self.relate_aggregates(constraints)?;
         let mut active = vec![false; space.node_count()];
         // Cells that carry rigid surfaces are no part of the background.
         let carriers = self.mesh().body_cells().end..self.mesh().cell_count();

@@ -1,6 +1,7 @@
 //! Bodies that are cut from a mesh: where a level set function is negative.
 //!
 //! ```text
+//! aggregation  unknowns of badly cut cells, given by those of well-posed cells
 //! simplices   the pieces of one simplex
 //! pieces   a cell and a facet in pieces, with the points of rules
 //! band     active cells and ghost facets that stay while the function changes a little
@@ -12,6 +13,7 @@
 //! body     the pieces as a mesh of their own, to be drawn and written
 //! ```
 
+mod aggregation;
 mod band;
 mod body;
 mod error;
@@ -23,6 +25,7 @@ mod pieces;
 mod simplices;
 mod ties;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 pub use self::band::CutBand;
@@ -96,6 +99,8 @@ pub struct Cut<const D: usize> {
     ghost: Vec<[Facet; 2]>,
     /// Active cells of a band that have nothing of the body and no ghost facet.
     untied: Vec<u32>,
+    /// The well-posed cell of each badly cut one, where aggregates take the place of ghost facets.
+    roots: Option<BTreeMap<u32, u32>>,
     known: KnownPoints,
     /// What stays, and the cells that are active therefore.
     band: Option<Arc<CutBand<D>>>,
@@ -166,6 +171,7 @@ impl<const D: usize> Cut<D> {
             cut,
             ghost,
             untied,
+            roots: None,
             known,
             band,
             kept,
@@ -194,6 +200,11 @@ impl<const D: usize> Cut<D> {
                 (self.ties(&active, 0.0), vec![])
             }
         };
+        if self.roots.is_some() {
+            let ties: Vec<[u32; 2]> =
+                std::mem::take(&mut self.ghost).iter().map(|[a, b]| [a.cell, b.cell]).collect();
+            self.roots = Some(self.roots_of(&ties));
+        }
     }
 
     /// Whether something of the body is in a cell, or a band keeps it.
@@ -232,10 +243,12 @@ impl<const D: usize> Cut<D> {
         }
     }
 
-    /// A number per cell that says where it is. Where one changes, a node has changed sides, and what is assembled jumps by a little: in
-    /// a line search and in Taylor tests these are switches.
+    /// Numbers that say where each cell is, and which cells ghost facets or aggregates join. Where one changes, a node has changed sides or a
+    /// cell is tied to another one, and what is assembled jumps by a little: in a line search and in Taylor tests these are switches.
     pub fn sides(&self) -> impl Iterator<Item = u32> {
-        self.sides.iter().map(|side| *side as u32)
+        let ties = self.ghost.iter().flat_map(|sides| sides.map(|facet| facet.cell));
+        let roots = self.roots.iter().flatten().flat_map(|(cell, root)| [*cell, *root]);
+        self.sides.iter().map(|side| *side as u32).chain(ties).chain(roots)
     }
 
     /// The cells that are whole, ascending.

@@ -19,7 +19,7 @@ fn ordered(value: f64) -> u64 {
 
 impl<const D: usize> Cut<D> {
     /// Rank of a cell: how deep in the body its middle is, then its number.
-    fn rank(&self, cell: u32) -> (u64, Reverse<u32>) {
+    pub(super) fn rank(&self, cell: u32) -> (u64, Reverse<u32>) {
         (ordered(self.depth(cell)), Reverse(cell))
     }
 
