@@ -3,7 +3,6 @@
 //!
 //! `cargo run --release --bin level_set_wheel -- [--cells N] [--steps N] [--last-steps N] [--out DIRECTORY] [--anew]`
 
-mod perimeter;
 mod wheel;
 
 use std::f64::consts::TAU;
@@ -165,14 +164,14 @@ fn picture(runs: &[Run]) -> Result<impl Picture, Failure> {
     let mut map = FieldMap::of(&shown, Shown::Component(0), "von Mises stress [MPa]")
         .range(0.0, 20.0)
         .without_lines()
-        .levels(8)
+        .levels(4)
         .window([-12.2, 12.2], [-30.4, -18.8])
-        .size(300.0, 145.0)
+        .size(230.0, 111.0)
         .length_unit("cm");
     let mut plot = LinePlot::new()
         .x_axis("step", Scale::Linear)
         .y_axis("J with the price", Scale::Linear)
-        .size(150.0, 145.0)
+        .size(130.0, 111.0)
         .grid()
         .horizontal_line(FITTED[0], "fitted");
     let colour = Colour::of_series(0);

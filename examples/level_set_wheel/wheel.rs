@@ -12,11 +12,9 @@ use forms_fem::cut::Cut;
 use forms_fem::mesh::annulus;
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::level_set::{
-    LevelSetProblem, LevelSetVolume, interface_measure, means_at_nodes,
+    LevelSetProblem, LevelSetVolume, SmoothPerimeter, interface_measure, means_at_nodes,
 };
 use forms_fem::shape_optimisation::{Derivatives, Failure, Rotations, Values};
-
-use crate::perimeter::SmoothPerimeter;
 
 /// Holes around the ring.
 pub const HOLES: usize = 24;
@@ -148,7 +146,7 @@ pub struct Wheel {
     inside: inside::Model<2>,
     sectors: Rotations<2>,
     volume: LevelSetVolume,
-    perimeter: Option<SmoothPerimeter>,
+    perimeter: Option<SmoothPerimeter<2>>,
     price: f64,
     adjoint: Adjoint,
 }
@@ -169,7 +167,7 @@ pub struct Pressed {
 }
 
 impl Wheel {
-    /// A ring with so many pairs of triangles in the width of a sector.
+    /// The problem on a ring with `cells` pairs of triangles in the width of a sector.
     ///
     /// # Errors
     /// Cells too large for the wall of the rim.
@@ -191,7 +189,7 @@ impl Wheel {
         let ring = PI * (OUTER_RADIUS * OUTER_RADIUS - INNER_RADIUS * INNER_RADIUS);
         let solid = scalars.positions().iter().map(|x| grid.is_held(x)).collect();
         Ok(Wheel {
-            perimeter: Some(SmoothPerimeter::new(&scalars, Grid::size(grid.cells), solid)?),
+            perimeter: Some(SmoothPerimeter::new(&scalars, solid)?),
             displacements: Space::vector(&mesh, 1)?,
             sectors: Rotations::new(&scalars, [0.0; 2], HOLES)?,
             volume: LevelSetVolume { target: ring - HOLES as f64 * round },

@@ -7,7 +7,7 @@ use forms_fem::inverse::reduced_problem::taylor_test;
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::level_set::{
     HoleOptions, LevelSetControls, LevelSetDescent, LevelSetOptions, LevelSetProblem, LevelSetRow,
-    LevelSetState, LevelSetVolume, interface_measure,
+    LevelSetState, LevelSetVolume, SmoothPerimeter, interface_measure,
 };
 use forms_fem::shape_optimisation::{Checkpoint, Derivatives, Failure, StopReason, Values};
 use serde_json::json;
@@ -273,6 +273,39 @@ fn smoothing_along_the_interface_makes_a_boundary_even_sooner() {
     };
     let [without, with] = [0.0, 0.5].map(steps_to_round);
     assert!(with < without, "{with} {without}");
+}
+
+/// The perimeter of a circle by the variation of densities, and a derivative that goes on where nodes change sides.
+#[test]
+fn smooth_perimeters_have_no_kinks() {
+    let cells = 32;
+    let mesh = square(cells, CellShape::Triangle);
+    let phi = |radius: f64| level(&mesh, |x| (x[0] - 0.01).hypot(x[1] + 0.02) - radius);
+    let space = phi(0.6).space().clone();
+    let smooth = SmoothPerimeter::new(&space, vec![false; space.unknowns()]).unwrap();
+    let value = |radius: f64| smooth.value(&Cut::by(&phi(radius)).unwrap()).unwrap();
+    let length = |radius: f64| interface_measure(&Cut::by(&phi(radius)).unwrap()).unwrap();
+    let (found, slopes) = value(0.6);
+    assert!((found / (1.2 * PI) - 1.0).abs() < 0.02, "{found}");
+    // φ + t has the radius 0.6 − t.
+    let slope = -slopes.iter().sum::<f64>();
+    let step = 1e-6;
+    let difference = (value(0.6 + step).0 - value(0.6 - step).0) / (2.0 * step);
+    assert!((slope / difference - 1.0).abs() < 1e-7, "{slope} {difference}");
+    // Of a wave in φ, over a cell: the largest change from step to step.
+    let wave: Vec<f64> = space.positions().iter().map(|x| (9.0 * x[0]).sin() * (7.0 * x[1]).cos()).collect();
+    let largest_change = |of: &dyn Fn(f64) -> (f64, Vec<f64>)| {
+        let slope = |step: i32| {
+            let (_, slopes) = of(0.6 + f64::from(step) * 2e-4);
+            slopes.iter().zip(&wave).map(|(slope, along)| slope * along).sum::<f64>()
+        };
+        let all: Vec<f64> = (0..300).map(slope).collect();
+        all.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max)
+    };
+    let (of_smooth, of_length) = (largest_change(&value), largest_change(&length));
+    println!("{found} {} {of_smooth:e} {of_length:e}", 1.2 * PI);
+    assert!(10.0 * of_smooth < of_length, "{of_smooth} {of_length}");
+    assert!(SmoothPerimeter::new(&space, vec![]).is_err());
 }
 
 #[test]

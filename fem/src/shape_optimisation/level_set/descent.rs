@@ -171,7 +171,7 @@ where
             self.problem.derivatives(&shape.body, &mut shape.values.state).map_err(failed)?;
         let expected = shape.phi.values().len();
         check_length("the criterion", &criterion, expected)?;
-        product.take_interface(&shape.body).map_err(failed)?;
+        product.change_interface(&shape.body).map_err(failed)?;
         let movement = product.represent(&criterion)?;
         let by = match (&constraint, shape.values.constraint) {
             (Some(derivative), Some(value)) => {

@@ -77,11 +77,11 @@ where
         Ok(ChangeProduct { model, pattern, zero, everywhere, matrix, elimination, solver })
     }
 
-    /// Takes the interface of a body in place of the one before.
+    /// Change of the interface to that of a body.
     ///
     /// # Errors
     /// A body on another mesh.
-    pub fn take_interface(&mut self, body: &Arc<Cut<D>>) -> Result<(), Failure> {
+    pub fn change_interface(&mut self, body: &Arc<Cut<D>>) -> Result<(), Failure> {
         if self.model.data.along == 0.0 {
             return Ok(());
         }
