@@ -42,10 +42,10 @@ pub mod density_variation {
 
 /// |Γ| about as [`interface_measure`](super::interface_measure) has it, with a derivative by φ that is continuous.
 ///
-/// The measure of Γ itself has kinks where a node changes sides, since Γ is a polygon with corners on edges, and a descent stops at them. Volumes
-/// have none: with v_i = ∫_Ω t_i for the hats t_i and their integrals m_i over the background, r = v/m lies between 0 and 1, and is averaged once
-/// more, (M r)/m with the mass matrix M. Its total variation is the mean measure of its level lines (surfaces). It does not see waves of Γ
-/// that are as short as cells: end a descent with `interface_measure`.
+/// The measure of Γ itself has kinks where a node changes sides and φ is not linear around it, since the corners of Γ on its edges meet there: a
+/// descent stops at them. Volumes have none. With v_i = ∫_Ω t_i for the hats t_i and their integrals m_i over the background, r = v/m lies
+/// between 0 and 1, and is averaged once more, (M r)/m with the mass matrix M. Its total variation is the mean measure of its level lines
+/// (surfaces). It does not see waves of Γ that are as short as cells: end a descent with `interface_measure`.
 pub struct SmoothPerimeter<const D: usize> {
     background: Assembler<D>,
     space: Arc<Space<D>>,
