@@ -110,7 +110,9 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Failure> {
         let wave = |x: &[f64; 2]| {
             1.0 + (3.0 * x[0].hypot(x[1])).sin() * (HOLES as f64 * x[1].atan2(x[0]) + 0.7).cos()
         };
-        check_gradient(&wheel, &initial, &wave, out)?;
+        let with_length = Wheel::new(options.cells, adjoint)?.with_length();
+        let round = Field::interpolate(&with_length.scalars, round_holes)?;
+        check_gradient(&with_length, &round, &wave, out)?;
         let directory = options.out.join(directory);
         let smooth = options.descent(&wheel, &initial, options.steps, (&directory, "smooth"), out)?;
         let mut course = smooth.state.history;
@@ -164,14 +166,14 @@ fn picture(runs: &[Run]) -> Result<impl Picture, Failure> {
     let mut map = FieldMap::of(&shown, Shown::Component(0), "von Mises stress [MPa]")
         .range(0.0, 20.0)
         .without_lines()
-        .levels(4)
+        .levels(8)
         .window([-12.2, 12.2], [-30.4, -18.8])
-        .size(230.0, 111.0)
+        .size(200.0, 97.0)
         .length_unit("cm");
     let mut plot = LinePlot::new()
         .x_axis("step", Scale::Linear)
         .y_axis("J with the price", Scale::Linear)
-        .size(130.0, 111.0)
+        .size(120.0, 97.0)
         .grid()
         .horizontal_line(FITTED[0], "fitted");
     let colour = Colour::of_series(0);

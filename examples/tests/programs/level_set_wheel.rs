@@ -13,7 +13,7 @@ fn after(printed: &str, words: &str) -> f64 {
 fn holes_of_a_coarse_wheel_move_in_their_pattern() {
     let directory = tempfile::tempdir().expect("a directory");
     let mut command = Command::new(env!("CARGO_BIN_EXE_level_set_wheel"));
-    command.args(["--cells", "6", "--steps", "6", "--last-steps", "4", "--out"]).arg(directory.path());
+    command.args(["--cells", "10", "--steps", "5", "--last-steps", "5", "--out"]).arg(directory.path());
     let output = command.output().expect("the program starts");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let printed = String::from_utf8(output.stdout).expect("text");
