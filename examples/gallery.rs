@@ -258,7 +258,7 @@ const MAKERS: [Maker; 44] = [
         arguments: &["--bin", "level_set_cantilever", "--", "--anew"],
         pictures: &[("out/level_set_cantilever/level_set_cantilever.png", "level_set_cantilever.png")],
     },
-    // Half an hour.
+    // Five minutes of processor time.
     Maker {
         arguments: &["--bin", "level_set_wheel", "--", "--anew"],
         pictures: &[("out/level_set_wheel/level_set_wheel.png", "level_set_wheel.png")],
