@@ -163,7 +163,7 @@ fn picture(runs: &[Run]) -> Result<impl Picture, Failure> {
     let pieces = first.body.body()?;
     let stress = first.wheel.mises(&first.last)?;
     let shown = pieces.field(&stress)?;
-    let mut map = FieldMap::of(&shown, Shown::Component(0), "von Mises stress [MPa]")
+    let mut map = FieldMap::of(&shown, Shown::Component(0), "stress [MPa]")
         .range(0.0, 20.0)
         .without_lines()
         .levels(8)
@@ -172,8 +172,8 @@ fn picture(runs: &[Run]) -> Result<impl Picture, Failure> {
         .length_unit("cm");
     let mut plot = LinePlot::new()
         .x_axis("step", Scale::Linear)
-        .y_axis("J with the price", Scale::Linear)
-        .size(120.0, 97.0)
+        .y_axis("J + price", Scale::Linear)
+        .size(150.0, 170.0)
         .grid()
         .horizontal_line(FITTED[0], "fitted");
     let colour = Colour::of_series(0);
