@@ -43,7 +43,7 @@ macro_rules! tutorial {
     };
 }
 
-const MAKERS: [Maker; 43] = [
+const MAKERS: [Maker; 44] = [
     tutorial!("01_poisson", "01"),
     tutorial!("02_elasticity", "02"),
     tutorial!("03_neo_hookean", "03"),
@@ -257,6 +257,11 @@ const MAKERS: [Maker; 43] = [
     Maker {
         arguments: &["--bin", "level_set_cantilever", "--", "--anew"],
         pictures: &[("out/level_set_cantilever/level_set_cantilever.png", "level_set_cantilever.png")],
+    },
+    // Five minutes of processor time.
+    Maker {
+        arguments: &["--bin", "level_set_wheel", "--", "--anew"],
+        pictures: &[("out/level_set_wheel/level_set_wheel.png", "level_set_wheel.png")],
     },
     Maker {
         arguments: &["--bin", "pressed_knot"],

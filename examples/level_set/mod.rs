@@ -61,6 +61,11 @@ pub fn descend<P: LevelSetProblem<2>>(
     Ok(best)
 }
 
+/// A wave along which gradients are checked.
+pub fn wave(x: &[f64; 2]) -> f64 {
+    1.0 + (5.0 * x[0]).sin() * (7.0 * x[1]).cos()
+}
+
 /// The slope along a wave by the derivative, and by differences.
 ///
 /// # Errors
@@ -68,9 +73,9 @@ pub fn descend<P: LevelSetProblem<2>>(
 pub fn check_gradient<P: LevelSetProblem<2>>(
     problem: &P,
     phi: &Field<2>,
+    wave: &dyn Fn(&[f64; 2]) -> f64,
     out: &mut StandardOutput,
 ) -> Result<(), Failure> {
-    let wave = |x: &[f64; 2]| 1.0 + (5.0 * x[0]).sin() * (7.0 * x[1]).cos();
     let direction: Vec<f64> = phi.space().positions().iter().map(wave).collect();
     let moved = |step: f64| -> Result<(f64, Vec<u32>), Failure> {
         let values = phi.values().iter().zip(&direction).map(|(phi, along)| phi + step * along).collect();

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use clap::Parser;
 use forms_examples::command_line::program_with_options;
 use forms_examples::level_set::problem::{LoadedBody, SIZE, Solved, support};
-use forms_examples::level_set::{check_gradient, descend, eighteen_holes, voids};
+use forms_examples::level_set::{check_gradient, descend, eighteen_holes, voids, wave};
 use forms_fem::cut::Cut;
 use forms_fem::output::picture::{Colour, Curve, FieldMap, LinePlot, Panel, Picture, Scale, Shown};
 use forms_fem::output::{StandardOutput, VtuFile};
@@ -49,7 +49,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Failure> {
     }
     let bridge = LoadedBody::bridge(options.cells)?;
     let initial = Field::interpolate(&bridge.scalars, eighteen_holes)?;
-    check_gradient(&bridge, &initial, out)?;
+    check_gradient(&bridge, &initial, &wave, out)?;
 
     let size = SIZE[0] / options.cells as f64;
     let descent = LevelSetDescent {

@@ -8,6 +8,7 @@ mod half_ring;
 mod interrupted;
 mod level_set_bridge;
 mod level_set_cantilever;
+mod level_set_wheel;
 mod pressed_knot;
 mod readme;
 mod rolling_ring;

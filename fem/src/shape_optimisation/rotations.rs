@@ -92,6 +92,28 @@ impl<const D: usize> Rotations<D> {
         Ok(())
     }
 
+    /// The mean over the rotations, in place of a number per node (a level set function, or a derivative by one).
+    ///
+    /// # Errors
+    /// [`ShapeOptimisationError::Length`] unless there is one number per node.
+    pub fn average_values(&self, values: &mut [f64]) -> Result<(), ShapeOptimisationError> {
+        let (expected, found) = (self.images.len(), values.len());
+        if expected != found {
+            return Err(ShapeOptimisationError::Length { what: "the pattern", expected, found });
+        }
+        let mut done = vec![false; expected];
+        for first in 0..expected {
+            if done[first] {
+                continue;
+            }
+            let mut sum = 0.0;
+            self.along_orbit(first, |node, _| sum += values[node]);
+            let mean = sum / self.turns.len() as f64;
+            self.along_orbit(first, |node, _| (values[node], done[node]) = (mean, true));
+        }
+        Ok(())
+    }
+
     fn along_orbit(&self, first: usize, mut visit: impl FnMut(usize, [f64; 2])) {
         let mut node = first;
         for &by in &self.turns {
@@ -152,6 +174,20 @@ mod tests {
         let product: f64 = before.iter().zip(&mean).map(|(before, mean)| (before - mean) * mean).sum();
         assert!(product.abs() < 1e-11, "{product:e}");
         assert!(before.iter().zip(&mean).any(|(a, b)| (a - b).abs() > 0.1));
+    }
+
+    #[test]
+    fn mean_values_are_the_same_in_all_sectors() {
+        let space = ring();
+        let rotations = Rotations::new(&space, [0.0; 2], 7).unwrap();
+        let before: Vec<f64> = space.positions().iter().map(|x| x[0] * x[1] + x[1].sin() + 3.0).collect();
+        let mut mean = before.clone();
+        rotations.average_values(&mut mean).unwrap();
+        assert!(rotations.images.iter().zip(&mean).all(|(image, own)| mean[*image as usize] == *own));
+        let [sum, of_means] = [&before, &mean].map(|values| values.iter().sum::<f64>());
+        assert!((sum / of_means - 1.0).abs() < 1e-14 && sum > 0.0);
+        assert!(before.iter().zip(&mean).any(|(a, b)| (a - b).abs() > 0.1));
+        assert!(rotations.average_values(&mut [0.0]).is_err());
     }
 
     #[test]

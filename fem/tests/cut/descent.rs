@@ -7,7 +7,7 @@ use forms_fem::inverse::reduced_problem::taylor_test;
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::level_set::{
     HoleOptions, LevelSetControls, LevelSetDescent, LevelSetOptions, LevelSetProblem, LevelSetRow,
-    LevelSetState, LevelSetVolume, interface_measure,
+    LevelSetState, LevelSetVolume, SmoothPerimeter, interface_measure,
 };
 use forms_fem::shape_optimisation::{Checkpoint, Derivatives, Failure, StopReason, Values};
 use serde_json::json;
@@ -252,6 +252,65 @@ fn a_disc_has_the_shortest_boundary() {
     assert!(run.state.csv().lines().count() == run.state.history.len() + 1);
 }
 
+/// The second derivative of a perimeter is that of the product along Γ: with it a wavy circle becomes round in fewer steps.
+#[test]
+fn smoothing_along_the_interface_makes_a_boundary_even_sooner() {
+    let cells = 32;
+    let size = 2.0 / cells as f64;
+    let mesh = square(cells, CellShape::Triangle);
+    let wavy = |x: &[f64; 2]| x[0].hypot(x[1]) - 0.56 - 0.06 * (5.0 * x[1].atan2(x[0])).cos();
+    let problem = Bubble { area: LevelSetVolume { target: 1.0 } };
+    let steps_to_round = |interface_smoothing: f64| {
+        let (iterations, largest_change) = (60, 0.25 * size);
+        let own = LevelSetOptions::new(size);
+        let options = LevelSetOptions { iterations, interface_smoothing, largest_change, ..own };
+        let descent = LevelSetDescent { problem: &problem, initial: level(&mesh, wavy), options };
+        let run = descent.run(None, &mut |_| Ok(())).unwrap();
+        let is_round = |row: &LevelSetRow| {
+            row.criterion < 1.001 * 2.0 * PI.sqrt() && row.constraint.is_some_and(|off| off.abs() < 1e-3)
+        };
+        run.state.history.iter().position(is_round).unwrap()
+    };
+    let [without, with] = [0.0, 0.5].map(steps_to_round);
+    assert!(with < without, "{with} {without}");
+}
+
+/// The perimeter of a circle by the variation of densities, and a derivative that goes on where nodes change sides.
+#[test]
+fn smooth_perimeters_have_no_kinks() {
+    let cells = 32;
+    let mesh = square(cells, CellShape::Triangle);
+    let phi = |radius: f64| level(&mesh, |x| (x[0] - 0.01).hypot(x[1] + 0.02) - radius);
+    let space = phi(0.6).space().clone();
+    let smooth = SmoothPerimeter::new(&space, vec![false; space.unknowns()]).unwrap();
+    let value = |radius: f64| smooth.value(&Cut::by(&phi(radius)).unwrap()).unwrap();
+    let (found, slopes) = value(0.6);
+    assert!((found / (1.2 * PI) - 1.0).abs() < 0.02, "{found}");
+    // φ + t has the radius 0.6 − t.
+    let slope = -slopes.iter().sum::<f64>();
+    let step = 1e-6;
+    let difference = (value(0.6 + step).0 - value(0.6 - step).0) / (2.0 * step);
+    assert!((slope / difference - 1.0).abs() < 1e-7, "{slope} {difference}");
+    // A rough φ whose value at a node changes its sign: the slope of the length by it jumps, that of the variation goes on.
+    let rough =
+        level(&mesh, |x| x[0].hypot(x[1]) - 0.6 + 0.02 * (40.0 * x[0] + 1.0).sin() * (33.0 * x[1]).cos());
+    let sizes: Vec<f64> = rough.values().iter().map(|value| value.abs()).collect();
+    let node = (0..sizes.len()).min_by(|a, b| sizes[*a].total_cmp(&sizes[*b])).unwrap();
+    let slopes_at = |of: &dyn Fn(&Arc<Cut<2>>) -> (f64, Vec<f64>)| {
+        [1e-7, -1e-7].map(|value| {
+            let mut values = rough.values().to_vec();
+            values[node] = value;
+            of(&Cut::by(&Field::from_values(&space, values).unwrap()).unwrap()).1[node]
+        })
+    };
+    let [of_smooth, of_length] =
+        [slopes_at(&|body| smooth.value(body).unwrap()), slopes_at(&|body| interface_measure(body).unwrap())];
+    println!("{found} {of_smooth:?} {of_length:?}");
+    let jump = |slopes: [f64; 2]| (slopes[0] - slopes[1]).abs() / slopes[0].abs().max(slopes[1].abs());
+    assert!(jump(of_smooth) < 1e-4 && jump(of_length) > 0.1);
+    assert!(SmoothPerimeter::new(&space, vec![]).is_err());
+}
+
 #[test]
 fn values_of_phi_are_controls_of_a_reduced_problem() {
     let mesh = square(12, CellShape::Triangle);
@@ -274,6 +333,10 @@ fn options_without_meaning_are_refused() {
     descent.options.smoothing = -1.0;
     let error = descent.run(None, &mut |_| Ok(())).err().unwrap().to_string();
     assert_eq!(error, "smoothing = -1 is not possible: it must be positive");
+    let mut descent = two_discs(8);
+    descent.options.interface_smoothing = -1.0;
+    let error = descent.run(None, &mut |_| Ok(())).err().unwrap().to_string();
+    assert_eq!(error, "interface_smoothing = -1 is not possible: it must not be negative");
     let mut descent = two_discs(8);
     descent.options.iterations = 0;
     assert_eq!(descent.run(None, &mut |_| Ok(())).unwrap().state.finish, Some(StopReason::Iterations));

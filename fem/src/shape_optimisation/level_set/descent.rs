@@ -92,7 +92,7 @@ where
         let mut held = Constraints::new(space);
         let failed = |source| ShapeOptimisationError::Problem { iteration: 0, source };
         self.problem.hold(&mut held).map_err(failed)?;
-        let mut product = ChangeProduct::new(self.options.smoothing, &held)?;
+        let mut product = ChangeProduct::new(&self.options, &held)?;
         let holes = self.options.holes.as_ref().map(|options| HolePlaces::new(options, &held)).transpose()?;
         let goes_on = from.is_some();
         let mut state = from.unwrap_or_else(|| LevelSetState {
@@ -166,12 +166,12 @@ where
         product: &mut ChangeProduct<D>,
         penalty: f64,
     ) -> Result<Direction, ShapeOptimisationError> {
-        let Derivatives { criterion, constraint } = self
-            .problem
-            .derivatives(&shape.body, &mut shape.values.state)
-            .map_err(|source| ShapeOptimisationError::Problem { iteration, source })?;
+        let failed = |source| ShapeOptimisationError::Problem { iteration, source };
+        let Derivatives { criterion, constraint } =
+            self.problem.derivatives(&shape.body, &mut shape.values.state).map_err(failed)?;
         let expected = shape.phi.values().len();
         check_length("the criterion", &criterion, expected)?;
+        product.change_interface(&shape.body).map_err(failed)?;
         let movement = product.represent(&criterion)?;
         let by = match (&constraint, shape.values.constraint) {
             (Some(derivative), Some(value)) => {

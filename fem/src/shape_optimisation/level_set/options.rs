@@ -12,6 +12,11 @@ pub struct LevelSetOptions {
     pub iterations: usize,
     /// α of the inner product (w, v) + α²(∇w, ∇v) \[length\].
     pub smoothing: f64,
+    /// ℓ of α² ℓ ∫_Γ ∇_Γ w·∇_Γ v, which the inner product gets on the present interface \[length\]: waves of Γ that are shorter than ℓ move less.
+    /// The second derivative of a price of the perimeter is of this kind: without it a descent with such a price takes short steps. None
+    /// where it is zero.
+    #[serde(default)]
+    pub interface_smoothing: f64,
     /// The largest change of φ at a node in a step, on the descent and on the way back to the constraint \[length\].
     pub largest_change: f64,
     /// The part of the decrease that the derivative promises which a step must bring, in (0, 1/2).
@@ -30,11 +35,12 @@ pub struct LevelSetOptions {
 }
 
 impl LevelSetOptions {
-    /// For cells of this size \[length\]: α = 2h, changes of φ up to h/2.
+    /// For cells of this size \[length\]: α = 2h, no smoothing along Γ, changes of φ up to h/2.
     pub fn new(size: f64) -> Self {
         LevelSetOptions {
             iterations: 100,
             smoothing: 2.0 * size,
+            interface_smoothing: 0.0,
             largest_change: 0.5 * size,
             sufficient_decrease: 1e-4,
             penalty: 10.0,
@@ -65,6 +71,7 @@ impl LevelSetOptions {
             return fail("sufficient_decrease", self.sufficient_decrease, "it lies between 0 and 1/2");
         }
         for (name, value) in [
+            ("interface_smoothing", self.interface_smoothing),
             ("constraint_tolerance", self.constraint_tolerance),
             ("gradient_tolerance", self.gradient_tolerance),
         ] {
