@@ -115,7 +115,7 @@ impl Formulation for Mortar {
             return Err(not_defined("a rigid obstacle has no mesh: this is the augmented Lagrangian"));
         }
         let (data, own) = (law::data_from(case.data.clone()), law::Own::on(case.own()));
-        let form = law::between(&data, &own, &case.bodies(), &case.load(), &case.touch(Sides::Own));
+        let form = law::between(&data, &case.bodies(), &case.load(), &case.touch(Sides::Own), &own);
         let scalars = Space::on_facets(case.mesh(), case.own(), 1)?;
         let guess = Field::from_values(&scalars, vec![case.pressure; scalars.unknowns()])?;
         let start = [case.first(), guess, Field::zero(&scalars)];
@@ -127,7 +127,7 @@ impl Formulation for Mortar {
 
     fn slide(&self, bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {
         let (data, own) = (drawn::data_from(bodies.data.clone()), drawn::Own::on(bodies.surfaces[0]));
-        let form = drawn::between(&data, &own, &bodies.omega(), &bodies.touch(Sides::Own));
+        let form = drawn::between(&data, &bodies.omega(), &bodies.touch(Sides::Own), &own);
         let scalars = bodies.scalars(1)?;
         let guess = Field::from_values(&scalars, vec![bodies.pressure; scalars.unknowns()])?;
         let start = [bodies.start.clone(), guess, Field::zero(&scalars)];
@@ -138,7 +138,7 @@ impl Formulation for Mortar {
         let own = bodies.surfaces[0].as_str();
         let (omega, touch) = (bodies.omega(), bodies.touch(Sides::Own));
         let traces = Space::vector_on_facets(bodies.space.mesh(), own, 1)?;
-        let form = |data| rough::between(&rough::data_from(data), &rough::Own::on(own), &omega, &touch);
+        let form = |data| rough::between(&rough::data_from(data), &omega, &touch, &rough::Own::on(own));
         let start = [&bodies.space, &traces, &traces].map(Field::zero);
         bodies.follow_fields((10.0, Case::options()), start, form, |data, [_, m, _]| {
             rough::traction_of(&rough::data_from(data), m)
@@ -149,7 +149,7 @@ impl Formulation for Mortar {
         let own = bodies.surfaces[0].as_str();
         let (omega, touch) = (bodies.omega(), bodies.touch(Sides::Own));
         let scalars = Space::on_facets(bodies.space.mesh(), own, 1)?;
-        let form = |data| stacked::between(&stacked::data_from(data), &stacked::Own::on(own), &omega, &touch);
+        let form = |data| stacked::between(&stacked::data_from(data), &omega, &touch, &stacked::Own::on(own));
         let start = [&bodies.space, &scalars, &scalars].map(Field::zero);
         bodies.follow_fields((10.0, NewtonOptions::default()), start, form, |data, [_, p, _]| {
             stacked::traction(&stacked::data_from(data), p)
