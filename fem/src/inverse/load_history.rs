@@ -43,7 +43,7 @@ use crate::verification::Sample;
 ///
 /// Forms of up to four unknowns are histories on the list of their spaces, as `[&displacements, &pressures]`. States are then read by
 /// [`ControlValues::before_of_all`], the sensitivities are [`LoadHistory::coupled_sensitivities`], and each state before has a test function,
-/// `by_before_u` for that of the unknown `u`. The criterion may read the first unknown or more of them. A start that is a control is that
+/// `by_before_u` for that of the unknown `u`. Where steps ask for [`ControlValues::before`] only, that of the first unknown is enough. The criterion may read the first unknown or more of them. A start that is a control is that
 /// of the first unknown on its space.
 ///
 /// Pairs of displaced surfaces may depend on the state of the step, on the state before, or on both: their motion is in the tangent

@@ -2,7 +2,7 @@
 
 use forms_fem::forms;
 
-/// What multipliers add to the balance of two bodies, without friction with the pressure p and the mean gap g, with friction with vectors m and d.
+/// Terms that multipliers add to the balance of two bodies, without friction with the pressure p and the mean gap g, with friction with vectors m and d.
 /// Conditions hold at each node of the own surface, for any γ, which decides only how Newton's method tells what touches and what slides.
 ///
 /// At its pairs a law adds p n_x·⟦v⟧ + gap (r − q), or with friction [`moved`](fn@moved) tested with r − q and the work of the
