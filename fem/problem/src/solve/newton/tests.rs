@@ -348,7 +348,7 @@ fn a_line_search_knows_no_units_and_no_rounding() {
     assert!(dampings(&found)[1..].iter().all(|part| *part == Some(1.0)), "{:?}", found.history);
     for start in [[0.2 + 1e-12, 0.1], [30.0, -40.0]] {
         let expected = pressed(start, [1.0; 2], [1.0; 2]);
-        assert!(start[0] < 1.0 || dampings(&expected).iter().any(|part| *part < Some(1.0)));
+        assert!(start[0] < 1.0 || dampings(&expected)[1..].iter().any(|part| *part < Some(1.0)));
         for (unit, row) in [([1.0, 1e6], [1e6, 1.0]), ([1e-6, 1.0], [1.0, 1e-6]), ([1e3, 1e-3], [1.0, 1e6])] {
             let found = pressed(start, unit, row);
             assert_eq!(dampings(&found), dampings(&expected), "{start:?} {unit:?} {row:?}");
