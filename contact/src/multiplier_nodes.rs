@@ -52,7 +52,22 @@ pub enum MultiplierError {
          one of them end before it, or be the opposite surface"
     )]
     Shared { first: String, second: String, position: Vec<f64> },
+    /// Two nodes with a multiplier each, whose displacements a periodic condition makes one.
+    #[error(
+        "the nodes at {position:?} and {other:?} of \"{own}\" have a multiplier each, and one displacement by a periodic condition: it cannot meet both \
+         conditions. Let the own surface end before one of them, or be the opposite surface"
+    )]
+    Periodic { own: String, position: Vec<f64>, other: Vec<f64> },
+    /// An own surface in space that faces away from the axis of its multipliers.
+    #[error(
+        "the normal of \"{own}\" at {position:?} is near −axis, where tangents turn: set `axis` to a unit vector near the normals of the own \
+         surface, or divide it"
+    )]
+    OppositeAxis { own: String, position: Vec<f64> },
 }
+
+/// Least cosine of the angle between the axis of multipliers and normals: tangents turn once around −axis.
+const LEAST_COSINE: f64 = -0.8;
 
 /// Parts of a cell's diameter up to which two positions are one.
 const SAME: f64 = 1e-9;
@@ -83,21 +98,32 @@ pub fn check_multipliers<const D: usize>(
             let (own, found) = (own.clone(), space.elements().to_string());
             return Err(MultiplierError::NotAtVertices { own, found });
         }
-        let mut nodes = BTreeSet::new();
+        let is_multiplier = |node: u32, near: f64| {
+            let position = positions[node as usize];
+            let is_here = |other: &[f64; D]| (0..D).all(|k| (other[k] - position[k]).abs() < near);
+            space.positions().iter().any(is_here)
+        };
+        let (mut nodes, mut tied) = (BTreeSet::new(), vec![]);
         for facet in mesh.facet_region(own)? {
             let cell = facet.cell as usize;
             let of_facet = displacements.cell_element(cell).facet_nodes(usize::from(facet.local));
             for node in of_facet.into_iter().map(|node| displacements.cell_nodes(cell)[node]) {
                 let first = node as usize * D;
                 let is_held = (first..first + D).all(|unknown| held.is_prescribed(unknown));
-                let (position, near) = (positions[node as usize], SAME * mesh.diameter(cell));
-                let is_here = |other: &[f64; D]| (0..D).all(|k| (other[k] - position[k]).abs() < near);
-                if is_held && space.positions().iter().any(is_here) {
-                    let (own, position) = (own.clone(), position.to_vec());
-                    return Err(MultiplierError::Prescribed { own, position });
+                let master = master_of(held, first);
+                if (is_held || master.is_some()) && is_multiplier(node, SAME * mesh.diameter(cell)) {
+                    let Some(master) = master else {
+                        let (own, position) = (own.clone(), positions[node as usize].to_vec());
+                        return Err(MultiplierError::Prescribed { own, position });
+                    };
+                    tied.push((node, master));
                 }
                 nodes.insert(node);
             }
+        }
+        if let Some((node, master)) = tied.into_iter().find(|(_, master)| nodes.contains(master)) {
+            let [position, other] = [node, master].map(|node| positions[node as usize].to_vec());
+            return Err(MultiplierError::Periodic { own: own.clone(), position, other });
         }
         for (other, theirs) in &known {
             if let Some(node) = nodes.intersection(theirs).next() {
@@ -109,4 +135,29 @@ pub fn check_multipliers<const D: usize>(
         known.push((own, nodes));
     }
     Ok(())
+}
+
+/// The other node that gives all of a node's displacement, whose unknowns begin with this one.
+fn master_of<const D: usize>(held: &Constraints<D>, first: usize) -> Option<u32> {
+    let mut found = BTreeSet::new();
+    for unknown in first..first + D {
+        found.extend(held.relations().get(&unknown)?.terms.iter().map(|(other, _)| other / D));
+    }
+    found.into_iter().reduce(|_, _| usize::MAX).and_then(|node| u32::try_from(node).ok())
+}
+
+/// Check of the axis of multipliers with friction on the own surface in space, by the cosine of its angle with the outward normal.
+pub(crate) fn check_axis<const D: usize>(
+    cosine: &Expression<D>,
+    multipliers: &Space<D>,
+) -> Result<(), MultiplierError> {
+    let own = multipliers.facet_region().unwrap_or_default();
+    let found = Assembler::new(multipliers.mesh()).at_quadrature_points(cosine, Entity::Facets, own, 2)?;
+    match found.values.iter().position(|value| value[0] < LEAST_COSINE) {
+        None => Ok(()),
+        Some(place) => Err(MultiplierError::OppositeAxis {
+            own: own.to_owned(),
+            position: found.positions[place].to_vec(),
+        }),
+    }
 }

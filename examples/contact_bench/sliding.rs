@@ -116,8 +116,7 @@ impl Sliding {
     /// Newton's method fails.
     pub fn follow_pressure(&self, form: &Form<2>, scalars: &Arc<Space<2>>) -> Result<Vec<Slid>, Refusal> {
         let guess = Field::from_values(scalars, vec![self.pressure; scalars.unknowns()])?;
-        // A line search on the residual, which adds up forces and gaps, takes five times as many steps.
-        self.follow_all(form, [self.start.clone(), guess], NewtonOptions::default())
+        self.follow_all(form, [self.start.clone(), guess], crate::Case::options())
     }
 
     /// The path of a whole form in u and fields on the own surface, from a start of each.

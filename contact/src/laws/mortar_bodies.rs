@@ -4,7 +4,7 @@ use forms_fem::contract::Region;
 use forms_fem::forms;
 use forms_fem::prelude::*;
 
-use crate::multiplier_nodes::{MultiplierError, check_multipliers};
+use crate::multiplier_nodes::{MultiplierError, check_axis, check_multipliers};
 use crate::parameter_ranges;
 use crate::parameter_ranges::ParameterRanges;
 
@@ -21,16 +21,13 @@ pub use self::mortar_bodies::*;
 #[forms]
 pub mod mortar_bodies {
     pub use super::super::two_bodies::{GammaN, Omega, Touch, criterion, loads};
-    use crate::operators::multipliers::allowed_gap;
+    pub use crate::operators::multipliers::Own;
+    use crate::operators::multipliers::conditions;
     pub use crate::operators::neo_hookean::{cauchy_stress, first_piola};
 
     /// Data of the bodies and of the method.
     #[includes(crate::laws::two_bodies::Data, crate::operators::multipliers::Data)]
     pub struct Data {}
-
-    /// The own surface, where the multipliers are; integrals over it are sums over its nodes.
-    #[facets(vertices)]
-    pub struct Own;
 
     /// The direct problem: displacement, pressure, mean gap, and what they are tested with.
     pub fn direct(
@@ -43,7 +40,7 @@ pub mod mortar_bodies {
     ) -> Form {
         integral(Omega, inner(first_piola(u), grad(v))) - loads(v)
             + integral(Touch(u), this(p) * dot(toward, jump(v)) + gap * this(r - q))
-            - integral(Own, g * r - allowed_gap(p, g, gamma0 / h) * q)
+            + conditions(p, g, q, r, gamma0 / h)
     }
 
     /// ∫ p e·(−n_x): the force of the opposite body along e.
@@ -52,36 +49,25 @@ pub mod mortar_bodies {
     }
 }
 
-/// The law of [`mortar_bodies`](mod@mortar_bodies) with friction, in the plane: the multiplier m has the pressure m₀ and the traction m₁ of
-/// friction along the tangent τ, n_x turned by a right angle, so that T = −m₀ n_x + m₁ τ, and d has the means of the gap and of the slip along τ since the
-/// last step. Their spaces are `Space::vector_on_facets(&mesh, "block bottom", 1)`.
+/// The law of [`mortar_bodies`](mod@mortar_bodies) with friction. The multiplier m = p a + t has the pressure p along an axis a and the traction of
+/// friction t across it, and d = g a + s the means of the gap and of the slip since the last step. The smallest rotation that takes a to n_x
+/// takes t to the tangent plane: T = −p n_x + t. In the plane with a along the first axis, the default, m₁ acts along n_x turned by a right
+/// angle. The spaces of m and d are `Space::vector_on_facets(&mesh, "block bottom", 1)`.
 ///
-/// |m₁| is bounded by s₀ + κ p at each node, and where it is less, the slip of the step has the mean 0: there is no creep.
-#[forms(dimension = 2)]
+/// |t| is bounded by s₀ + κ p at each node, and where it is less, the slip of the step has the mean 0: there is no creep. In space choose `axis` such
+/// that the own surface's normal is nowhere near −a.
+#[forms]
 pub mod mortar_bodies_with_friction {
     pub use super::mortar_bodies::{
         Data, GammaN, Omega, Own, Touch, cauchy_stress, criterion, first_piola, loads,
     };
-    use crate::operators::friction::slip_limit;
-    use crate::operators::multipliers::{allowed_gap, allowed_pressure, allowed_slip};
+    pub use crate::operators::multipliers::axis_cosine;
+    use crate::operators::multipliers::{frictional_conditions, moved, multiplier_traction};
     use crate::operators::sliding::slip;
-
-    /// τ, the tangent of the own surface: n_x turned by a right angle.
-    pub fn tangent() -> Vector {
-        [-toward[1], toward[0]]
-    }
 
     /// T, the traction of the opposite body on this one, per reference area.
     pub fn traction_of(m: Vector) -> Vector {
-        this(m[1]) * tangent() - this(m[0]) * toward
-    }
-
-    /// Mean gap and slip that contact and friction allow at a node with the multipliers m and the means d.
-    pub fn allowed(m: Vector, d: Vector) -> Vector {
-        let gamma = gamma0 / h;
-        let pressure = allowed_pressure(m[0], d[0], gamma);
-        let bound = if pressure > 0 { slip_limit(pressure) } else { 0 };
-        [allowed_gap(m[0], d[0], gamma), allowed_slip(m[1], d[1], bound, gamma)]
+        multiplier_traction(this(m), toward)
     }
 
     /// The direct problem of a step: displacement, multipliers, means, and what they are tested with.
@@ -93,11 +79,9 @@ pub mod mortar_bodies_with_friction {
         q: Test<Vector>,
         r: Test<Vector>,
     ) -> Form {
-        let moved = [gap, dot(slip(u), tangent())];
-        integral(Omega, inner(first_piola(u), grad(v)))
-            - loads(v)
-            - integral(Touch(u), dot(traction_of(m), jump(v)) - dot(moved, this(r - q)))
-            - integral(Own, dot(d, r) - dot(allowed(m, d), q))
+        integral(Omega, inner(first_piola(u), grad(v))) - loads(v)
+            + integral(Touch(u), moved(gap, slip(u), this(r - q), toward) - dot(traction_of(m), jump(v)))
+            + frictional_conditions(m, d, q, r, gamma0 / h)
     }
 
     /// ∫ e·T: the force of the opposite body along e.
@@ -107,18 +91,13 @@ pub mod mortar_bodies_with_friction {
 }
 
 parameter_ranges!(mortar_bodies { positive: mu, positive: gamma0, positive: uncovered });
-
-impl ParameterRanges for mortar_bodies_with_friction::Model<2> {
-    fn check(&self, form: &'static str) -> Result<(), AssemblyError> {
-        use crate::parameter_ranges::Range;
-        let data = &self.data;
-        Range::Positive.check(form, "mu", &data.mu)?;
-        Range::Positive.check(form, "gamma0", &data.gamma0)?;
-        Range::Positive.check(form, "uncovered", &data.uncovered)?;
-        Range::NonNegative.check(form, "slip_stress", &data.slip_stress)?;
-        Range::NonNegative.check(form, "friction", &data.friction)
-    }
-}
+parameter_ranges!(mortar_bodies_with_friction {
+    positive: mu,
+    positive: gamma0,
+    positive: uncovered,
+    non_negative: slip_stress,
+    non_negative: friction,
+});
 
 /// The check of the multipliers of a law's pairs.
 fn check_pairs<const D: usize>(
@@ -152,19 +131,25 @@ where
     Ok(Problem::new(&form, [spaces[0], spaces[1], spaces[1]]).constrained(held))
 }
 
-/// The direct problem of a step with friction in the plane, as [`mortar_problem`], with a line search on the residual unless it is given other
+/// The direct problem of a step with friction, as [`mortar_problem`], with a line search on the residual unless it is given other
 /// options: whole steps may repeat themselves where nodes begin to stick.
 ///
 /// # Errors
-/// As [`mortar_problem`].
-pub fn frictional_mortar_problem<'a>(
-    model: &mortar_bodies_with_friction::Model<2>,
-    spaces: [&Arc<Space<2>>; 2],
-    held: &'a Constraints<2>,
-) -> Result<Problem<'a, 2, 3>, MultiplierError> {
+/// As [`mortar_problem`]; in space an own surface whose normal is near −a.
+pub fn frictional_mortar_problem<'a, const D: usize>(
+    model: &mortar_bodies_with_friction::Model<D>,
+    spaces: [&Arc<Space<D>>; 2],
+    held: &'a Constraints<D>,
+) -> Result<Problem<'a, D, 3>, MultiplierError>
+where
+    Dim: Dimension<D>,
+{
     let form = model.direct();
     model.check(form.name())?;
     check_pairs(&model.regions.touch.0, spaces[1], held)?;
+    if D > 2 {
+        check_axis(&model.axis_cosine(), spaces[1])?;
+    }
     let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
     Ok(Problem::new(&form, [spaces[0], spaces[1], spaces[1]]).constrained(held).options(options))
 }

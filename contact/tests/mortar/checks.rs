@@ -3,6 +3,7 @@
 use forms_contact::laws::mortar_bodies as law;
 use forms_contact::laws::mortar_bodies::mortar_problem;
 use forms_contact::multiplier_nodes::{MultiplierError, check_multipliers};
+use forms_fem::constraints::RigidMap;
 use forms_fem::prelude::*;
 
 fn mesh() -> Mesh<2> {
@@ -52,6 +53,14 @@ fn nodes_without_a_condition_of_their_own() {
             let found = check_multipliers(&[(&pairing, &multipliers)], &held).unwrap_err();
             assert!(found.to_string().contains(name), "{found}");
         }
+
+        let mut periodic = Constraints::new(&space);
+        periodic.periodic("slab left", "slab right", &RigidMap::translation([4.0, 0.0])).unwrap();
+        let over_slab = Pairing::onto("slab top", own);
+        let found = check_multipliers(&[(&over_slab, &on("slab top"))], &periodic).unwrap_err();
+        assert!(matches!(found, MultiplierError::Periodic { .. }), "{found}");
+        assert!(found.to_string().contains("[0.0, 0.0]"), "{found}");
+        assert_eq!(check_multipliers(&[(&pairing, &bottom)], &periodic), Ok(()));
 
         held.fix("block right", |_| [0.0; 2]).unwrap();
         let data = law::data().lambda(1.0).mu(1.0).gamma0(1.0);

@@ -6,7 +6,7 @@ use forms_fem::inverse::{ControlError, ControlValues, Controls, LoadHistory, Red
 use forms_fem::prelude::*;
 
 /// The law with a criterion of the displacement, and the rates of a step.
-#[forms(dimension = 2)]
+#[forms]
 mod drawn {
     pub use forms_contact::laws::mortar_bodies::mortar_bodies_with_friction::{
         Data, GammaN, Omega, Own, Touch, direct,
@@ -24,8 +24,6 @@ mod drawn {
         y: State<Vector>,
         w: State<Vector>,
         by_before_u: Test<Vector>,
-        by_before_m: Test<Vector>,
-        by_before_d: Test<Vector>,
         by_friction: Test<Scalar>,
         by_shear_modulus: Test<Scalar>,
     ) -> Form {
@@ -33,105 +31,131 @@ mod drawn {
         derivative(work, displacement_before, by_before_u)
             + derivative(work, friction, by_friction)
             + derivative(work, mu, by_shear_modulus)
-            + integral(Own, 0 * dot(m, by_before_m + by_before_d))
     }
 }
 
 /// The block on the slab, and its history.
-struct Bodies {
-    space: Arc<Space<2>>,
-    traces: Arc<Space<2>>,
-    materials: Arc<Space<2>>,
-    assembler: Assembler<2>,
+struct Bodies<const D: usize> {
+    space: Arc<Space<D>>,
+    traces: Arc<Space<D>>,
+    materials: Arc<Space<D>>,
+    assembler: Assembler<D>,
+    /// The way of the block in each step after the first.
+    way: [f64; D],
 }
 
 const STEPS: usize = 4;
 
-impl Bodies {
-    fn new(degree: usize) -> Self {
-        let slab = rectangle([0.0; 2], [3.0, 0.6], [13, 2], CellShape::Quadrilateral, 1).unwrap();
-        let block = rectangle([0.3, 0.6], [1.3, 1.2], [4, 2], CellShape::Quadrilateral, 1).unwrap();
-        let mesh = Mesh::of_bodies(&[("slab", &slab), ("block", &block)]).unwrap();
+fn in_the_plane(degree: usize) -> Bodies<2> {
+    let slab = rectangle([0.0; 2], [3.0, 0.6], [13, 2], CellShape::Quadrilateral, 1).unwrap();
+    let block = rectangle([0.3, 0.6], [1.3, 1.2], [4, 2], CellShape::Quadrilateral, 1).unwrap();
+    Bodies::new(&[("slab", &slab), ("block", &block)], degree, [0.13, 0.0])
+}
+
+fn in_space(shape: CellShape) -> Bodies<3> {
+    let slab = cuboid([0.0; 3], [2.0, 1.6, 0.5], [5, 4, 1], shape, 1).unwrap();
+    let block = cuboid([0.31, 0.27, 0.5], [1.11, 0.97, 0.9], [2, 2, 1], shape, 1).unwrap();
+    Bodies::new(&[("slab", &slab), ("block", &block)], 1, [0.11, 0.06, 0.0])
+}
+
+impl<const D: usize> Bodies<D>
+where
+    Dim: Dimension<D>,
+{
+    fn new(bodies: &[(&str, &Mesh<D>)], degree: usize, way: [f64; D]) -> Self {
+        let mesh = Mesh::of_bodies(bodies).unwrap();
         Bodies {
             space: Space::vector(&mesh, degree).unwrap(),
             traces: Space::vector_on_facets(&mesh, "block bottom", 1).unwrap(),
             materials: Space::discontinuous_scalar(&mesh, 0).unwrap(),
             assembler: Assembler::new(&mesh).with_quadrature(Quadrature::Degree(2 * degree + 1)),
+            way,
         }
     }
 
-    fn held(&self, step: usize) -> Constraints<2> {
+    fn held(&self, step: usize) -> Constraints<D> {
         let mut held = Constraints::new(&self.space);
-        held.fix("slab bottom", |_| [0.0; 2]).unwrap();
-        held.fix("block top", |_| [0.13 * step as f64, -0.03]).unwrap();
+        let mut moved = self.way.map(|way| step as f64 * way);
+        moved[D - 1] = -0.03;
+        held.fix("slab bottom", |_| [0.0; D]).unwrap();
+        held.fix("block top", |_| moved).unwrap();
         held
     }
 
     fn model(
         &self,
-        at: &ControlValues<2>,
-        before: Given<[f64; 2], 2>,
-    ) -> Result<drawn::Model<2>, ControlError> {
+        at: &ControlValues<D>,
+        before: Given<[f64; D], D>,
+    ) -> Result<drawn::Model<D>, ControlError> {
         let data = data().lambda(15.0).mu(at.field("shear_modulus")?).gamma0(300.0);
         let data = data.friction(at.number("friction")?);
-        let data = data.displacement_before(before).criterion_force(|x: &[f64; 2]| [0.3 + x[0], 0.5 * x[1]]);
+        let force = |x: &[f64; D]| std::array::from_fn(|k| if k == 0 { 0.3 + x[0] } else { 0.5 * x[k] });
+        let data = data.displacement_before(before).criterion_force(force);
         let touch = Pairing::onto("block bottom", "slab top").at(PairQuadrature::Pieces);
         let regions = drawn::Regions::default().touch(touch).own("block bottom").gamma_n("block right");
         Ok(drawn::Model { data, regions })
     }
 
-    fn controls(&self) -> Controls<2> {
-        let modulus = |x: &[f64; 2]| 10.0 + 2.0 * x[0].sin() * x[1];
+    fn controls(&self) -> Controls<D> {
+        let modulus = |x: &[f64; D]| 10.0 + 2.0 * x[0].sin() * x[1];
         let modulus = Field::interpolate(&self.materials, modulus).unwrap();
         Controls::new().number("friction", 0.3).field("shear_modulus", &modulus)
     }
 
-    fn history(&self) -> LoadHistory<'_, 2> {
+    fn history(&self) -> LoadHistory<'_, D> {
         let options = NewtonOptions {
             relative_tolerance: 1e-12,
             line_search: LineSearch::OnResidual,
             ..NewtonOptions::default()
         };
         LoadHistory::new([&self.space, &self.traces, &self.traces], STEPS, self.controls())
-            .step(|at| Ok(self.model(at, before(at)?)?.direct()))
+            .step(|at| Ok(self.model(at, Given::field(at.before()?))?.direct()))
             .coupled_sensitivities(|at, states, adjoints| {
                 let ([u, m, d], [z, y, w]) = (states, adjoints) else { unreachable!("three unknowns") };
-                Ok(self.model(at, before(at)?)?.sensitivities(u, m, d, z, y, w))
+                Ok(self.model(at, Given::field(at.before()?))?.sensitivities(u, m, d, z, y, w))
             })
-            .criterion(|at| Ok(self.model(at, Given::constant([0.0; 2]))?.criterion()))
+            .criterion(|at| Ok(self.model(at, Given::constant([0.0; D]))?.criterion()))
             .assembler(&self.assembler)
             .constrained_at(|step| Ok(self.held(step)))
             .options(options)
     }
 }
 
-/// The displacement of the step before.
-fn before(at: &ControlValues<2>) -> Result<Given<[f64; 2], 2>, ControlError> {
-    Ok(Given::field(&at.before_of_all()?[0]))
+/// Order two, and differences of fourth order; no node changes its state and no segment its facet on the way.
+fn check<const D: usize>(bodies: &Bodies<D>, name: &str)
+where
+    Dim: Dimension<D>,
+{
+    let mut history = bodies.history();
+    let m = history.start();
+    let found = history.gradient(&m).unwrap();
+    let direction: Vec<f64> = (0..m.len()).map(|k| 0.1 * (1.0 + 1.7 * k as f64).sin()).collect();
+    let slope: f64 = found.gradient.iter().zip(&direction).map(|(g, along)| g * along).sum();
+    let report = taylor_test(&mut history, &m, &direction, 0.1).unwrap();
+    let order = report.second_order().unwrap();
+    assert!((order - 2.0).abs() < 0.02, "{name}: {report}");
+    let step = report.steps.iter().filter(|step| step.same_active_set).nth(2).unwrap().step;
+    let mut at = |t: f64| {
+        let moved: Vec<f64> = m.iter().zip(&direction).map(|(m, along)| m + t * along).collect();
+        history.value(&moved).unwrap()
+    };
+    let [above, below, far_above, far_below] = [step, -step, 2.0 * step, -2.0 * step].map(&mut at);
+    let difference = (8.0 * (above - below) - (far_above - far_below)) / (12.0 * step);
+    let error = (difference / slope - 1.0).abs();
+    println!("{name}: {slope:.12e} and {difference:.12e} by differences: {error:.1e}");
+    assert!(error < 1e-7, "{name}: {error:e}");
 }
 
-/// Order two, and differences of fourth order; no node changes its state and no segment its facet on the way.
 #[test]
 fn adjoints_of_sliding_with_friction() {
     for degree in [1, 2] {
-        let bodies = Bodies::new(degree);
-        let mut history = bodies.history();
-        let m = history.start();
-        let found = history.gradient(&m).unwrap();
-        let direction: Vec<f64> = (0..m.len()).map(|k| 0.1 * (1.0 + 1.7 * k as f64).sin()).collect();
-        let slope: f64 = found.gradient.iter().zip(&direction).map(|(g, along)| g * along).sum();
-        let report = taylor_test(&mut history, &m, &direction, 0.1).unwrap();
-        let order = report.second_order().unwrap();
-        assert!((order - 2.0).abs() < 0.02, "{degree}: {report}");
-        let step = report.steps.iter().filter(|step| step.same_active_set).nth(2).unwrap().step;
-        let mut at = |t: f64| {
-            let moved: Vec<f64> = m.iter().zip(&direction).map(|(m, along)| m + t * along).collect();
-            history.value(&moved).unwrap()
-        };
-        let [above, below, far_above, far_below] = [step, -step, 2.0 * step, -2.0 * step].map(&mut at);
-        let difference = (8.0 * (above - below) - (far_above - far_below)) / (12.0 * step);
-        let error = (difference / slope - 1.0).abs();
-        println!("degree {degree}: {slope:.12e} and {difference:.12e} by differences: {error:.1e}");
-        assert!(error < 1e-7, "{degree}: {error:e}");
+        check(&in_the_plane(degree), &format!("degree {degree}"));
+    }
+}
+
+#[test]
+fn adjoints_of_sliding_in_space() {
+    for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
+        check(&in_space(shape), &format!("{shape:?}"));
     }
 }

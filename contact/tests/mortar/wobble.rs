@@ -9,9 +9,10 @@ use forms_fem::prelude::*;
 /// Small strains, ν = 0.3, with the multipliers of the library.
 #[forms(dimension = 2)]
 pub mod elastic {
-    use forms_contact::operators::multipliers::allowed_gap;
+    pub use forms_contact::operators::multipliers::Own;
+    use forms_contact::operators::multipliers::conditions;
 
-    #[includes(forms_contact::operators::multipliers::Data)]
+    #[includes(forms_contact::operators::penalty::Data, forms_contact::operators::multipliers::Data)]
     pub struct Data {
         pub young: Given<Scalar>,
         #[default(0)]
@@ -24,8 +25,6 @@ pub mod elastic {
     pub struct Omega;
     #[pairs]
     pub struct Touch;
-    #[facets(vertices)]
-    pub struct Own;
     #[facets]
     pub struct Inside;
 
@@ -43,7 +42,7 @@ pub mod elastic {
         integral(Omega, inner(stress(u), eps(v)) + soft * dot(u, v))
             + integral(Inside, inner_pressure * dot(n, v))
             + integral(Touch(u), this(p) * dot(toward, jump(v)) + gap * this(r - q))
-            - integral(Own, g * r - allowed_gap(p, g, gamma0 / h) * q)
+            + conditions(p, g, q, r, gamma0 / h)
     }
     pub fn force(u: State<Vector>, p: State<Scalar>) -> Functional {
         integral(Touch(u), this(p))

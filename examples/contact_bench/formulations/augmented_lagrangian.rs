@@ -93,11 +93,7 @@ pub fn all() -> Vec<AugmentedLagrangian> {
 }
 
 impl AugmentedLagrangian {
-    fn between<const D: usize>(
-        &self,
-        bodies: &TwoBodies<D>,
-        options: NewtonOptions,
-    ) -> Result<Vec<AfterLoad<D>>, Refusal>
+    fn between<const D: usize>(&self, bodies: &TwoBodies<D>) -> Result<Vec<AfterLoad<D>>, Refusal>
     where
         Dim: Dimension<D>,
     {
@@ -105,7 +101,7 @@ impl AugmentedLagrangian {
         let traces = Space::vector_on_facets(space.mesh(), &bodies.surfaces[0], space.degree())?;
         let form = |data| rough::between(&rough::data_from(data), &omega, &touch);
         let start = [Field::zero(space), Field::zero(&traces)];
-        bodies.follow_fields((10.0, options), start, form, |data, [_, l]| known(&data, l))
+        bodies.follow_fields((10.0, Case::options()), start, form, |data, [_, l]| known(&data, l))
     }
 }
 
@@ -142,12 +138,11 @@ impl Formulation for AugmentedLagrangian {
     }
 
     fn rub(&self, bodies: &TwoBodies<2>) -> Result<Vec<AfterLoad<2>>, Refusal> {
-        self.between(bodies, Case::options())
+        self.between(bodies)
     }
 
     fn stack(&self, bodies: &TwoBodies<3>) -> Result<Vec<AfterLoad<3>>, Refusal> {
-        // Without friction whole steps do not repeat themselves, and a line search takes shorter ones.
-        self.between(bodies, NewtonOptions::default())
+        self.between(bodies)
     }
 
     fn slide(&self, bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {

@@ -10,14 +10,10 @@ use forms_fem::prelude::*;
 mod law {
     pub use contact_bench::body::{Loaded, Omega, Touch};
     use contact_bench::body::{balance, distance, own_weight};
-    use forms_contact::operators::multipliers::allowed_gap;
-    #[includes(contact_bench::body::Data)]
-    pub struct Data {
-        #[default(0.000000000000000001)]
-        uncovered: Param,
-    }
-    #[facets(vertices)]
-    pub struct Own;
+    pub use forms_contact::operators::multipliers::Own;
+    use forms_contact::operators::multipliers::conditions;
+    #[includes(contact_bench::body::Data, forms_contact::operators::multipliers::Data)]
+    pub struct Data {}
     pub fn between(
         u: Unknown<Vector>,
         p: Unknown<Scalar>,
@@ -26,7 +22,8 @@ mod law {
         q: Test<Scalar>,
         r: Test<Scalar>,
     ) -> Form {
-        balance(u, v) - integral(Own, g * r - allowed_gap(p, g, 10 * young / h) * q)
+        balance(u, v)
+            + conditions(p, g, q, r, 10 * young / h)
             + integral(Touch, own_weight() * (this(p) * dot(toward, jump(v)) + distance(u) * this(r - q)))
     }
 }
@@ -35,14 +32,10 @@ mod law {
 mod drawn {
     use contact_bench::sliding::balance;
     pub use contact_bench::sliding::{Omega, Touch};
-    use forms_contact::operators::multipliers::allowed_gap;
-    #[includes(contact_bench::sliding::Data)]
-    pub struct Data {
-        #[default(0.000000000000000001)]
-        uncovered: Param,
-    }
-    #[facets(vertices)]
-    pub struct Own;
+    pub use forms_contact::operators::multipliers::Own;
+    use forms_contact::operators::multipliers::conditions;
+    #[includes(contact_bench::sliding::Data, forms_contact::operators::multipliers::Data)]
+    pub struct Data {}
     pub fn between(
         u: Unknown<Vector>,
         p: Unknown<Scalar>,
@@ -51,7 +44,8 @@ mod drawn {
         q: Test<Scalar>,
         r: Test<Scalar>,
     ) -> Form {
-        balance(u, v) - integral(Own, g * r - allowed_gap(p, g, 10 * young / h) * q)
+        balance(u, v)
+            + conditions(p, g, q, r, 10 * young / h)
             + integral(Touch(u), this(p) * dot(toward, jump(v)) + gap * this(r - q))
     }
 }
@@ -61,14 +55,10 @@ mod rough {
     pub use contact_bench::two_bodies::bodies::{Omega, Touch};
     use contact_bench::two_bodies::bodies::{balance, separation};
     pub use forms_contact::laws::mortar_bodies::mortar_bodies_with_friction::traction_of;
-    use forms_contact::laws::mortar_bodies::mortar_bodies_with_friction::{allowed, tangent};
-    #[includes(contact_bench::two_bodies::bodies::Data)]
-    pub struct Data {
-        #[default(0.000000000000000001)]
-        uncovered: Param,
-    }
-    #[facets(vertices)]
-    pub struct Own;
+    pub use forms_contact::operators::multipliers::Own;
+    use forms_contact::operators::multipliers::{frictional_conditions, moved};
+    #[includes(contact_bench::two_bodies::bodies::Data, forms_contact::operators::multipliers::Data)]
+    pub struct Data {}
     pub fn between(
         u: Unknown<Vector>,
         m: Unknown<Vector>,
@@ -77,10 +67,10 @@ mod rough {
         q: Test<Vector>,
         r: Test<Vector>,
     ) -> Form {
-        let moved = [separation(u), dot(jump(u - displacement_before), tangent())];
+        let slip = jump(u - displacement_before);
         balance(u, v)
-            - integral(Own, dot(d, r) - dot(allowed(m, d), q))
-            - integral(Touch, dot(traction_of(m), jump(v)) - dot(moved, this(r - q)))
+            + frictional_conditions(m, d, q, r, gamma0 / h)
+            + integral(Touch, moved(separation(u), slip, this(r - q), toward) - dot(traction_of(m), jump(v)))
     }
 }
 
@@ -88,14 +78,10 @@ mod rough {
 mod stacked {
     pub use contact_bench::two_bodies::bodies::{Omega, Touch};
     use contact_bench::two_bodies::bodies::{balance, separation};
-    use forms_contact::operators::multipliers::allowed_gap;
-    #[includes(contact_bench::two_bodies::bodies::Data)]
-    pub struct Data {
-        #[default(0.000000000000000001)]
-        uncovered: Param,
-    }
-    #[facets(vertices)]
-    pub struct Own;
+    pub use forms_contact::operators::multipliers::Own;
+    use forms_contact::operators::multipliers::conditions;
+    #[includes(contact_bench::two_bodies::bodies::Data, forms_contact::operators::multipliers::Data)]
+    pub struct Data {}
     pub fn between(
         u: Unknown<Vector>,
         p: Unknown<Scalar>,
@@ -104,7 +90,8 @@ mod stacked {
         q: Test<Scalar>,
         r: Test<Scalar>,
     ) -> Form {
-        balance(u, v) - integral(Own, g * r - allowed_gap(p, g, gamma0 / h) * q)
+        balance(u, v)
+            + conditions(p, g, q, r, gamma0 / h)
             + integral(Touch, this(p) * dot(toward, jump(v)) + separation(u) * this(r - q))
     }
     pub fn traction(p: State<Scalar>) -> Vector {
@@ -128,7 +115,7 @@ impl Formulation for Mortar {
             return Err(not_defined("a rigid obstacle has no mesh: this is the augmented Lagrangian"));
         }
         let (data, own) = (law::data_from(case.data.clone()), law::Own::on(case.own()));
-        let form = law::between(&data, &own, &case.bodies(), &case.load(), &case.touch(Sides::Own));
+        let form = law::between(&data, &case.bodies(), &case.load(), &case.touch(Sides::Own), &own);
         let scalars = Space::on_facets(case.mesh(), case.own(), 1)?;
         let guess = Field::from_values(&scalars, vec![case.pressure; scalars.unknowns()])?;
         let start = [case.first(), guess, Field::zero(&scalars)];
@@ -140,7 +127,7 @@ impl Formulation for Mortar {
 
     fn slide(&self, bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {
         let (data, own) = (drawn::data_from(bodies.data.clone()), drawn::Own::on(bodies.surfaces[0]));
-        let form = drawn::between(&data, &own, &bodies.omega(), &bodies.touch(Sides::Own));
+        let form = drawn::between(&data, &bodies.omega(), &bodies.touch(Sides::Own), &own);
         let scalars = bodies.scalars(1)?;
         let guess = Field::from_values(&scalars, vec![bodies.pressure; scalars.unknowns()])?;
         let start = [bodies.start.clone(), guess, Field::zero(&scalars)];
@@ -151,7 +138,7 @@ impl Formulation for Mortar {
         let own = bodies.surfaces[0].as_str();
         let (omega, touch) = (bodies.omega(), bodies.touch(Sides::Own));
         let traces = Space::vector_on_facets(bodies.space.mesh(), own, 1)?;
-        let form = |data| rough::between(&rough::data_from(data), &rough::Own::on(own), &omega, &touch);
+        let form = |data| rough::between(&rough::data_from(data), &omega, &touch, &rough::Own::on(own));
         let start = [&bodies.space, &traces, &traces].map(Field::zero);
         bodies.follow_fields((10.0, Case::options()), start, form, |data, [_, m, _]| {
             rough::traction_of(&rough::data_from(data), m)
@@ -162,7 +149,7 @@ impl Formulation for Mortar {
         let own = bodies.surfaces[0].as_str();
         let (omega, touch) = (bodies.omega(), bodies.touch(Sides::Own));
         let scalars = Space::on_facets(bodies.space.mesh(), own, 1)?;
-        let form = |data| stacked::between(&stacked::data_from(data), &stacked::Own::on(own), &omega, &touch);
+        let form = |data| stacked::between(&stacked::data_from(data), &omega, &touch, &stacked::Own::on(own));
         let start = [&bodies.space, &scalars, &scalars].map(Field::zero);
         bodies.follow_fields((10.0, NewtonOptions::default()), start, form, |data, [_, p, _]| {
             stacked::traction(&stacked::data_from(data), p)

@@ -324,15 +324,15 @@ impl<const D: usize> Controls<D> {
 pub struct ControlValues<'a, const D: usize> {
     controls: &'a Controls<D>,
     step: usize,
-    /// Of each unknown, and whether it was asked for.
-    before: Option<(&'a [Field<D>], &'a Cell<bool>)>,
+    /// Of each unknown, and the number of those that were asked for, from the first on.
+    before: Option<(&'a [Field<D>], &'a Cell<usize>)>,
 }
 
 impl<'a, const D: usize> ControlValues<'a, D> {
     pub(super) fn new(
         controls: &'a Controls<D>,
         step: usize,
-        before: Option<(&'a [Field<D>], &'a Cell<bool>)>,
+        before: Option<(&'a [Field<D>], &'a Cell<usize>)>,
     ) -> Self {
         ControlValues { controls, step, before }
     }
@@ -342,12 +342,13 @@ impl<'a, const D: usize> ControlValues<'a, D> {
         self.step
     }
 
-    /// The state before the step, of a load history: that of the first unknown.
+    /// The state before the step, of a load history: that of the first unknown. If no step asks for more, the states before of other unknowns need no
+    /// test functions.
     ///
     /// # Errors
     /// [`ControlError::NoBefore`] in a criterion, which is one of the state after the step.
     pub fn before(&self) -> Result<&'a Field<D>, ControlError> {
-        Ok(&self.before_of_all()?[0])
+        Ok(&self.first_before(1)?[0])
     }
 
     /// The states of all unknowns before the step, of a load history.
@@ -355,8 +356,12 @@ impl<'a, const D: usize> ControlValues<'a, D> {
     /// # Errors
     /// As [`ControlValues::before`].
     pub fn before_of_all(&self) -> Result<&'a [Field<D>], ControlError> {
-        let (before, is_read) = self.before.ok_or(ControlError::NoBefore)?;
-        is_read.set(true);
+        self.first_before(usize::MAX)
+    }
+
+    fn first_before(&self, count: usize) -> Result<&'a [Field<D>], ControlError> {
+        let (before, read) = self.before.ok_or(ControlError::NoBefore)?;
+        read.set(read.get().max(count));
         Ok(before)
     }
 

@@ -17,7 +17,7 @@ use super::evolution::{ControlledEvolution, Evolution};
 use super::observations::Observations;
 use super::reduced_problem::ReducedProblem;
 use super::second_order::{Hessian, SecondOrder, TwiceDifferentiable};
-use super::sensitivities::{BEFORE, add_sensitivities, has_unknowns, names_of, names_of_unknowns};
+use super::sensitivities::{BEFORE, Wanted, add_sensitivities, has_unknowns, names_of, names_of_unknowns};
 use super::step_equations::{Solution, StepEquations};
 use super::sweep::{Gradient, gradient_stored, value_of};
 use super::tangent_state::{Changing, CurvedCriterion};
@@ -44,7 +44,7 @@ use crate::verification::Sample;
 ///
 /// Forms of up to four unknowns are histories on the list of their spaces, as `[&displacements, &pressures]`. States are then read by
 /// [`ControlValues::before_of_all`], the sensitivities are [`LoadHistory::coupled_sensitivities`], and each state before has a test function,
-/// `by_before_u` for that of the unknown `u`. The criterion may read the first unknown or more of them. A start that is a control is that
+/// `by_before_u` for that of the unknown `u`. Where steps ask for [`ControlValues::before`] only, that of the first unknown is enough. The criterion may read the first unknown or more of them. A start that is a control is that
 /// of the first unknown on its space.
 ///
 /// Pairs of displaced surfaces may depend on the state of the step, on the state before, or on both: their motion is in the tangent
@@ -62,8 +62,8 @@ pub struct LoadHistory<'a, const D: usize> {
     constraints: Conditions<'a, usize, D>,
     equations: StepEquations<'a, D>,
     storage: Storage,
-    /// Whether a step asked for the state before it.
-    before_is_read: Cell<bool>,
+    /// The number of unknowns, from the first on, whose state before a step asked for.
+    before_read: Cell<usize>,
 }
 
 type FormAt<'a, const D: usize> = Box<dyn Fn(&ControlValues<D>) -> Result<Form<D>, ControlError> + 'a>;
@@ -97,7 +97,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
             constraints: Conditions::none(),
             equations: StepEquations::new(spaces),
             storage: Storage::ALL,
-            before_is_read: Cell::new(false),
+            before_read: Cell::new(0),
         }
     }
 
@@ -174,14 +174,15 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
             return Err(ControlError::NoRate { name: name.to_owned() }.into());
         }
         self.criterion.check(&self.unknowns_on(), self.steps)?;
-        self.before_is_read.set(false);
+        self.before_read.set(0);
         self.equations.begin(whole_only(&self.controls, &self.criterion))?;
         Ok(self.controls.set_values(m)?)
     }
 
-    /// Whether a step depends on the state before it, and that is no constant.
-    fn remembers(&self) -> bool {
-        self.before_is_read.get() && (self.steps > 1 || self.controls.start_name(Start::Value).is_some())
+    /// The use of the derivative by an unknown's state before: whether a step depends on it, and it is no constant.
+    fn wanted(&self, unknown: usize) -> Wanted {
+        let varies = self.steps > 1 || self.controls.start_name(Start::Value).is_some();
+        Wanted::when(varies && unknown < self.before_read.get())
     }
 
     /// The form of a step from a state.
@@ -203,14 +204,15 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
     }
 
     /// The test functions of the derivatives by the states before, of a step's form.
-    fn tests_before(&self, form: &Form<D>) -> Vec<(String, &Arc<Space<D>>)> {
-        names_of(BEFORE, &names_of_unknowns(form)).into_iter().zip(&self.spaces).collect()
+    fn tests_before(&self, form: &Form<D>) -> Vec<(String, &Arc<Space<D>>, Wanted)> {
+        let names = names_of(BEFORE, &names_of_unknowns(form)).into_iter().zip(&self.spaces).enumerate();
+        names.map(|(unknown, (name, space))| (name, space, self.wanted(unknown))).collect()
     }
 
     #[inline(never)]
     fn try_advance(&mut self, step: usize, before: &[f64]) -> Result<Vec<f64>, HistoryFailure> {
         let before = self.fields(before)?;
-        let at = ControlValues::new(&self.controls, step, Some((&before, &self.before_is_read)));
+        let at = ControlValues::new(&self.controls, step, Some((&before, &self.before_read)));
         let (form, constraints) = (self.form(&at)?, self.conditions(step)?);
         self.equations.positive =
             self.positive.iter().map(|functional| functional(&at)).collect::<Result<_, _>>()?;
@@ -229,7 +231,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         let (before, after) = (self.fields(before)?, self.fields(after)?);
         let at = ControlValues::new(&self.controls, step, None);
         self.criterion.add_slope(&at, &self.equations, &after, &mut slope)?;
-        let at = ControlValues::new(&self.controls, step, Some((&before, &self.before_is_read)));
+        let at = ControlValues::new(&self.controls, step, Some((&before, &self.before_read)));
         let (form, constraints) = (self.form(&at)?, self.conditions(step)?);
         let adjoint = self.equations.adjoint(Solution::Step(step), &form, &constraints, &after, &slope)?;
         let rates = self.sensitivities.as_ref().ok_or(HistoryFailure::Missing("sensitivities"))?(
@@ -237,8 +239,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         )?;
         let constants = self.equations.constants()?;
         let tests = self.tests_before(&form);
-        let controls = (&self.controls, self.remembers());
-        add_sensitivities(&rates, step, controls, (&tests, &constants), &self.equations, gradient)
+        add_sensitivities(&rates, step, &self.controls, (&tests, &constants), &self.equations, gradient)
     }
 }
 
@@ -294,7 +295,7 @@ impl<const D: usize> Evolution for LoadHistory<'_, D> {
         let found = || -> Result<Option<Vec<u32>>, HistoryFailure> {
             let (before, after) = (self.fields(before)?, self.fields(after)?);
             let form =
-                self.form(&ControlValues::new(&self.controls, step, Some((&before, &self.before_is_read))))?;
+                self.form(&ControlValues::new(&self.controls, step, Some((&before, &self.before_read))))?;
             let at: Vec<FieldView<D>> = after.iter().map(Field::view).collect();
             let assembler = &self.equations.assembler;
             let mut switches = assembler.active_set_of(&form, &at)?;

@@ -63,13 +63,13 @@ pub(super) fn has_unknowns<const D: usize>(
 pub(super) fn add_sensitivities<const D: usize>(
     rates: &Form<D>,
     step: usize,
-    (controls, remembers): (&Controls<D>, bool),
-    (before, constants): (&[(String, &Arc<Space<D>>)], &Arc<Space<D>>),
+    controls: &Controls<D>,
+    (before, constants): (&[(String, &Arc<Space<D>>, Wanted)], &Arc<Space<D>>),
     equations: &StepEquations<'_, D>,
     gradient: &mut [f64],
 ) -> Result<Vec<f64>, HistoryFailure> {
-    let wanted = Wanted::when(remembers);
-    let own = before.iter().map(|(name, space)| Own { name, meaning: OF_BEFORE, wanted, space });
+    let own = before.iter();
+    let own = own.map(|(name, space, wanted)| Own { name, meaning: OF_BEFORE, wanted: *wanted, space });
     let own: Vec<Own<'_, D>> = own.collect();
     Ok(rows_of(rates, &own, step, controls, constants, equations, gradient)?.concat())
 }

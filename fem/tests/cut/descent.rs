@@ -296,15 +296,13 @@ fn smooth_perimeters_have_no_kinks() {
         level(&mesh, |x| x[0].hypot(x[1]) - 0.6 + 0.02 * (40.0 * x[0] + 1.0).sin() * (33.0 * x[1]).cos());
     let sizes: Vec<f64> = rough.values().iter().map(|value| value.abs()).collect();
     let node = (0..sizes.len()).min_by(|a, b| sizes[*a].total_cmp(&sizes[*b])).unwrap();
-    let slopes_at = |of: &dyn Fn(&Arc<Cut<2>>) -> (f64, Vec<f64>)| {
-        [1e-7, -1e-7].map(|value| {
-            let mut values = rough.values().to_vec();
-            values[node] = value;
-            of(&Cut::by(&Field::from_values(&space, values).unwrap()).unwrap()).1[node]
-        })
-    };
-    let [of_smooth, of_length] =
-        [slopes_at(&|body| smooth.value(body).unwrap()), slopes_at(&|body| interface_measure(body).unwrap())];
+    let bodies = [1e-7, -1e-7].map(|value| {
+        let mut values = rough.values().to_vec();
+        values[node] = value;
+        Cut::by(&Field::from_values(&space, values).unwrap()).unwrap()
+    });
+    let of_smooth = bodies.each_ref().map(|body| smooth.value(body).unwrap().1[node]);
+    let of_length = bodies.each_ref().map(|body| interface_measure(body).unwrap().1[node]);
     println!("{found} {of_smooth:?} {of_length:?}");
     let jump = |slopes: [f64; 2]| (slopes[0] - slopes[1]).abs() / slopes[0].abs().max(slopes[1].abs());
     assert!(jump(of_smooth) < 1e-4 && jump(of_length) > 0.1);

@@ -22,14 +22,12 @@ pub fn solve(
 #[forms]
 pub mod own_law {
     pub use forms_contact::laws::two_bodies::{Omega, Touch};
-    use forms_contact::operators::multipliers::allowed_gap;
+    pub use forms_contact::operators::multipliers::Own;
+    use forms_contact::operators::multipliers::conditions;
     use forms_contact::operators::neo_hookean::first_piola;
 
     #[includes(forms_contact::laws::two_bodies::Data, forms_contact::operators::multipliers::Data)]
     pub struct Data {}
-
-    #[facets(vertices)]
-    pub struct Own;
 
     pub fn direct(
         u: Unknown<Vector>,
@@ -41,6 +39,6 @@ pub mod own_law {
     ) -> Form {
         integral(Omega, inner(first_piola(u), grad(v)))
             + integral(Touch(u), this(p) * dot(toward, jump(v)) + gap * this(r - q))
-            - integral(Own, g * r - allowed_gap(p, g, gamma0 / h) * q)
+            + conditions(p, g, q, r, gamma0 / h)
     }
 }

@@ -102,18 +102,19 @@ impl<const D: usize> LoadHistory<'_, D> {
         action: &mut [f64],
     ) -> Result<[Vec<f64>; 3], HistoryFailure> {
         let along = ControlValues::new(along, step, None);
-        let at = ControlValues::new(&self.controls, step, Some((before, &self.before_is_read)));
+        let at = ControlValues::new(&self.controls, step, Some((before, &self.before_read)));
         let second =
             self.second_sensitivities.as_ref().ok_or(HistoryFailure::Missing("second_sensitivities"))?;
         let second = second(&at, &SecondOrderStates { u, p, du, dbefore, dp, along })?;
         let names = names_of_unknowns(&self.form(&at)?);
         let names = [STATE, BEFORE, ADJOINT].map(|quantity| names_of(quantity, &names));
         let meanings = ["the derivative by the state changes", OF_BEFORE, "the equations of the step change"];
-        let wanted = [Wanted::Yes, Wanted::when(self.remembers()), Wanted::Yes];
         let mut own = vec![];
-        for ((names, meaning), wanted) in names.iter().zip(meanings).zip(wanted) {
-            let unknowns = names.iter().zip(&self.spaces);
-            own.extend(unknowns.map(|(name, space)| Own { name, meaning, wanted, space }));
+        for (names, meaning) in names.iter().zip(meanings) {
+            for (unknown, (name, space)) in names.iter().zip(&self.spaces).enumerate() {
+                let wanted = if meaning == OF_BEFORE { self.wanted(unknown) } else { Wanted::Yes };
+                own.push(Own { name, meaning, wanted, space });
+            }
         }
         let constants = self.equations.constants()?;
         let equations = &self.equations;
@@ -130,8 +131,7 @@ impl<const D: usize> LoadHistory<'_, D> {
         load: &[f64],
         transpose: Transpose,
     ) -> Result<Vec<Field<D>>, HistoryFailure> {
-        let form =
-            self.form(&ControlValues::new(&self.controls, step, Some((before, &self.before_is_read))))?;
+        let form = self.form(&ControlValues::new(&self.controls, step, Some((before, &self.before_read))))?;
         let constraints = self.conditions(step)?;
         self.equations.linearised(Solution::Step(step), &form, &constraints, u, load, transpose)
     }
@@ -178,12 +178,12 @@ impl<const D: usize> Linearised<D> for LoadHistory<'_, D> {
         let (before, dbefore, u, du) = (before?, dbefore?, u?, du?);
         let p = self.linearised(step, [&before, &u], slope, Transpose::Yes)?;
         let constants = self.equations.constants()?;
-        let at = ControlValues::new(&self.controls, step, Some((&before, &self.before_is_read)));
+        let at = ControlValues::new(&self.controls, step, Some((&before, &self.before_read)));
         let rates = self.sensitivities.as_ref().ok_or(HistoryFailure::Missing("sensitivities"))?;
         let rates = rates(&at, &u, &p)?;
         let form = self.form(&at)?;
         let tests = self.tests_before(&form);
-        let (controls, equations) = ((&self.controls, self.remembers()), &self.equations);
+        let (controls, equations) = (&self.controls, &self.equations);
         let mut by_before =
             add_sensitivities(&rates, step, controls, (&tests, &constants), equations, gradient)?;
         let zero = self.zero();

@@ -1,8 +1,9 @@
 //! Steps that are shortened: along a potential, or by the residual.
 //!
 //! Where the residual is the gradient of a potential Π, the slope of Π along a step δ is R(u + αδ)·δ, so that the
-//! potential itself need not be known. Other residuals are judged by their norm, each field's relative to the largest that it
-//! had. It may have to rise on the way to a solution, where a law switches: if no step lowers it, a short one is taken.
+//! potential itself need not be known. Other residuals are judged by their norm, each field's relative to what its rows are made of:
+//! a residual that is rounding of its terms does not count, whatever it was before. The norm may have to rise on the way to a solution, where
+//! a law switches: if no step lowers it, a short one is taken.
 
 use super::{FreeEquations, Iterates, NewtonFailure, Residuals};
 use crate::linear_algebra::BlockMatrix;
@@ -19,8 +20,8 @@ pub enum LineSearch {
     OnPotential,
     /// A step is halved, down to 1/64, until the residual's norm falls by at least 10⁻⁴ of the part that is taken; if it
     /// does not, an eighth of the step is taken, or another part if that led back to where it was taken. For every residual: it serves where whole steps go back and forth between
-    /// the branches of a law, as they do with friction. With several fields each one's norm is divided by the largest that
-    /// it had.
+    /// the branches of a law, as they do with friction. With several fields each one's norm is divided by the norm of
+    /// Σ_j |K_ij| (|u_j| + |δ_j|) over its rows i, so that neither units nor residuals that were small before matter.
     OnResidual,
 }
 
@@ -73,14 +74,11 @@ pub(super) struct Forced {
 }
 
 impl Iterates<'_> {
-    /// The norm of the residual whose norms per field are given, each relative to the largest that the field had. A field that
-    /// had none yet does not count.
-    pub(super) fn merit(&self, residuals: &[f64]) -> f64 {
-        let parts = residuals.iter().enumerate().map(|(field, residual)| {
-            let largest = self.largest_residual(field);
-            if largest == 0.0 { 0.0 } else { residual / largest }
-        });
-        parts.fold(0.0, f64::hypot)
+    /// The norm of residuals on free unknowns, each field's relative to its scale. A field without a scale does not count.
+    pub(super) fn merit(&self, reduced: &[f64], scales: &[f64]) -> f64 {
+        let residuals = self.fields.norms(reduced);
+        let parts = residuals.iter().zip(scales).filter(|(_, scale)| **scale > 0.0);
+        parts.map(|(residual, scale)| residual / scale).fold(0.0, f64::hypot)
     }
 }
 
@@ -115,6 +113,18 @@ impl FreeEquations<'_> {
         }
     }
 
+    /// The scale of each field's residual along a step δ: the norm of Σ_j |K_ij| (|u_j| + |δ_j|) over its rows, with the last tangent. A single
+    /// field needs none.
+    pub(super) fn scales(&mut self, step: &[f64]) -> Result<Vec<f64>, NewtonFailure> {
+        if self.iterates.norms.last().is_none_or(|last| last.residual.len() < 2) {
+            return Ok(vec![1.0]);
+        }
+        let amounts: Vec<f64> =
+            self.iterates.u.iter().zip(step).map(|(u, step)| u.abs() + step.abs()).collect();
+        let sizes = self.products(&amounts)?.sizes;
+        Ok(self.iterates.fields.norms(&self.elimination.reduce_amounts(&sizes)?))
+    }
+
     /// Which of [`FORCED`] is next, where no part of a step lowers the residual's norm.
     pub(super) fn forced_choice(&self, before: f64) -> usize {
         match self.forced {
@@ -125,15 +135,16 @@ impl FreeEquations<'_> {
 
     /// The part of a step with which the residual's norm falls.
     fn along_residual(&mut self, step: &[f64]) -> Result<Taken, NewtonFailure> {
+        let scales = self.scales(step)?;
         let iterates = &self.iterates;
-        let before = iterates.norms.last().map_or(f64::INFINITY, |last| iterates.merit(&last.residual));
+        let before = iterates.merit(&self.residuals.reduced, &scales);
         let choice = self.forced_choice(before);
         let mut otherwise = None;
         for halvings in 0..=HALVINGS {
             let part = 0.5_f64.powi(halvings);
             let at: Vec<f64> = iterates.u.iter().zip(step).map(|(u, step)| u + part * step).collect();
             let residuals = Residuals::at(self.problem, &self.elimination, &at)?;
-            let merit = iterates.merit(&iterates.fields.norms(&residuals.reduced));
+            let merit = iterates.merit(&residuals.reduced, &scales);
             let taken = Taken { part, residuals: Some(residuals) };
             if merit <= (1.0 - FALL * part) * before {
                 return Ok(taken);

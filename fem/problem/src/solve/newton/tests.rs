@@ -325,6 +325,40 @@ fn each_field_has_a_scale_of_its_own() {
     assert_eq!(fields.norms_over(&[0, 1, 4], |place| place as f64 + 1.0), [5.0_f64.sqrt(), 0.0, 5.0]);
 }
 
+/// A pressed body whose gap bends with the pressure: arctan u + λ = f, u + 0.05 (λ − 0.1)² = 0.2. Unknowns and rows have units of their own.
+fn pressed(start: [f64; 2], unit: [f64; 2], row: [f64; 2]) -> NewtonSolution {
+    let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
+    let start = [start[0] / unit[0], start[1] / unit[1]];
+    let found = system(&start, &options, |scaled| {
+        let [u, p] = [scaled[0] * unit[0], scaled[1] * unit[1]];
+        let bend = p - 0.1;
+        let residual = vec![row[0] * (u.atan() + p - 0.5), row[1] * (u - 0.2 + 0.05 * bend * bend)];
+        let rates = [[1.0 / (1.0 + u * u), 1.0], [1.0, 0.1 * bend]];
+        let entries = (0..4).map(|k| row[k / 2] * rates[k / 2][k % 2] * unit[k % 2]);
+        (residual, entries.collect())
+    });
+    found.unwrap()
+}
+
+#[test]
+fn a_line_search_knows_no_units_and_no_rounding() {
+    let dampings = |found: &NewtonSolution| found.history.iter().map(|step| step.damping).collect::<Vec<_>>();
+    // The gap is closed but for rounding, and opens as the pressure rises.
+    let found = pressed([0.2 + 1e-12, 0.1], [1.0; 2], [1.0; 2]);
+    assert!(dampings(&found)[1..].iter().all(|part| *part == Some(1.0)), "{:?}", found.history);
+    for start in [[0.2 + 1e-12, 0.1], [30.0, -40.0]] {
+        let expected = pressed(start, [1.0; 2], [1.0; 2]);
+        assert!(start[0] < 1.0 || dampings(&expected)[1..].iter().any(|part| *part < Some(1.0)));
+        for (unit, row) in [([1.0, 1e6], [1e6, 1.0]), ([1e-6, 1.0], [1.0, 1e-6]), ([1e3, 1e-3], [1.0, 1e6])] {
+            let found = pressed(start, unit, row);
+            assert_eq!(dampings(&found), dampings(&expected), "{start:?} {unit:?} {row:?}");
+            for k in 0..2 {
+                assert!((found.u[k] * unit[k] / expected.u[k] - 1.0).abs() < 1e-12, "{:?}", found.u);
+            }
+        }
+    }
+}
+
 #[test]
 fn a_bad_start_does_not_decide_when_to_stop() {
     let options = NewtonOptions { max_iterations: 100, ..NewtonOptions::default() };

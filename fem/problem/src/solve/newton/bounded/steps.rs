@@ -119,8 +119,8 @@ impl FreeEquations<'_> {
 
     /// The place on the projected step where the norm of the residual is lower, without the rows that bounds hold there.
     fn along_residual_between(&mut self, set: &ActiveSet, step: &[f64]) -> Result<Moved, NewtonFailure> {
-        let before =
-            self.iterates.norms.last().map_or(f64::INFINITY, |last| self.iterates.merit(&last.residual));
+        let scales = self.scales(step)?;
+        let before = self.iterates.merit(&self.residuals.reduced, &scales);
         let choice = self.forced_choice(before);
         let mut otherwise = None;
         for halvings in 0..=HALVINGS {
@@ -129,7 +129,7 @@ impl FreeEquations<'_> {
             let residuals = Residuals::at(self.problem, &self.elimination, &u)?;
             let mut rows = residuals.reduced.clone();
             set.mask_pressed(&u, &mut rows);
-            let merit = self.iterates.merit(&self.iterates.fields.norms(&rows));
+            let merit = self.iterates.merit(&rows, &scales);
             let moved = Moved { u, residuals, part };
             if merit <= (1.0 - FALL * part) * before {
                 return Ok(moved);
