@@ -239,7 +239,7 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         )?;
         let constants = self.equations.constants()?;
         let tests = self.tests_before(&form);
-        add_sensitivities(&rates, step, &self.controls, (&tests, &constants), &self.equations, gradient)
+        add_sensitivities(&rates, step, &self.controls, &tests, &constants, &self.equations, gradient)
     }
 }
 

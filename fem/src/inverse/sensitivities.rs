@@ -64,7 +64,8 @@ pub(super) fn add_sensitivities<const D: usize>(
     rates: &Form<D>,
     step: usize,
     controls: &Controls<D>,
-    (before, constants): (&[(String, &Arc<Space<D>>, Wanted)], &Arc<Space<D>>),
+    before: &[(String, &Arc<Space<D>>, Wanted)],
+    constants: &Arc<Space<D>>,
     equations: &StepEquations<'_, D>,
     gradient: &mut [f64],
 ) -> Result<Vec<f64>, HistoryFailure> {

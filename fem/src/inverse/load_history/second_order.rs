@@ -185,7 +185,7 @@ impl<const D: usize> Linearised<D> for LoadHistory<'_, D> {
         let tests = self.tests_before(&form);
         let (controls, equations) = (&self.controls, &self.equations);
         let mut by_before =
-            add_sensitivities(&rates, step, controls, (&tests, &constants), equations, gradient)?;
+            add_sensitivities(&rates, step, controls, &tests, &constants, equations, gradient)?;
         let zero = self.zero();
         let mut unused = vec![0.0; action.len()];
         // Without a change of p first, which is found from it.
