@@ -14,10 +14,10 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 COUNTS = [
     ("visitors of a form", r"\b(?:trait|for) \w*Visitor\b(?!.*syn)", False, 0),
     ("signatures generic over a form", r"[<,(] ?(?:[A-Z]\w*|\w+: &?impl) ?:? (?:contract::)?(?:Form|Functional|Expression|Integrals|Compiled|WithIntegrals)<", False, 12),
-    ("#[inline(never)]", r"#\[inline\(never\)\]", False, 279),
-    ("instantiate! blocks", r"^\s*instantiate!\(", False, 96),
+    ("#[inline(never)]", r"#\[inline\(never\)\]", False, 280),
+    ("instantiate! blocks", r"^\s*instantiate!\(", False, 97),
 ]
-LINES = [("lines of Rust without tests", False, 173_600), ("lines of Rust", True, 243_400)]
+LINES = [("lines of Rust without tests", False, 176_200), ("lines of Rust", True, 246_600)]
 
 
 def sources():

@@ -352,9 +352,8 @@ fn a_line_search_knows_no_units_and_no_rounding() {
         for (unit, row) in [([1.0, 1e6], [1e6, 1.0]), ([1e-6, 1.0], [1.0, 1e-6]), ([1e3, 1e-3], [1.0, 1e6])] {
             let found = pressed(start, unit, row);
             assert_eq!(dampings(&found), dampings(&expected), "{start:?} {unit:?} {row:?}");
-            for k in 0..2 {
-                assert!((found.u[k] * unit[k] / expected.u[k] - 1.0).abs() < 1e-12, "{:?}", found.u);
-            }
+            let scaled = found.u.iter().zip(unit).map(|(u, unit)| u * unit);
+            assert!(scaled.zip(&expected.u).all(|(u, u0)| (u / u0 - 1.0).abs() < 1e-12), "{:?}", found.u);
         }
     }
 }
