@@ -34,7 +34,7 @@ fn told(processes: usize, arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// What two processes say where they fail with a cause.
+/// The output of two processes that fail with a cause.
 fn refused(arguments: &[&str], cause: &str) -> String {
     let output = mpirun(2, env!("CARGO_BIN_EXE_parts"), arguments).output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -44,11 +44,11 @@ pub mod inside {
     pub fn ghost(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         integral(Ghost, (2 * mu + lambda) * vector_ghost_of_slopes(u, v))
     }
-    /// What moves with Γ of the direct problem.
+    /// The terms of the direct problem that move with Γ.
     pub fn elasticity(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         integral(Omega, inner(stress(u), eps(v)))
     }
-    /// What moves with Γ of the criterion.
+    /// The terms of the criterion that move with Γ.
     pub fn criterion(u: State<Vector>, t: Test<Scalar>) -> Form {
         integral(Omega, dot(criterion_force, u) * t)
     }

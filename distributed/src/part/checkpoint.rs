@@ -353,7 +353,7 @@ impl<const D: usize> StoredCheckpoint<'_, '_, D> {
     }
 }
 
-/// What values at quadrature points are on.
+/// The place of values at quadrature points.
 const ON_POINTS: &str = "quadrature points";
 
 fn on_space<const D: usize>(space: &Space<D>) -> String {

@@ -162,7 +162,7 @@ fn add(words: &mut Vec<u64>, list: impl Iterator<Item = u64>) {
     words[at] = (words.len() - at - 1) as u64;
 }
 
-/// What is left of a list.
+/// The rest of a list.
 struct Words<'a>(&'a [u64]);
 
 /// Degree, nodes and cells by their shapes.

@@ -12,7 +12,7 @@ pub(super) const TITLE: &str = "forms checkpoint of a divided mesh, version 1";
 
 /// Contents of a list.
 pub(super) struct Index {
-    /// How often it was written.
+    /// The number of times it was written.
     pub write: u64,
     pub mesh: u64,
     pub processes: usize,

@@ -53,7 +53,7 @@ impl<const D: usize> Cut<D> {
             let is_from_a = match (roots.contains_key(&a), roots.contains_key(&b)) {
                 (true, _) => true,
                 (_, true) => false,
-                // Where neither is tied yet, the deeper one is the root.
+                // If neither is tied yet, the deeper one is the root.
                 _ => self.rank(a) > self.rank(b),
             };
             let (from, next) = if is_from_a { (a, b) } else { (b, a) };
