@@ -243,12 +243,11 @@ impl<const D: usize> Cut<D> {
         }
     }
 
-    /// Numbers that say where each cell is, and which cells ghost facets or aggregates join. Where one changes, a node has changed sides or a
-    /// cell is tied to another one, and what is assembled jumps by a little: in a line search and in Taylor tests these are switches.
+    /// A number per cell that says where it is, and where there are aggregates the cells that they join. Where one changes, a node has changed
+    /// sides or a cell has another root, and what is assembled jumps by a little: in a line search and in Taylor tests these are switches.
     pub fn sides(&self) -> impl Iterator<Item = u32> {
-        let ties = self.ghost.iter().flat_map(|sides| sides.map(|facet| facet.cell));
         let roots = self.roots.iter().flatten().flat_map(|(cell, root)| [*cell, *root]);
-        self.sides.iter().map(|side| *side as u32).chain(ties).chain(roots)
+        self.sides.iter().map(|side| *side as u32).chain(roots)
     }
 
     /// The cells that are whole, ascending.
