@@ -5,8 +5,8 @@ use forms_fem::forms;
 /// Terms that multipliers add to the balance of two bodies, without friction with the pressure p and the mean gap g, with friction with vectors m and d.
 /// Conditions hold at each node of the own surface, for any γ, which decides only how Newton's method tells what touches and what slides.
 ///
-/// At its pairs a law adds p n_x·⟦v⟧ + gap (r − q), or with friction [`moved`](fn@moved) tested with r − q and the work of the
-/// [`multiplier_traction`](fn@multiplier_traction). A vector m has the pressure along an axis a and the traction of friction across it: m = p a + t. At each point the
+/// At its pairs a law adds p n_x·⟦v⟧ + gap (r − q), or with friction [`moved`](fn@multipliers::moved) tested with r − q and the work of the
+/// [`multiplier_traction`](fn@multipliers::multiplier_traction). A vector m has the pressure along an axis a and the traction of friction across it: m = p a + t. At each point the
 /// smallest rotation that takes a to the normal n_x takes t to the tangent plane. The means d = g a + s are those of the gap and of the slip.
 #[forms]
 pub mod multipliers {
