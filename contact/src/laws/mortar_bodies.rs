@@ -112,7 +112,7 @@ fn check_pairs<const D: usize>(
 }
 
 /// The direct problem without friction on the spaces of displacement and pressure, which is also that of the mean gap, with its conditions. Newton's method
-/// takes whole steps, as it finds the nodes that touch in fewer of them than with a line search.
+/// takes whole steps; a line search on the residual leaves them whole.
 ///
 /// # Errors
 /// [`MultiplierError`]: a parameter out of its range; multipliers that are not those of the own surface, or at a node whose displacement is

@@ -261,7 +261,7 @@ impl<const D: usize> Cut<D> {
     }
 
     /// The interior facets of the ghost penalty, with both sides: over them cut cells whose middle is outside are tied to deeper ones, and so to
-    /// a cell with enough of the body. The body is on each, so that none joins what a gap divides.
+    /// a cell with enough of the body. The body is on each, so that none joins what a gap divides. None with [aggregates](Cut::aggregated).
     pub fn ghost_facets(&self) -> &[[Facet; 2]] {
         &self.ghost
     }
