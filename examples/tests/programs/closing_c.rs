@@ -2,12 +2,7 @@
 
 use std::process::Command;
 
-/// The number after some words.
-fn after(printed: &str, words: &str) -> f64 {
-    let rest = printed.split(words).nth(1).unwrap_or_else(|| panic!("`{words}`: {printed}"));
-    let number: String = rest.chars().take_while(|c| c.is_ascii_digit() || "+-.e".contains(*c)).collect();
-    number.parse().unwrap_or_else(|error| panic!("`{words}` {number}: {error}"))
-}
+use crate::printed::after;
 
 #[test]
 fn densities_hold_an_arm_that_closes_onto_them() {

@@ -5,19 +5,13 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use crate::interrupted::killed_until_it_ends;
+use crate::printed::after;
 
 fn command(directory: &Path, cells: &str, steps: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_level_set_bridge"));
     command.args(["--cells", cells, "--steps", steps, "--out"]).arg(directory);
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     command
-}
-
-/// The number after some words.
-fn after(printed: &str, words: &str) -> f64 {
-    let rest = printed.split(words).nth(1).unwrap_or_else(|| panic!("`{words}`: {printed}"));
-    let number: String = rest.chars().take_while(|c| c.is_ascii_digit() || "+-.e".contains(*c)).collect();
-    number.parse().unwrap_or_else(|error| panic!("`{words}` {number}: {error}"))
 }
 
 /// Killed again and again at whatever moment it was, the program ends with the files of an undisturbed run, byte for byte.

@@ -10,6 +10,7 @@ mod level_set_bridge;
 mod level_set_cantilever;
 mod level_set_wheel;
 mod pressed_knot;
+mod printed;
 mod readme;
 mod rolling_ring;
 mod shape_optimisation;

@@ -2,16 +2,11 @@
 
 use std::process::{Command, Output};
 
+use crate::printed::after;
+
 fn run(arguments: &[&str], directory: &std::path::Path) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_rolling_ring"));
     command.args(arguments).current_dir(directory).output().expect("the program starts")
-}
-
-/// The number after some words.
-fn after(printed: &str, words: &str) -> f64 {
-    let rest = printed.split(words).nth(1).unwrap_or_else(|| panic!("`{words}`: {printed}"));
-    let number: String = rest.chars().take_while(|c| c.is_ascii_digit() || "+-.e".contains(*c)).collect();
-    number.trim_end_matches('.').parse().unwrap_or_else(|error| panic!("`{words}` {number}: {error}"))
 }
 
 /// Until it rolls: v is what its spin and a radius between that of its inner side and its own give, near the speed of a rigid ring, and
