@@ -6,6 +6,7 @@
 
 use super::block_graph::BlockGraph;
 use super::cell_blocks::CellBlocks;
+use super::threads::Threads;
 
 mod axes;
 mod halves;
@@ -58,8 +59,8 @@ impl Part {
 }
 
 /// The blocks of a graph in the order of their elimination.
-pub(super) fn dissect(graph: &BlockGraph, cells: &CellBlocks) -> Vec<u32> {
-    let parts = parts_of_blocks(graph, cells);
+pub(super) fn dissect(graph: &BlockGraph, cells: &CellBlocks, threads: Threads) -> Vec<u32> {
+    let parts = parts_of_blocks(graph, cells, threads);
     let mut ranked: Vec<(u64, u32)> =
         parts.iter().zip(0..).map(|(part, block)| (part.rank(), block)).collect();
     ranked.sort_unstable();
@@ -67,9 +68,9 @@ pub(super) fn dissect(graph: &BlockGraph, cells: &CellBlocks) -> Vec<u32> {
 }
 
 /// The part to which each block belongs, so that couplings tie parts that lie one in the other.
-fn parts_of_blocks(graph: &BlockGraph, cells: &CellBlocks) -> Vec<Part> {
+fn parts_of_blocks(graph: &BlockGraph, cells: &CellBlocks, threads: Threads) -> Vec<Part> {
     let mut found: Vec<Option<Part>> = vec![None; graph.blocks()];
-    for (cell, part) in (0..).zip(Halves::of_all(cells, graph.blocks())) {
+    for (cell, part) in (0..).zip(Halves::of_all(cells, graph.blocks(), threads)) {
         for &block in cells.of(cell) {
             let known = &mut found[block as usize];
             *known = Some(known.map_or(part, |known| known.with(part)));

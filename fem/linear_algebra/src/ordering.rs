@@ -11,6 +11,7 @@ use super::dissection::dissect;
 use super::error::{LinearAlgebraError, check_size};
 use super::pattern::SparsityPattern;
 use super::symbolic::{Fill, Runs};
+use super::threads::Threads;
 
 /// The order in which unknowns are eliminated. Minimum degree and nested dissection work on the graph of blocks: a
 /// block is a run of consecutive unknowns whose rows have the same pattern, the free components of one node.
@@ -159,7 +160,7 @@ impl Ordering {
         let mut found = Vec::new();
         let cells = cells.filter(|_| matches!(self, Self::LeastFill | Self::CellDissection));
         if let Some(cells) = cells {
-            found.push(measured("dissection of cells", dissect(graph, cells))?);
+            found.push(measured("dissection of cells", dissect(graph, cells, Threads::all()))?);
         }
         // Minimum degree is better where cells are small or lie in no order.
         let cells_are_enough = match &found[..] {
@@ -196,17 +197,19 @@ fn is_better_in_samples(graph: &BlockGraph, order: &[u32]) -> Result<bool, Linea
     let multiplications = |part: &BlockGraph, order: &[u32]| -> Result<f64, LinearAlgebraError> {
         Ok(Runs::of_blocks(part, order, &inverse(order)?).fill().multiplications)
     };
-    let [mut own, mut by_degree] = [0.0; 2];
-    for first in (0..order.len()).step_by(order.len().div_ceil(SAMPLES)) {
+    let of_sample = |first: usize| -> Result<[f64; 2], LinearAlgebraError> {
         let sample = &order[first..order.len().min(first + SAMPLE)];
         let mut kept = sample.to_vec();
         kept.sort_unstable();
         let part = graph.restricted(&kept);
         let numbers: Vec<u32> =
             sample.iter().map(|block| kept.partition_point(|other| other < block) as u32).collect();
-        own += multiplications(&part, &numbers)?;
-        by_degree += multiplications(&part, &minimum_degree(&part)?)?;
-    }
+        Ok([multiplications(&part, &numbers)?, multiplications(&part, &minimum_degree(&part)?)?])
+    };
+    let samples = (0..order.len()).step_by(order.len().div_ceil(SAMPLES)).collect();
+    let found: Vec<[f64; 2]> =
+        Threads::all().run(samples, of_sample).into_iter().collect::<Result<_, _>>()?;
+    let [own, by_degree] = [0, 1].map(|k| found.iter().map(|costs| costs[k]).sum::<f64>());
     Ok(own < NEARLY * by_degree)
 }
 

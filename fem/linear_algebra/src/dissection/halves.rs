@@ -6,6 +6,7 @@ use super::Part;
 use super::axes::{Axis, axes_of, is_coordinate};
 use super::smoothing::Smoothing;
 use crate::cell_blocks::CellBlocks;
+use crate::threads::Threads;
 
 /// In parts of so few cells one cut is tried alone.
 const SMALL: usize = 30;
@@ -16,19 +17,36 @@ const LEAST: f64 = 0.4;
 /// larger than what separates those of a block.
 const SLANTED: f64 = 1.2;
 
-/// The state of the halving.
+/// Cells from which on halves are halved on two threads.
+const SHARED: usize = 1 << 12;
+/// Halvings that are shared beyond one part for each thread, since parts differ in work.
+const FURTHER: u32 = 2;
+
+/// The halving of some cells.
 pub(super) struct Halves<'a, 'c> {
     cells: &'a CellBlocks<'c>,
-    /// The cells, those of each part side by side.
-    order: Vec<u32>,
-    /// The smallest part that each cell is in.
-    parts: Vec<Part>,
+    /// The cells, those of each part next to each other.
+    order: &'a mut [u32],
+    /// The smallest part that each of them is in, in the same order.
+    parts: &'a mut [Part],
+    marks: Marks,
+}
+
+/// Marks of all blocks. Halves on two threads have their own, because both read blocks that are separated already; others are in one half only.
+struct Marks {
     /// Blocks that the halves of some larger part have in common.
     separated: Vec<bool>,
     /// The last count that met a block.
     seen: Vec<u32>,
     counts: u32,
     smoothing: Smoothing,
+}
+
+impl Marks {
+    fn new(separated: Vec<bool>) -> Self {
+        let blocks = separated.len();
+        Marks { separated, seen: vec![0; blocks], counts: 0, smoothing: Smoothing::new(blocks) }
+    }
 }
 
 /// A way to halve a part.
@@ -42,27 +60,23 @@ struct Cut {
 }
 
 impl<'a, 'c> Halves<'a, 'c> {
-    /// The smallest part of each cell.
-    pub(super) fn of_all(cells: &'a CellBlocks<'c>, blocks: usize) -> Vec<Part> {
+    /// The smallest part of each cell, the same on any number of threads.
+    pub(super) fn of_all(cells: &CellBlocks, blocks: usize, threads: Threads) -> Vec<Part> {
         let count = cells.count();
-        let mut halves = Halves {
-            cells,
-            order: (0..count as u32).collect(),
-            parts: vec![Part::ALL; count],
-            separated: vec![false; blocks],
-            seen: vec![0; blocks],
-            counts: 0,
-            smoothing: Smoothing::new(blocks),
-        };
-        halves.halve(0..count, Part::ALL);
-        halves.parts
+        let (mut order, mut found): (Vec<u32>, _) = ((0..count as u32).collect(), vec![Part::ALL; count]);
+        let marks = Marks::new(vec![false; blocks]);
+        let shared = if threads == Threads::ONE { 0 } else { threads.count().ilog2() + FURTHER };
+        let mut all = Halves { cells, order: &mut order, parts: &mut found, marks };
+        all.halve(0..count, Part::ALL, shared);
+        let mut parts = vec![Part::ALL; count];
+        order.iter().zip(found).for_each(|(cell, part)| parts[*cell as usize] = part);
+        parts
     }
 
-    fn halve(&mut self, range: Range<usize>, part: Part) {
+    /// Halves a part until parts have one cell, down to the depth `shared` on several threads.
+    fn halve(&mut self, range: Range<usize>, part: Part, shared: u32) {
         if range.len() < 2 || part.depth() == Part::DEEPEST {
-            for cell in &self.order[range] {
-                self.parts[*cell as usize] = part;
-            }
+            self.parts[range].fill(part);
             return;
         }
         let middle = range.start + self.cut(&range);
@@ -72,8 +86,21 @@ impl<'a, 'c> Halves<'a, 'c> {
             true
         });
         let parts = part.halves();
-        self.halve(lower, parts[0]);
-        self.halve(upper, parts[1]);
+        if part.depth() >= shared || range.len() < SHARED {
+            self.halve(lower, parts[0], shared);
+            self.halve(upper, parts[1], shared);
+            return;
+        }
+        let separated = self.marks.separated.clone();
+        let marks = [std::mem::replace(&mut self.marks, Marks::new(vec![])), Marks::new(separated)];
+        let order = self.order[range.clone()].split_at_mut(lower.len());
+        let found = self.parts[range].split_at_mut(lower.len());
+        let tasks = [order.0, order.1].into_iter().zip([found.0, found.1]).zip(marks).zip(parts);
+        let tasks = tasks
+            .map(|(((order, parts), marks), part)| (Halves { cells: self.cells, order, parts, marks }, part));
+        Threads::new(2).run(tasks.collect(), |(mut half, part)| {
+            half.halve(0..half.order.len(), part, shared);
+        });
     }
 
     /// Puts the cells of the lower half first, and gives their number.
@@ -108,7 +135,7 @@ impl<'a, 'c> Halves<'a, 'c> {
             self.order[range.start + place] = *cell;
         }
         let part = &mut self.order[range.clone()];
-        self.smoothing.smooth(self.cells, &self.separated, part, lower)
+        self.marks.smoothing.smooth(self.cells, &self.marks.separated, part, lower)
     }
 
     /// Cells with their places along an axis.
@@ -140,17 +167,17 @@ impl<'a, 'c> Halves<'a, 'c> {
         upper: Range<usize>,
         mut visit: impl FnMut(&mut bool) -> bool,
     ) -> bool {
-        let (one, both) = (self.counts + 1, self.counts + 2);
-        self.counts = both;
+        let Marks { separated, seen, counts, .. } = &mut self.marks;
+        let (one, both) = (*counts + 1, *counts + 2);
+        *counts = both;
         for cell in &self.order[lower] {
             for block in self.cells.of(*cell) {
-                self.seen[*block as usize] = one;
+                seen[*block as usize] = one;
             }
         }
         for cell in &self.order[upper] {
             for block in self.cells.of(*cell) {
-                let (seen, separated) =
-                    (&mut self.seen[*block as usize], &mut self.separated[*block as usize]);
+                let (seen, separated) = (&mut seen[*block as usize], &mut separated[*block as usize]);
                 if *seen == one && !*separated {
                     *seen = both;
                     if !visit(separated) {

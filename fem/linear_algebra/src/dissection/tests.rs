@@ -77,7 +77,8 @@ fn laplacian(pattern: &Arc<SparsityPattern>) -> CsrMatrix {
 fn parts(pattern: &SparsityPattern) -> (BlockGraph, Vec<Part>) {
     let graph = BlockGraph::new(pattern).unwrap();
     let numbers: Vec<u32> = (0..graph.blocks() as u32).collect();
-    let parts = parts_of_blocks(&graph, &CellBlocks::new(pattern.cells().unwrap(), &graph, &numbers));
+    let blocks = CellBlocks::new(pattern.cells().unwrap(), &graph, &numbers);
+    let parts = parts_of_blocks(&graph, &blocks, Threads::ONE);
     (graph, parts)
 }
 
@@ -143,7 +144,7 @@ fn halves_of_a_square_are_no_wedges() {
     }
     let graph = BlockGraph::new(&pattern(&cells, (n + 1) * (n + 1), &[])).unwrap();
     let numbers: Vec<u32> = (0..graph.blocks() as u32).collect();
-    let parts = Halves::of_all(&CellBlocks::new(&cells, &graph, &numbers), graph.blocks());
+    let parts = Halves::of_all(&CellBlocks::new(&cells, &graph, &numbers), graph.blocks(), Threads::ONE);
     let is_between = |k: usize| {
         let of_half = |half: Part| {
             let own = parts.iter().zip(cells.centres()).filter(move |(part, _)| part.with(half) == half);
@@ -153,6 +154,22 @@ fn halves_of_a_square_are_no_wedges() {
         of_half(lower).fold(f64::NEG_INFINITY, f64::max) < of_half(upper).fold(f64::INFINITY, f64::min)
     };
     assert!((0..2).any(is_between));
+}
+
+/// Enough cells that the first parts are halved on several threads.
+#[test]
+fn parts_are_the_same_on_any_number_of_threads() {
+    for (name, (cells, size)) in [("ring", biquadratic(320, 40, true)), ("cube", cubes(24))] {
+        let graph = BlockGraph::new(&pattern(&cells, size, &[])).unwrap();
+        let numbers: Vec<u32> = (0..graph.blocks() as u32).collect();
+        let blocks = CellBlocks::new(&cells, &graph, &numbers);
+        let on_threads = |count| parts_of_blocks(&graph, &blocks, Threads::new(count));
+        let parts = on_threads(1);
+        assert!(is_dissected(&graph, &parts), "{name}");
+        for count in [2, 3, 7, 16] {
+            assert!(on_threads(count) == parts, "{name}, {count} threads");
+        }
+    }
 }
 
 #[test]

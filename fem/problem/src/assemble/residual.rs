@@ -7,7 +7,7 @@ use forms_core::contract::{Role, Term};
 use super::batch::Cells;
 use super::binding::Binding;
 use super::element_loops::vectors::ElementVectors;
-use super::groups::groups;
+use super::groups::shared_facets::SharedFacetGroups;
 use super::kernels::VectorKernel;
 use super::scatter::VectorScatter;
 use super::scatter::group_nodes::{GroupNodes, Reading, places_on_facet};
@@ -174,6 +174,7 @@ impl<const D: usize> Assembler<D> {
             offsets,
             added,
             set: self.instructions,
+            facets: SharedFacetGroups::default(),
         };
         for term in terms {
             sum.integrate(term)?;
@@ -194,6 +195,7 @@ struct VectorSum<'a, const D: usize> {
     vector: Vec<f64>,
     added: Added,
     set: InstructionSet,
+    facets: SharedFacetGroups<D>,
 }
 
 /// Amounts that are added up.
@@ -226,14 +228,15 @@ impl<const D: usize> VectorSum<'_, D> {
         let offset = self.offsets[integral.test];
         let name = self.binding.name_of(Role::Test(integral.test));
         let arguments = [(Role::Test(integral.test), &**space)];
-        for group in groups(
+        let groups = self.facets.groups(
             self.binding,
             integral,
             self.quadrature,
             &self.degrees,
             constants.requirements,
             &arguments,
-        )? {
+        )?;
+        for group in groups.iter() {
             let side = group.side(self.binding.name, integral.test_side)?;
             group.check_support(self.binding.name, name, space, side)?;
             if constants.requirements.test_mean {
@@ -241,7 +244,7 @@ impl<const D: usize> VectorSum<'_, D> {
             }
             let element = self.elements[integral.test];
             let cells = Cells::Mesh(self.binding.mesh);
-            let task = ElementVectors { binding: self.binding, group: &group, cells, side, element };
+            let task = ElementVectors { binding: self.binding, group, cells, side, element };
             let tests = GroupNodes::new(space, &group.sides[side]);
             let scatter = VectorScatter { tests, components, nodes: task.nodes() };
             let (added, length) = (self.added, components * task.nodes());
@@ -249,7 +252,7 @@ impl<const D: usize> VectorSum<'_, D> {
             let [reading, _] = Reading::of_arguments(constants.requirements);
             let places = match added {
                 Added::Vectors | Added::Sizes(Terms::OfRows) => vec![],
-                Added::Sizes(_) => places_on_facet(&group, side, space, reading)
+                Added::Sizes(_) => places_on_facet(group, side, space, reading)
                     .unwrap_or_else(|| (0..task.nodes()).collect()),
             };
             let values = &mut self.vector[offset..offset + space.unknowns()];

@@ -7,7 +7,8 @@ use forms_core::contract::{Integral, Requirements, Role, Side, Term};
 use super::batch::Cells;
 use super::binding::Binding;
 use super::element_loops::matrices::ElementMatrices;
-use super::groups::{Group, groups};
+use super::groups::Group;
+use super::groups::shared_facets::SharedFacetGroups;
 use super::kernels::MatrixKernel;
 use super::scatter::MatrixScatter;
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
@@ -165,6 +166,7 @@ impl<const D: usize> Assembler<D> {
             trial_elements,
             target,
             set: self.instructions,
+            facets: SharedFacetGroups::default(),
         };
         let mut asked = form.tangent().iter().filter(|term| parts.contain(term.integral.dependence));
         asked.try_for_each(|term| tangent.integrate(term))?;
@@ -226,6 +228,7 @@ pub(super) struct TangentIntegrals<'a, const D: usize> {
     pub trial_elements: Vec<usize>,
     pub target: Target<'a, D>,
     pub set: InstructionSet,
+    facets: SharedFacetGroups<D>,
 }
 
 impl<const D: usize> TangentIntegrals<'_, D> {
@@ -243,14 +246,15 @@ impl<const D: usize> TangentIntegrals<'_, D> {
         let reading = Reading::of_arguments(constants.requirements);
         let same_nodes = Arc::ptr_eq(test, trial) && integral.test_side == integral.trial_side;
         let arguments = [(Role::Test(integral.test), &**test), (Role::Unknown(integral.trial), &**trial)];
-        for group in groups(
+        let groups = self.facets.groups(
             self.binding,
             integral,
             self.quadrature,
             &self.degrees,
             constants.requirements,
             &arguments,
-        )? {
+        )?;
+        for group in groups.iter() {
             let sides = [group.side(form, integral.test_side)?, group.side(form, integral.trial_side)?];
             group.check_support(form, names[0], test, sides[0])?;
             group.check_support(form, names[1], trial, sides[1])?;
@@ -263,13 +267,13 @@ impl<const D: usize> TangentIntegrals<'_, D> {
             // Element matrices that are asked for have all rows and columns.
             let seen = match self.target {
                 Target::Matrix { .. } => {
-                    [(0, test), (1, trial)].map(|(k, space)| seen_places(&group, sides[k], space, reading[k]))
+                    [(0, test), (1, trial)].map(|(k, space)| seen_places(group, sides[k], space, reading[k]))
                 }
                 Target::Elements(_) => [None, None],
             };
             let task = ElementMatrices {
                 binding: self.binding,
-                group: &group,
+                group,
                 cells: Cells::Mesh(self.binding.mesh),
                 sides,
                 elements: [self.test_elements[integral.test], self.trial_elements[integral.trial]],
@@ -284,7 +288,7 @@ impl<const D: usize> TangentIntegrals<'_, D> {
                         for (number, matrix) in matrices.chunks_exact(size).enumerate() {
                             found.push(element_matrix(
                                 integral,
-                                &group,
+                                group,
                                 first + number,
                                 (test, trial),
                                 matrix,

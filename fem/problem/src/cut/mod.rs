@@ -320,7 +320,8 @@ fn side(values: impl Iterator<Item = f64>) -> CutSide {
 fn vertices_of<const D: usize>(phi: &Field<D>) -> (Vec<u32>, Vec<u32>) {
     let space = phi.space();
     let mesh = space.mesh();
-    let (mut vertices, mut starts) = (Vec::new(), vec![0]);
+    let (mut vertices, mut starts) = (Vec::new(), Vec::with_capacity(mesh.cell_count() + 1));
+    starts.push(0);
     let places: Vec<(CellShape, Vec<usize>)> = mesh
         .shapes()
         .into_iter()
@@ -330,6 +331,7 @@ fn vertices_of<const D: usize>(phi: &Field<D>) -> (Vec<u32>, Vec<u32>) {
             (shape, shape.vertex_points().iter().filter_map(at).collect())
         })
         .collect();
+    vertices.reserve(mesh.cell_count() * places.iter().map(|(_, places)| places.len()).max().unwrap_or(0));
     for cell in 0..mesh.cell_count() {
         let shape = mesh.cell_shape(cell);
         let nodes = space.cell_nodes(cell);
@@ -343,6 +345,14 @@ fn vertices_of<const D: usize>(phi: &Field<D>) -> (Vec<u32>, Vec<u32>) {
 
 /// Values without zeros, and the nodes whose values were moved.
 fn away_from_zero<'a>(values: &[f64], cells: impl Iterator<Item = &'a [u32]>) -> (Vec<f64>, Vec<u32>) {
+    // The range around a node is at most that of all values: mostly nothing is near zero.
+    let [least, most] = values
+        .iter()
+        .fold([f64::MAX, f64::MIN], |[least, most], value| [least.min(*value), most.max(*value)]);
+    let near = (NEAR_ZERO * (most - least)).max(f64::MIN_POSITIVE);
+    if !values.iter().any(|value| value.abs() < near) {
+        return (values.to_vec(), vec![]);
+    }
     let mut ranges = vec![0.0_f64; values.len()];
     for nodes in cells {
         let of_cell = || nodes.iter().map(|node| values[*node as usize]);

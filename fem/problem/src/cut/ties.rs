@@ -67,6 +67,9 @@ impl<const D: usize> Cut<D> {
         reached: &mut [bool],
         ties: &mut Vec<[Facet; 2]>,
     ) -> Vec<u32> {
+        if active.iter().zip(&*reached).all(|(active, reached)| *reached || !active) {
+            return vec![];
+        }
         let is_link = |sides: &&[Facet; 2]| {
             let cells = sides.map(|facet| facet.cell as usize);
             cells.iter().all(|cell| active[*cell]) && cells.iter().any(|cell| !reached[*cell])

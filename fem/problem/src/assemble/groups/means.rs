@@ -9,7 +9,7 @@ use crate::quadrature::{QuadratureError, cell_rule};
 use crate::space::Space;
 
 /// Tables of a group beyond values and gradients.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 pub(in crate::assemble) struct FurtherTables {
     pub hessians: bool,
     pub means: bool,
