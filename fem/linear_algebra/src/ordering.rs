@@ -159,14 +159,20 @@ impl Ordering {
         };
         let mut found = Vec::new();
         let cells = cells.filter(|_| matches!(self, Self::LeastFill | Self::CellDissection));
-        if let Some(cells) = cells {
-            found.push(measured("dissection of cells", dissect(graph, cells, Threads::all()))?);
-        }
         // Minimum degree is better where cells are small or lie in no order.
-        let cells_are_enough = match &found[..] {
-            [(_, order, _)] => *self == Self::CellDissection || is_better_in_samples(graph, order)?,
-            _ => false,
-        };
+        let mut cells_are_enough = false;
+        if let Some(cells) = cells {
+            let order = dissect(graph, cells, Threads::all());
+            let (dissection, is_better) = Threads::all().both(
+                || measured("dissection of cells", order.clone()),
+                || match self {
+                    Self::CellDissection => Ok(true),
+                    _ => is_better_in_samples(graph, &order),
+                },
+            );
+            found.push(dissection?);
+            cells_are_enough = is_better?;
+        }
         if *self != Self::NestedDissection && !cells_are_enough {
             found.push(measured("minimum degree", minimum_degree(graph)?)?);
         }

@@ -84,6 +84,19 @@ impl Threads {
             .filter_map(|result| result.into_inner().unwrap_or_else(PoisonError::into_inner))
             .collect()
     }
+
+    /// Results of two tasks of different kinds.
+    pub(crate) fn both<A: Send, B: Send>(
+        self,
+        one: impl FnOnce() -> A + Send,
+        other: impl FnOnce() -> B + Send,
+    ) -> (A, B) {
+        if self == Threads::ONE {
+            return (one(), other());
+        }
+        start_pool();
+        rayon::join(one, other)
+    }
 }
 
 /// Calls `work` with each number below `count`, each as a task of its own. Not generic: what rayon needs is compiled
