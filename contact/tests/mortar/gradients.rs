@@ -6,6 +6,7 @@ use forms_fem::inverse::{ControlError, ControlValues, Controls, LoadHistory, Red
 use forms_fem::prelude::*;
 
 use crate::exact::multipliers;
+use crate::patch::in_space;
 
 /// The law with a criterion of the displacement, and the rates of a step.
 #[forms]
@@ -54,7 +55,7 @@ fn in_the_plane(degrees: [usize; 2]) -> Bodies<2> {
     Bodies::new(&[("slab", &slab), ("block", &block)], degrees, [0.13, 0.0])
 }
 
-fn in_space(shape: CellShape, degree: usize) -> Bodies<3> {
+fn of_space(shape: CellShape, degree: usize) -> Bodies<3> {
     let slab = cuboid([0.0; 3], [2.0, 1.6, 0.5], [5, 4, 1], shape, 1).unwrap();
     let block = cuboid([0.31, 0.27, 0.5], [1.11, 0.97, 0.9], [2, 2, 1], shape, 1).unwrap();
     Bodies::new(&[("slab", &slab), ("block", &block)], [degree, degree], [0.11, 0.06, 0.0])
@@ -93,7 +94,9 @@ where
         let data = data.friction(at.number("friction")?);
         let force = |x: &[f64; D]| std::array::from_fn(|k| if k == 0 { 0.3 + x[0] } else { 0.5 * x[k] });
         let data = data.displacement_before(before).criterion_force(force);
-        let touch = Pairing::onto("block bottom", "slab top").at(PairQuadrature::Pieces);
+        let touch = Pairing::onto("block bottom", "slab top");
+        let touch =
+            if D == 2 { touch.at(PairQuadrature::Pieces) } else { in_space(touch, self.space.degree()) };
         let regions = drawn::Regions::default().touch(touch).own("block bottom").gamma_n("block right");
         Ok(drawn::Model { data, regions })
     }
@@ -160,6 +163,6 @@ fn adjoints_of_sliding_in_space() {
     for (shape, degree) in
         [(CellShape::Tetrahedron, 1), (CellShape::Hexahedron, 1), (CellShape::Tetrahedron, 2)]
     {
-        check(&in_space(shape, degree), &format!("{shape:?}, degree {degree}"));
+        check(&of_space(shape, degree), &format!("{shape:?}, degree {degree}"));
     }
 }
