@@ -139,7 +139,7 @@ where
     let report = taylor_test(&mut history, &m, &direction, 0.1).unwrap();
     let order = report.second_order().unwrap();
     assert!((order - 2.0).abs() < 0.02, "{name}: {report}");
-    let step = report.steps.iter().filter(|step| step.same_active_set).nth(2).unwrap().step;
+    let step = report.steps.iter().filter(|step| step.same_active_set).nth(3).unwrap().step;
     let mut at = |t: f64| {
         let moved: Vec<f64> = m.iter().zip(&direction).map(|(m, along)| m + t * along).collect();
         history.value(&moved).unwrap()
