@@ -92,7 +92,6 @@ pub fn fields_on<const D: usize>(
 }
 
 /// The coefficients of a function on facets by its values at the nodes: facets give a common node the same one.
-#[inline(never)]
 fn coefficients_by_values<const D: usize>(space: &Space<D>, values: &[f64]) -> Vec<f64> {
     let (components, mut coefficients) = (space.components(), values.to_vec());
     for (facet, nodes) in &space.facets {
@@ -527,6 +526,7 @@ impl<V: FieldValue, const D: usize> Datum<V, D> for &Field<D> {
 instantiate!(
     field:
     views::<D>,
+    coefficients_by_values::<D>,
     Field::<D>::zero,
     Field::<D>::from_values,
     Field::<D>::from_cell_values,
