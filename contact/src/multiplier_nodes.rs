@@ -34,12 +34,18 @@ pub enum MultiplierError {
          `Space::on_facets(&mesh, \"{own}\", degree)`"
     )]
     OtherFacets { own: String, found: String },
-    /// Multipliers that have no values at the vertices of facets, or others, too.
+    /// Multipliers whose functions are negative somewhere.
     #[error(
-        "the multipliers of \"{own}\" are {found}, and each vertex has a condition: take Lagrange elements of degree 1, \
-         `Space::on_facets(&mesh, \"{own}\", 1)`"
+        "the multipliers of \"{own}\" are {found}, and conditions hold for functions that are nowhere negative: take those of degree 1, \
+         `Space::on_facets(&mesh, \"{own}\", 1)`, or Bernstein elements of degree 2"
     )]
-    NotAtVertices { own: String, found: String },
+    Negative { own: String, found: String },
+    /// Facets with more multipliers than nodes of the displacement.
+    #[error(
+        "\"{own}\" has facets with {multipliers} functions of multipliers and {nodes} nodes of the displacement, which cannot meet their conditions: take \
+         multipliers of degree 1, or displacements in Lagrange elements of degree 2"
+    )]
+    TooMany { own: String, multipliers: usize, nodes: usize },
     /// A node with a multiplier whose displacement is prescribed.
     #[error(
         "the node at {position:?} of \"{own}\" has a multiplier, and all of its displacement is prescribed: both cannot be. End \
@@ -94,9 +100,9 @@ pub fn check_multipliers<const D: usize>(
             let found = space.facet_region().map_or("no multipliers on facets".to_owned(), on);
             return Err(MultiplierError::OtherFacets { own: own.clone(), found });
         }
-        if *space.elements() != Elements::Lagrange(1) {
+        if !matches!(space.elements(), Elements::Lagrange(1) | Elements::Bernstein(_)) {
             let (own, found) = (own.clone(), space.elements().to_string());
-            return Err(MultiplierError::NotAtVertices { own, found });
+            return Err(MultiplierError::Negative { own, found });
         }
         let is_multiplier = |node: u32, near: f64| {
             let position = positions[node as usize];
@@ -106,7 +112,14 @@ pub fn check_multipliers<const D: usize>(
         let (mut nodes, mut tied) = (BTreeSet::new(), vec![]);
         for facet in mesh.facet_region(own)? {
             let cell = facet.cell as usize;
-            let of_facet = displacements.cell_element(cell).facet_nodes(usize::from(facet.local));
+            let local = usize::from(facet.local);
+            let of_facet = displacements.cell_element(cell).facet_nodes(local);
+            let (multipliers, nodes_there) =
+                (space.cell_element(cell).facet_nodes(local).len(), of_facet.len());
+            if multipliers > nodes_there {
+                let own = own.clone();
+                return Err(MultiplierError::TooMany { own, multipliers, nodes: nodes_there });
+            }
             for node in of_facet.into_iter().map(|node| displacements.cell_nodes(cell)[node]) {
                 let first = node as usize * D;
                 let is_held = (first..first + D).all(|unknown| held.is_prescribed(unknown));

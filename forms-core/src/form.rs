@@ -29,6 +29,7 @@ pub enum RegionRule {
     #[default]
     OfBackend,
     /// The vertices of each facet, with equal weights (`#[facets(vertices)]`): of a field of degree 1 an integrand reads its values at nodes.
+    /// Where fields on facets have coefficients that are no values, it reads these, at all nodes of such a field.
     Vertices,
 }
 
@@ -59,7 +60,7 @@ impl Region {
         Region { entity: Entity::Pairs, symbol, name, pairing: Some(pairing), rule: RegionRule::OfBackend }
     }
 
-    /// The region with its integrals at the vertices of its facets.
+    /// The region with its integrals at the vertices of its facets, or the nodes of fields there.
     pub fn at_vertices(self) -> Self {
         Region { rule: RegionRule::Vertices, ..self }
     }

@@ -11,9 +11,9 @@ use crate::parameter_ranges::ParameterRanges;
 #[doc(inline)]
 pub use self::mortar_bodies::*;
 
-/// ∫ P:∇v + ∫ p n_x·⟦v⟧ = ℓ(v), ∫ gap r = Σ_i D_i g_i r_i, ∫ gap q = Σ_i D_i \[g_i − p_i/γ\]₊ q_i, without friction: the pressure p is a field of degree 1 on
-/// the own facets (`Space::on_facets(&mesh, "block bottom", 1)`, for displacements of degree 1 and 2), and g_i is the gap's mean against the function of node i,
-/// whose area is D_i. So each node has one condition, p_i ≥ 0, g_i ≥ 0, p_i g_i = 0, and γ enters no solution.
+/// ∫ P:∇v + ∫ p n_x·⟦v⟧ = ℓ(v), ∫ gap r = Σ_i D_i g_i r_i, ∫ gap q = Σ_i D_i \[g_i − p_i/γ\]₊ q_i, without friction: the pressure p is a field on
+/// the own facets, of degree 1 (`Space::on_facets(&mesh, "block bottom", 1)`, for displacements of degree 1 and 2) or of degree 2 in `Elements::Bernstein(2)`,
+/// whose functions are nowhere negative, and g_i is the gap's mean against the function of node i, whose area is D_i. So each function has one condition, p_i ≥ 0, g_i ≥ 0, p_i g_i = 0, and γ enters no solution.
 ///
 /// Take moving segments, `Pairing::onto(own, opposite).at(PairQuadrature::Pieces)`: a uniform pressure is then
 /// reproduced, and forces of bodies that are drawn along each other oscillate least (docs/mortar.md). The own surface is one region, that of
@@ -52,9 +52,10 @@ pub mod mortar_bodies {
 /// The law of [`mortar_bodies`](mod@mortar_bodies) with friction. The multiplier m = p a + t has the pressure p along an axis a and the traction of
 /// friction t across it, and d = g a + s the means of the gap and of the slip since the last step. The smallest rotation that takes a to n_x
 /// takes t to the tangent plane: T = −p n_x + t. In the plane with a along the first axis, the default, m₁ acts along n_x turned by a right
-/// angle. The spaces of m and d are `Space::vector_on_facets(&mesh, "block bottom", 1)`.
+/// angle. The space of m and d is `Space::vector_on_facets(&mesh, "block bottom", 1)`,
+/// or one of `Elements::Bernstein(2)`.
 ///
-/// |t| is bounded by s₀ + κ p at each node, and where it is less, the slip of the step has the mean 0: there is no creep. In space choose `axis` such
+/// |t| is bounded by s₀ + κ p for each function's coefficients, so at each point, and where it is less, the slip of the step has the mean 0: there is no creep. In space choose `axis` such
 /// that the own surface's normal is nowhere near −a.
 #[forms]
 pub mod mortar_bodies_with_friction {

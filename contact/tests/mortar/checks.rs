@@ -6,6 +6,8 @@ use forms_contact::multiplier_nodes::{MultiplierError, check_multipliers};
 use forms_fem::constraints::RigidMap;
 use forms_fem::prelude::*;
 
+use crate::exact::multipliers;
+
 fn mesh() -> Mesh<2> {
     let slab = rectangle([0.0, -0.4], [4.0, 0.0], [11, 1], CellShape::Quadrilateral, 1).unwrap();
     let block = rectangle([0.5, 0.0], [1.5, 1.0], [4, 3], CellShape::Quadrilateral, 1).unwrap();
@@ -47,12 +49,17 @@ fn nodes_without_a_condition_of_their_own() {
         assert!(found.to_string().contains("no multipliers on facets"), "{found}");
 
         let dual = Space::of(&mesh, Elements::Dual, Scope::Facets(own.into()), &[]).unwrap();
-        for (multipliers, name) in
-            [(dual, "dual elements of degree 1"), (Space::on_facets(&mesh, own, 2).unwrap(), "degree 2")]
-        {
+        for (multipliers, name) in [
+            (dual, "dual elements of degree 1"),
+            (Space::on_facets(&mesh, own, 2).unwrap(), "Lagrange elements of degree 2"),
+        ] {
             let found = check_multipliers(&[(&pairing, &multipliers)], &held).unwrap_err();
             assert!(found.to_string().contains(name), "{found}");
         }
+
+        let quadratic = check_multipliers(&[(&pairing, &multipliers(&mesh, own, 2, &[]))], &held);
+        let too_many = MultiplierError::TooMany { own: own.to_owned(), multipliers: 3, nodes: 2 };
+        assert_eq!(quadratic, if degree == 1 { Err(too_many) } else { Ok(()) });
 
         let mut periodic = Constraints::new(&space);
         periodic.periodic("slab left", "slab right", &RigidMap::translation([4.0, 0.0])).unwrap();

@@ -5,6 +5,9 @@ use forms_fem::contract::PairQuadrature;
 use forms_fem::inverse::{ControlError, ControlValues, Controls, LoadHistory, ReducedProblem, taylor_test};
 use forms_fem::prelude::*;
 
+use crate::exact::multipliers;
+use crate::patch::in_space;
+
 /// The law with a criterion of the displacement, and the rates of a step.
 #[forms]
 mod drawn {
@@ -46,27 +49,27 @@ struct Bodies<const D: usize> {
 
 const STEPS: usize = 4;
 
-fn in_the_plane(degree: usize) -> Bodies<2> {
+fn in_the_plane(degrees: [usize; 2]) -> Bodies<2> {
     let slab = rectangle([0.0; 2], [3.0, 0.6], [13, 2], CellShape::Quadrilateral, 1).unwrap();
     let block = rectangle([0.3, 0.6], [1.3, 1.2], [4, 2], CellShape::Quadrilateral, 1).unwrap();
-    Bodies::new(&[("slab", &slab), ("block", &block)], degree, [0.13, 0.0])
+    Bodies::new(&[("slab", &slab), ("block", &block)], degrees, [0.13, 0.0])
 }
 
-fn in_space(shape: CellShape) -> Bodies<3> {
+fn of_space(shape: CellShape, degree: usize) -> Bodies<3> {
     let slab = cuboid([0.0; 3], [2.0, 1.6, 0.5], [5, 4, 1], shape, 1).unwrap();
     let block = cuboid([0.31, 0.27, 0.5], [1.11, 0.97, 0.9], [2, 2, 1], shape, 1).unwrap();
-    Bodies::new(&[("slab", &slab), ("block", &block)], 1, [0.11, 0.06, 0.0])
+    Bodies::new(&[("slab", &slab), ("block", &block)], [degree, degree], [0.11, 0.06, 0.0])
 }
 
 impl<const D: usize> Bodies<D>
 where
     Dim: Dimension<D>,
 {
-    fn new(bodies: &[(&str, &Mesh<D>)], degree: usize, way: [f64; D]) -> Self {
+    fn new(bodies: &[(&str, &Mesh<D>)], [degree, of_multipliers]: [usize; 2], way: [f64; D]) -> Self {
         let mesh = Mesh::of_bodies(bodies).unwrap();
         Bodies {
             space: Space::vector(&mesh, degree).unwrap(),
-            traces: Space::vector_on_facets(&mesh, "block bottom", 1).unwrap(),
+            traces: multipliers(&mesh, "block bottom", of_multipliers, &[D]),
             materials: Space::discontinuous_scalar(&mesh, 0).unwrap(),
             assembler: Assembler::new(&mesh).with_quadrature(Quadrature::Degree(2 * degree + 1)),
             way,
@@ -91,7 +94,9 @@ where
         let data = data.friction(at.number("friction")?);
         let force = |x: &[f64; D]| std::array::from_fn(|k| if k == 0 { 0.3 + x[0] } else { 0.5 * x[k] });
         let data = data.displacement_before(before).criterion_force(force);
-        let touch = Pairing::onto("block bottom", "slab top").at(PairQuadrature::Pieces);
+        let touch = Pairing::onto("block bottom", "slab top");
+        let touch =
+            if D == 2 { touch.at(PairQuadrature::Pieces) } else { in_space(touch, self.space.degree()) };
         let regions = drawn::Regions::default().touch(touch).own("block bottom").gamma_n("block right");
         Ok(drawn::Model { data, regions })
     }
@@ -134,7 +139,7 @@ where
     let report = taylor_test(&mut history, &m, &direction, 0.1).unwrap();
     let order = report.second_order().unwrap();
     assert!((order - 2.0).abs() < 0.02, "{name}: {report}");
-    let step = report.steps.iter().filter(|step| step.same_active_set).nth(2).unwrap().step;
+    let step = report.steps.iter().filter(|step| step.same_active_set).nth(3).unwrap().step;
     let mut at = |t: f64| {
         let moved: Vec<f64> = m.iter().zip(&direction).map(|(m, along)| m + t * along).collect();
         history.value(&moved).unwrap()
@@ -148,14 +153,16 @@ where
 
 #[test]
 fn adjoints_of_sliding_with_friction() {
-    for degree in [1, 2] {
-        check(&in_the_plane(degree), &format!("degree {degree}"));
+    for degrees in [[1, 1], [2, 1], [2, 2]] {
+        check(&in_the_plane(degrees), &format!("degrees {degrees:?}"));
     }
 }
 
 #[test]
 fn adjoints_of_sliding_in_space() {
-    for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
-        check(&in_space(shape), &format!("{shape:?}"));
+    for (shape, degree) in
+        [(CellShape::Tetrahedron, 1), (CellShape::Hexahedron, 1), (CellShape::Tetrahedron, 2)]
+    {
+        check(&of_space(shape, degree), &format!("{shape:?}, degree {degree}"));
     }
 }

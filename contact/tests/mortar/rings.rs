@@ -6,6 +6,7 @@ use forms_fem::contract::PairQuadrature;
 use forms_fem::mesh::structured;
 use forms_fem::prelude::*;
 
+use crate::exact::multipliers;
 use crate::wobble::elastic;
 
 fn annulus([from, to]: [f64; 2], [radial, around]: [usize; 2], degree: usize, turn: f64) -> Mesh<2> {
@@ -37,12 +38,12 @@ fn annulus([from, to]: [f64; 2], [radial, around]: [usize; 2], degree: usize, tu
 }
 
 /// Mean pressure, the largest difference of a multiplier from Lamé's pressure, and torque by force and radius.
-fn pressed(own: &str, turn: f64) -> [f64; 3] {
+fn pressed(own: &str, of_multipliers: usize, turn: f64) -> [f64; 3] {
     let inner = annulus([1.0, 2.0], [4, 32], 2, turn / 32.0);
     let outer = annulus([2.0, 3.0], [4, 44], 2, 0.0);
     let mesh = Mesh::of_bodies(&[("inner", &inner), ("outer", &outer)]).unwrap();
     let space = Space::vector(&mesh, 2).unwrap();
-    let traces = Space::on_facets(&mesh, own, 1).unwrap();
+    let traces = multipliers(&mesh, own, of_multipliers, &[]);
     let opposite = if own == "inner rim" { "outer hole" } else { "inner rim" };
     let data = elastic::data().gamma0(1000.0).young(100.0).inner_pressure(1.0).soft(1e-6);
     let touch = Pairing::onto(own, opposite).at(PairQuadrature::Pieces);
@@ -51,7 +52,9 @@ fn pressed(own: &str, turn: f64) -> [f64; 3] {
     let form = law.balance();
     let start = Field::interpolate(&traces, |_| 0.1).unwrap();
     let (none, touching) = (Field::zero(&space), Field::zero(&traces));
-    let mut problem = Problem::new(&form, [&space, &traces, &traces]);
+    // Only soft springs keep the inner ring from turning, so that its angle has the rounding of the forces over them.
+    let options = NewtonOptions { absolute_tolerance: 1e-12, ..NewtonOptions::default() };
+    let mut problem = Problem::new(&form, [&space, &traces, &traces]).options(options);
     problem = problem.start([&none, &start, &touching]);
     let [u, p, _] = problem.solve().unwrap().fields;
     let assembler = Assembler::new(&mesh);
@@ -63,17 +66,18 @@ fn pressed(own: &str, turn: f64) -> [f64; 3] {
 
 #[test]
 fn the_pressure_between_rings_is_that_of_lame() {
-    println!("| own surface | mean pressure | spread | largest error of a multiplier | torque |");
-    for own in ["inner rim", "outer hole"] {
-        let all = [0.0, 0.21, 0.5, 0.83].map(|turn| pressed(own, turn));
+    println!("| own surface | degree | mean pressure | spread | largest error of a multiplier | torque |");
+    for (own, of_multipliers) in [("inner rim", 1), ("inner rim", 2), ("outer hole", 1), ("outer hole", 2)] {
+        let all = [0.0, 0.21, 0.5, 0.83].map(|turn| pressed(own, of_multipliers, turn));
         let mean = all.iter().map(|found| found[0]).sum::<f64>() / 4.0;
         let spread = all.iter().map(|found| (found[0] - mean).abs() / mean).fold(0.0, f64::max);
         let [off, torque] = [1, 2].map(|k| all.iter().map(|found| found[k]).fold(0.0, f64::max));
-        println!("| {own} | {mean:.6} | {spread:.1e} | {off:.1e} | {torque:.1e} |");
+        println!("| {own} | {of_multipliers} | {mean:.6} | {spread:.1e} | {off:.1e} | {torque:.1e} |");
         assert!(
             (mean - 0.15625).abs() < 1e-4 && spread < 1e-10 && torque < 1e-12,
             "{mean} {spread:e} {torque:e}"
         );
-        assert!(off < 2e-3, "{off:e}");
+        // Each coefficient of degree 2 follows the distance of the two curves around its own function.
+        assert!(off < if of_multipliers == 1 { 2e-3 } else { 0.1 }, "{off:e}");
     }
 }

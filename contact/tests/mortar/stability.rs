@@ -3,6 +3,8 @@
 
 use forms_fem::prelude::*;
 
+use crate::exact::multipliers;
+
 #[forms(dimension = 2)]
 mod glued {
     pub struct Data {
@@ -36,7 +38,7 @@ fn constant(degree: usize, [own, other]: [usize; 2]) -> f64 {
     };
     let mesh = Mesh::of_bodies(&[("lower", &body(own, 0.0)), ("upper", &body(other, 0.5))]).unwrap();
     let space = Space::vector(&mesh, degree).unwrap();
-    let traces = Space::on_facets(&mesh, "lower top", degree).unwrap();
+    let traces = multipliers(&mesh, "lower top", degree, &[]);
     let mut held = Constraints::new(&space);
     held.fix("lower bottom", |_| [0.0; 2]).unwrap();
     held.fix("upper top", |_| [0.0; 2]).unwrap();

@@ -1,4 +1,4 @@
-//! Mortar: multipliers of degree 1 on the own facets with a condition per node, as in `forms_contact::laws::mortar_bodies`.
+//! Mortar: multipliers of degree 1, or 2 with Bernstein's polynomials, on the own facets with a condition per function, as in `forms_contact::laws::mortar_bodies`.
 
 use contact_bench::outcome::not_defined;
 use contact_bench::{
@@ -99,15 +99,33 @@ mod stacked {
     }
 }
 
-pub struct Mortar;
+pub struct Mortar {
+    /// Of the multipliers.
+    degree: usize,
+}
 
 pub fn all() -> Vec<Mortar> {
-    vec![Mortar]
+    vec![Mortar { degree: 1 }, Mortar { degree: 2 }]
+}
+
+impl Mortar {
+    fn multipliers<const D: usize>(
+        &self,
+        displacements: &Space<D>,
+        own: &str,
+        shape: &[usize],
+    ) -> Result<Arc<Space<D>>, Refusal> {
+        if displacements.degree() < self.degree {
+            return Err(not_defined("the displacements have a lower degree than the multipliers"));
+        }
+        let scope = Scope::Facets(own.to_owned());
+        Ok(Space::of(displacements.mesh(), Elements::Bernstein(self.degree), scope, shape)?)
+    }
 }
 
 impl Formulation for Mortar {
     fn name(&self) -> String {
-        "mortar, degree 1".to_owned()
+        format!("mortar, degree {}", self.degree)
     }
 
     fn solve(&self, case: &Case) -> Result<Outcome, Refusal> {
@@ -116,7 +134,7 @@ impl Formulation for Mortar {
         }
         let (data, own) = (law::data_from(case.data.clone()), law::Own::on(case.own()));
         let form = law::between(&data, &case.bodies(), &case.load(), &case.touch(Sides::Own), &own);
-        let scalars = Space::on_facets(case.mesh(), case.own(), 1)?;
+        let scalars = self.multipliers(&case.space, case.own(), &[])?;
         let guess = Field::from_values(&scalars, vec![case.pressure; scalars.unknowns()])?;
         let start = [case.first(), guess, Field::zero(&scalars)];
         let problem = case.mixed_problem(&form, [&case.space, &scalars, &scalars]);
@@ -128,7 +146,7 @@ impl Formulation for Mortar {
     fn slide(&self, bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {
         let (data, own) = (drawn::data_from(bodies.data.clone()), drawn::Own::on(bodies.surfaces[0]));
         let form = drawn::between(&data, &bodies.omega(), &bodies.touch(Sides::Own), &own);
-        let scalars = bodies.scalars(1)?;
+        let scalars = self.multipliers(&bodies.space, bodies.surfaces[0], &[])?;
         let guess = Field::from_values(&scalars, vec![bodies.pressure; scalars.unknowns()])?;
         let start = [bodies.start.clone(), guess, Field::zero(&scalars)];
         bodies.follow_all(&form, start, NewtonOptions::default())
@@ -137,7 +155,7 @@ impl Formulation for Mortar {
     fn rub(&self, bodies: &TwoBodies<2>) -> Result<Vec<AfterLoad<2>>, Refusal> {
         let own = bodies.surfaces[0].as_str();
         let (omega, touch) = (bodies.omega(), bodies.touch(Sides::Own));
-        let traces = Space::vector_on_facets(bodies.space.mesh(), own, 1)?;
+        let traces = self.multipliers(&bodies.space, own, &[2])?;
         let form = |data| rough::between(&rough::data_from(data), &omega, &touch, &rough::Own::on(own));
         let start = [&bodies.space, &traces, &traces].map(Field::zero);
         bodies.follow_fields((10.0, Case::options()), start, form, |data, [_, m, _]| {
@@ -148,7 +166,7 @@ impl Formulation for Mortar {
     fn stack(&self, bodies: &TwoBodies<3>) -> Result<Vec<AfterLoad<3>>, Refusal> {
         let own = bodies.surfaces[0].as_str();
         let (omega, touch) = (bodies.omega(), bodies.touch(Sides::Own));
-        let scalars = Space::on_facets(bodies.space.mesh(), own, 1)?;
+        let scalars = self.multipliers(&bodies.space, own, &[])?;
         let form = |data| stacked::between(&stacked::data_from(data), &omega, &touch, &stacked::Own::on(own));
         let start = [&bodies.space, &scalars, &scalars].map(Field::zero);
         bodies.follow_fields((10.0, NewtonOptions::default()), start, form, |data, [_, p, _]| {

@@ -17,7 +17,6 @@ pub use error::ConstraintsError;
 use forms_core::contract::FieldValue;
 pub use rigid_map::RigidMap;
 
-use crate::element::Elements;
 use crate::instantiate::instantiate;
 use crate::space::Space;
 
@@ -243,8 +242,9 @@ impl<const D: usize> Constraints<D> {
     // At least one node.
     #[inline(never)]
     pub(crate) fn nodes_on(&self, region: &str, place: &str) -> Result<Vec<u32>, ConstraintsError> {
-        if *self.space.elements() == Elements::Dual {
-            return Err(ConstraintsError::NotNodal { place: place.to_owned() });
+        if !self.space.elements().is_nodal() {
+            let elements = self.space.elements().clone();
+            return Err(ConstraintsError::NotNodal { place: place.to_owned(), elements });
         }
         let nodes = self.space.nodes_on(region)?;
         // Other processes may have some of them, where this one has nothing of the region.

@@ -91,6 +91,22 @@ pub fn fields_on<const D: usize>(
     views_on(spaces, values).into_iter().map(field).collect()
 }
 
+/// The coefficients of a function on facets by its values at the nodes: facets give a common node the same one.
+fn coefficients_by_values<const D: usize>(space: &Space<D>, values: &[f64]) -> Vec<f64> {
+    let (components, mut coefficients) = (space.components(), values.to_vec());
+    for (facet, nodes) in &space.facets {
+        let Some(rows) = space.cell_element(facet.cell as usize).coefficients_by_values() else { continue };
+        for (node, row) in nodes.iter().zip(rows) {
+            for component in 0..components {
+                let at = |node: u32| node as usize * components + component;
+                let terms = nodes.iter().zip(&row).map(|(other, factor)| factor * values[at(*other)]);
+                coefficients[at(*node)] = terms.sum();
+            }
+        }
+    }
+    coefficients
+}
+
 /// Errors of a field or of its evaluation.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[allow(missing_docs)]
@@ -186,8 +202,8 @@ impl<const D: usize> Field<D> {
         Field::of_known(space, vec![0.0; space.unknowns()])
     }
 
-    /// The field with the function's values at the nodes: `f64` for a scalar space, `[f64; D]` for vectors,
-    /// `[[f64; D]; D]` for tensors.
+    /// The field with the function's values at the nodes, also where coefficients are others: `f64` for a scalar space, `[f64; D]` for
+    /// vectors, `[[f64; D]; D]` for tensors.
     ///
     /// ```
     /// # use forms_fem::prelude::*;
@@ -215,6 +231,9 @@ impl<const D: usize> Field<D> {
         let mut values = vec![0.0; space.unknowns()];
         for (position, value) in space.positions().iter().zip(values.chunks_mut(components)) {
             function(position).write(value);
+        }
+        if !space.elements().is_nodal() {
+            values = coefficients_by_values(space, &values);
         }
         Field::from_values(space, values)
     }
@@ -507,6 +526,7 @@ impl<V: FieldValue, const D: usize> Datum<V, D> for &Field<D> {
 instantiate!(
     field:
     views::<D>,
+    coefficients_by_values::<D>,
     Field::<D>::zero,
     Field::<D>::from_values,
     Field::<D>::from_cell_values,

@@ -86,7 +86,7 @@ fn coefficients_are_no_values() -> Outcome {
     let refused = Space::of(&mesh, Elements::Dual, Scope::Nodes, &[]).unwrap_err().to_string();
     assert_eq!(
         refused,
-        "there is no space of dual elements of degree 1 with continuous values: dual functions are those of facets"
+        "there is no space of dual elements of degree 1 with continuous values: dual functions and Bernstein's are those of facets"
     );
     let dual = Space::of(&mesh, Elements::Dual, Scope::EachFacet("boundary".into()), &[])?;
     assert_eq!(dual.node_count(), 2 * 8);

@@ -1,5 +1,6 @@
 //! Elements times scopes: what each space holds, its orders, stable pairs, locking, refusals.
 
+mod bernstein;
 mod bodies;
 mod crouzeix_raviart;
 mod dual;

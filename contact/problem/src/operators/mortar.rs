@@ -3,7 +3,8 @@
 use forms_fem::forms;
 
 /// Terms that multipliers add to the balance of two bodies, without friction with the pressure p and the mean gap g, with friction with vectors m and d.
-/// Conditions hold at each node of the own surface, for any γ, which decides only how Newton's method tells what touches and what slides.
+/// Conditions hold for each function of the multipliers' space and its coefficient, at nodes with degree 1, for any γ, which decides only how Newton's
+/// method tells what touches and what slides.
 ///
 /// At its pairs a law adds p n_x·⟦v⟧ + gap (r − q), or with friction [`moved`](fn@multipliers::moved) tested with r − q and the work of the
 /// [`multiplier_traction`](fn@multipliers::multiplier_traction). A vector m has the pressure along an axis a and the traction of friction across it: m = p a + t. At each point the
@@ -26,7 +27,7 @@ pub mod multipliers {
         pub axis: Param<Vector>,
     }
 
-    /// The own surface, where the multipliers are; integrals over it are sums over its nodes.
+    /// The own surface, where the multipliers are; integrals over it are sums over the multipliers' nodes, and read coefficients.
     #[facets(vertices)]
     pub struct Own;
 
@@ -68,7 +69,7 @@ pub mod multipliers {
         distance * pressure_of(q) + dot(slip, turned(across(q), n_x))
     }
 
-    /// Σ_i D_i {\[g_i − p_i/γ\]₊ q_i − g_i r_i}: p_i ≥ 0, g_i ≥ 0 and p_i g_i = 0 at each node, and g_i is the mean gap.
+    /// Σ_i D_i {\[g_i − p_i/γ\]₊ q_i − g_i r_i}: p_i ≥ 0, g_i ≥ 0 and p_i g_i = 0 for each function, and g_i is the mean gap.
     pub fn conditions(p: Scalar, g: Scalar, q: Scalar, r: Scalar, gamma: Scalar) -> Form {
         integral(Own, allowed_gap(p, g, gamma) * q - g * r)
     }

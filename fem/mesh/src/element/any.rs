@@ -7,7 +7,7 @@ use super::lagrange::{ElementError, Lagrange, Tables};
 use super::layout::Layout;
 use super::points::RulePoints;
 use super::polynomial::Polynomial;
-use super::table::Table;
+use super::table::{Meaning, Table, inverse};
 
 /// The functions on a reference cell, with a node each: a Lagrange element or a table of polynomials.
 #[derive(Clone, Debug, PartialEq)]
@@ -258,7 +258,31 @@ impl Element {
                 _ => -2.0,
             }
         };
-        table.dual.then(|| (0..vertices * vertices).map(entry).collect())
+        (table.meaning == Meaning::Dual).then(|| (0..vertices * vertices).map(entry).collect())
+    }
+
+    /// The Lagrange element with the same nodes, whose values at nodes are this one's coefficients, where these are no values.
+    #[doc(hidden)]
+    pub fn of_coefficients(&self) -> Option<Lagrange> {
+        let table = self.as_table()?;
+        let degree = match table.meaning {
+            Meaning::Values => return None,
+            Meaning::Dual => 1,
+            Meaning::Bernstein => 2,
+        };
+        Some(Lagrange { shape: table.layout.shape, degree })
+    }
+
+    /// The coefficients of a function on a facet by its values at the nodes there, row after row, where they are Bernstein's.
+    #[doc(hidden)]
+    pub fn coefficients_by_values(&self) -> Option<Vec<Vec<f64>>> {
+        let table = self.as_table().filter(|table| table.meaning == Meaning::Bernstein)?;
+        let (nodes, mut value) = (self.facet_nodes(0), vec![0.0; self.nodes()]);
+        let row = |at: &usize| {
+            table.evaluate_values(&table.layout.points[*at], &mut value);
+            nodes.iter().map(|node| value[*node]).collect()
+        };
+        inverse(nodes.iter().map(row).collect())
     }
 
     /// Whether it has values at the points of a rule only.

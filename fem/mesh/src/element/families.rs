@@ -7,13 +7,13 @@ use super::lagrange::{ElementError, Lagrange};
 use super::lattice::MAXIMUM_DEGREE;
 use super::layout::Layout;
 use super::points::RulePoints;
-use super::polynomial::{Polynomial, complete, products, serendipity};
+use super::polynomial::{Polynomial, bernstein, complete, products, serendipity};
 use super::table::Table;
 use super::{CellShape, Element};
 
 /// A kind of element: the functions on a reference cell of each shape.
 ///
-/// A coefficient is the value at a node. Who shares a coefficient is the matter of a space's scope.
+/// A coefficient is the value at a node, unless an element says otherwise. Who shares a coefficient is the matter of a space's scope.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Elements {
     /// [`Lagrange`] elements of degree 1 to 4, and of degree 0 where values may jump.
@@ -37,6 +37,10 @@ pub enum Elements {
     /// a facet is zero, and ∫ ψ_i φ_i = ∫ φ_i. On a segment these are 2 − 3s and 3s − 1. They are dual on facets with an affine map;
     /// coefficients are no values of functions. For scopes on facets.
     Dual,
+    /// Bernstein's polynomials of degree 1, those of Lagrange, or 2, on facets: multipliers of contact, as their functions are nowhere negative.
+    /// On a segment those of degree 2 are (1 − s)², 2s(1 − s) and s², on quadrilaterals their products. They sum to one, and the coefficients
+    /// of a function that is linear on an affine facet are its values at the nodes; else coefficients are no values. For scopes on facets.
+    Bernstein(usize),
     /// Values at the points of the cells' rule of a degree, for `Scope::Point`: laws with an
     /// unknown at each point. They have no gradient. Integrals that read them take that rule.
     Points(usize),
@@ -48,6 +52,12 @@ impl Elements {
     /// A user's elements, one per shape of the mesh's cells.
     pub fn own(elements: impl IntoIterator<Item = Element>) -> Self {
         Elements::Own(Arc::new(elements.into_iter().collect()))
+    }
+
+    /// Whether a coefficient is the value at its node.
+    #[doc(hidden)]
+    pub fn is_nodal(&self) -> bool {
+        !matches!(self, Elements::Dual | Elements::Bernstein(2..))
     }
 
     /// The element on a shape.
@@ -121,6 +131,15 @@ impl Elements {
                 let layout = Layout::centred(shape, [1, 0, 0, 0]);
                 Element::of(Table::nodal(self.to_string(), layout, 1, &span).map(Table::dual))
             }
+            Elements::Bernstein(1) => Ok(Element::Lagrange(Lagrange { shape, degree: 1 })),
+            Elements::Bernstein(2) => {
+                let layout = Layout::of_degree_two(shape);
+                let functions: Vec<Polynomial> =
+                    layout.points.iter().map(|node| bernstein(shape.is_simplex(), dimension, node)).collect();
+                let table = Table::of_functions(self.to_string(), layout, 2, &functions);
+                Element::of(table.map(Table::of_bernstein))
+            }
+            Elements::Bernstein(degree) => Err(ElementError::Bernstein { degree: *degree }),
             Elements::Points(degree) => Ok(Element::Points(Arc::new(RulePoints::of(shape, *degree)?))),
             Elements::Own(elements) => {
                 let own = elements.iter().find(|element| element.shape() == shape);
@@ -139,6 +158,7 @@ impl fmt::Display for Elements {
             Elements::Serendipity => write!(f, "serendipity elements"),
             Elements::LinearInSpace => write!(f, "elements that are linear in space"),
             Elements::Points(degree) => write!(f, "values at the points of the rule of degree {degree}"),
+            Elements::Bernstein(degree) => write!(f, "Bernstein elements of degree {degree}"),
             Elements::Dual => write!(f, "dual elements of degree 1"),
             Elements::Own(elements) => {
                 let names: Vec<&str> = elements.iter().map(Element::name).collect();

@@ -62,6 +62,9 @@ pub enum ElementError {
     /// Bubbles come with degree 1 or 2.
     #[error("there are no elements of degree {degree} with bubbles; the degrees are 1 and 2")]
     Bubbles { degree: usize },
+    /// Bernstein's polynomials come with degree 1 or 2.
+    #[error("there are no Bernstein elements of degree {degree}; the degrees are 1 and 2")]
+    Bernstein { degree: usize },
     /// A user's elements lack one of the shapes of a mesh.
     #[error("the mesh has {} cells, for which there is no element among those given", shape.name())]
     Missing { shape: CellShape },

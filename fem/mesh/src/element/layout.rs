@@ -36,6 +36,17 @@ impl Layout {
         Layout { shape, of_entity, points }
     }
 
+    /// The nodes of the Lagrange element of degree 2.
+    pub fn of_degree_two(shape: CellShape) -> Self {
+        let inside = usize::from(!shape.is_simplex());
+        let of_entity = std::array::from_fn(|k| match k {
+            0 | 1 => 1,
+            k if k <= shape.dimension() => inside,
+            _ => 0,
+        });
+        Layout::centred(shape, of_entity)
+    }
+
     pub fn nodes(&self) -> usize {
         self.points.len()
     }

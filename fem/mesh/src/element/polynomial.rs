@@ -36,6 +36,12 @@ impl Polynomial {
         Polynomial { terms }
     }
 
+    /// The product with a number.
+    fn scaled(mut self, factor: f64) -> Self {
+        self.terms.iter_mut().for_each(|(_, coefficient)| *coefficient *= factor);
+        self
+    }
+
     /// The value at a point.
     pub fn at(&self, point: &[f64; 3]) -> f64 {
         let power =
@@ -60,6 +66,29 @@ pub(super) fn serendipity(dimension: usize) -> Vec<Polynomial> {
     exponents(dimension, 2).filter(|e| superlinear(e) <= 2).map(Polynomial::monomial).collect()
 }
 
+/// Bernstein's polynomial of degree 2 of a node: on simplices the product of two barycentric coordinates, twice where they differ, whose nodes are
+/// those of vertices and edges; on others the product of those along each axis.
+pub(super) fn bernstein(is_simplex: bool, dimension: usize, node: &[f64; 3]) -> Polynomial {
+    let product = |coordinates: &[Polynomial], values: &[f64]| {
+        let count = |value: f64| (2.0 * value).round() as usize;
+        let factors = coordinates.iter().zip(values).flat_map(|(factor, value)| vec![factor; count(*value)]);
+        let all = factors.fold(Polynomial::monomial([0; 3]), |product, factor| product.times(factor));
+        if values.contains(&1.0) { all } else { all.scaled(2.0) }
+    };
+    let coordinates = Polynomial::barycentric(dimension);
+    if is_simplex {
+        let values: Vec<f64> = coordinates.iter().map(|coordinate| coordinate.at(node)).collect();
+        return product(&coordinates, &values);
+    }
+    let along = |axis: usize| {
+        let coordinate = Polynomial::monomial(std::array::from_fn(|k| u8::from(k == axis)));
+        let mut rest = Polynomial::monomial([0; 3]);
+        rest.terms.extend(coordinate.clone().scaled(-1.0).terms);
+        product(&[rest, coordinate], &[1.0 - node[axis], node[axis]])
+    };
+    (0..dimension).fold(Polynomial::monomial([0; 3]), |all, axis| all.times(&along(axis)))
+}
+
 fn total(exponents: &[u8; 3]) -> usize {
     exponents.iter().map(|e| usize::from(*e)).sum()
 }
@@ -78,6 +107,32 @@ mod tests {
     fn counts_are_those_of_the_textbook() {
         assert_eq!([complete(2, 2).len(), complete(3, 2).len()], [6, 10]);
         assert_eq!([serendipity(2).len(), serendipity(3).len()], [8, 20]);
+    }
+
+    #[test]
+    fn bernstein_polynomials_are_positive_and_sum_to_one() {
+        for (is_simplex, dimension) in [(true, 2), (false, 2), (true, 3), (false, 3)] {
+            let steps = |last: u8| {
+                exponents(dimension, 2).filter(move |e| !is_simplex || total(e) <= usize::from(last))
+            };
+            let nodes: Vec<[f64; 3]> = steps(2).map(|e| e.map(|step| f64::from(step) / 2.0)).collect();
+            let at = |point: &[f64; 3]| -> Vec<f64> {
+                nodes.iter().map(|node| bernstein(is_simplex, dimension, node).at(point)).collect()
+            };
+            for point in [[0.2, 0.3, 0.4], [0.05, 0.9, 0.02], [0.5, 0.0, 0.0]] {
+                let point = std::array::from_fn(|k| if k < dimension { point[k] } else { 0.0 });
+                let values = at(&point);
+                assert!(
+                    (values.iter().sum::<f64>() - 1.0).abs() < 1e-15
+                        && values.iter().all(|value| *value >= 0.0)
+                );
+                // The coefficients of a linear function are its values at the nodes.
+                for axis in 0..dimension {
+                    let linear: f64 = values.iter().zip(&nodes).map(|(value, node)| value * node[axis]).sum();
+                    assert!((linear - point[axis]).abs() < 1e-15);
+                }
+            }
+        }
     }
 
     #[test]

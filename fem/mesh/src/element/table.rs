@@ -29,10 +29,21 @@ pub struct Table {
     pub(super) traces: Option<Lagrange>,
     /// Whether the functions on a facet follow from the values at its nodes, and are the same from both sides however cells are turned.
     pub(super) conforms: bool,
-    /// Whether the functions on facets are the dual ones of these.
-    pub(super) dual: bool,
+    /// The meaning of the coefficients.
+    pub(super) meaning: Meaning,
     /// Whether the functions are polynomials of the position and not of the reference coordinates.
     pub(super) in_space: bool,
+}
+
+/// The meaning of an element's coefficients.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Meaning {
+    /// Values at nodes.
+    Values,
+    /// Those of Bernstein's polynomials of degree 2.
+    Bernstein,
+    /// Those of the functions on facets that are dual to the table's.
+    Dual,
 }
 
 /// Value and first two derivatives of the powers of a coordinate.
@@ -50,31 +61,49 @@ impl Table {
         degree: usize,
         span: &[Polynomial],
     ) -> Result<Self, ElementError> {
-        let count = layout.nodes();
-        let refused = |reason| Err(ElementError::Table { name: name.clone(), reason });
-        if count != span.len() {
-            return refused("it has as many functions as nodes");
-        }
-        if count > MAXIMUM_NODES {
-            return refused("it has 125 nodes at most");
-        }
-        let mut exponents: Vec<[u8; 3]> = span.iter().flat_map(|p| &p.terms).map(|term| term.0).collect();
-        exponents.sort_unstable();
-        exponents.dedup();
-        if exponents.as_flattened().iter().any(|exponent| usize::from(*exponent) > MAXIMUM_EXPONENT) {
-            return refused("its exponents are 6 at most");
+        if layout.nodes() != span.len() {
+            return Err(ElementError::Table { name, reason: "it has as many functions as nodes" });
         }
         let shape = layout.shape;
         let values = layout.points.iter().map(|point| span.iter().map(|p| p.at(point)).collect()).collect();
         let Some(inverse) = inverse(values) else { return Err(ElementError::NotUnisolvent { name, shape }) };
         // Function i is Σ_j (V⁻¹)_ji p_j with V_ij = p_j(x_i).
-        let mut coefficients = vec![0.0; count * exponents.len()];
-        for (j, polynomial) in span.iter().enumerate() {
+        let function = |i: usize| {
+            let terms = span.iter().zip(&inverse).flat_map(|(polynomial, row)| {
+                polynomial.terms.iter().map(move |(exponents, factor)| (*exponents, row[i] * factor))
+            });
+            Polynomial { terms: terms.collect() }
+        };
+        let functions: Vec<Polynomial> = (0..span.len()).map(function).collect();
+        Table::of_functions(name, layout, degree, &functions)
+    }
+
+    /// The element of some functions, one per node.
+    ///
+    /// # Errors
+    /// [`ElementError::Table`] for too many nodes or too high exponents.
+    pub(super) fn of_functions(
+        name: String,
+        layout: Layout,
+        degree: usize,
+        functions: &[Polynomial],
+    ) -> Result<Self, ElementError> {
+        let refused = |reason| Err(ElementError::Table { name: name.clone(), reason });
+        if functions.len() > MAXIMUM_NODES {
+            return refused("it has 125 nodes at most");
+        }
+        let mut exponents: Vec<[u8; 3]> =
+            functions.iter().flat_map(|p| &p.terms).map(|term| term.0).collect();
+        exponents.sort_unstable();
+        exponents.dedup();
+        if exponents.as_flattened().iter().any(|exponent| usize::from(*exponent) > MAXIMUM_EXPONENT) {
+            return refused("its exponents are 6 at most");
+        }
+        let mut coefficients = vec![0.0; functions.len() * exponents.len()];
+        for (row, polynomial) in coefficients.chunks_mut(exponents.len().max(1)).zip(functions) {
             for (term, factor) in &polynomial.terms {
                 let place = exponents.iter().position(|known| known == term).unwrap_or(0);
-                for i in 0..count {
-                    coefficients[i * exponents.len() + place] += inverse[j][i] * factor;
-                }
+                row[place] += factor;
             }
         }
         let mut table = Table {
@@ -86,13 +115,13 @@ impl Table {
             seen: vec![],
             traces: None,
             conforms: false,
-            dual: false,
+            meaning: Meaning::Values,
             in_space: false,
         };
         table.seen = table.seen_on_facets();
         table.traces = [1, 2]
             .into_iter()
-            .map(|degree| Lagrange { shape, degree })
+            .map(|degree| Lagrange { shape: table.layout.shape, degree })
             .find(|known| table.has_traces_of(known));
         table.conforms = table.traces.is_some() || table.is_alike_from_both_sides();
         Ok(table)
@@ -100,7 +129,12 @@ impl Table {
 
     /// The functions that are dual to these on facets.
     pub(super) fn dual(self) -> Self {
-        Table { dual: true, traces: None, ..self }
+        Table { meaning: Meaning::Dual, traces: None, ..self }
+    }
+
+    /// The same functions, which are Bernstein's polynomials.
+    pub(super) fn of_bernstein(self) -> Self {
+        Table { meaning: Meaning::Bernstein, ..self }
     }
 
     /// The same functions of the position.
@@ -309,7 +343,7 @@ fn product(powers: &[Powers; 3], exponents: &[u8; 3], orders: [usize; 3]) -> f64
 }
 
 /// The inverse of a small matrix, by elimination with the largest pivot of each column; none if it is singular.
-fn inverse(mut matrix: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
+pub(super) fn inverse(mut matrix: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
     let count = matrix.len();
     for (index, row) in matrix.iter_mut().enumerate() {
         row.extend((0..count).map(|k| f64::from(u8::from(k == index))));

@@ -1,7 +1,7 @@
 //! Rules on the facets of a cell, in the cell's reference coordinates.
 
 use super::{QuadratureError, QuadratureRule, check_dimension, segment, simplex, tensor};
-use crate::element::CellShape;
+use crate::element::{CellShape, Lagrange};
 
 /// A quadrature rule on one local facet of a reference cell.
 ///
@@ -36,18 +36,11 @@ pub fn facet_reference_rule(shape: CellShape, degree: usize) -> Result<Quadratur
     Ok(QuadratureRule { points, weights })
 }
 
-/// The vertices of a facet's own reference cell, each with an equal part of its measure. It is exact for functions of degree 1, in each direction on
-/// quadrilaterals.
-pub fn facet_vertex_rule(shape: CellShape) -> QuadratureRule<2> {
-    let facet = match shape {
-        CellShape::Triangle | CellShape::Quadrilateral => {
-            return QuadratureRule::on_segment(&[(0.0, 0.5), (1.0, 0.5)]);
-        }
-        CellShape::Tetrahedron => CellShape::Triangle,
-        CellShape::Hexahedron => CellShape::Quadrilateral,
-    };
-    let points: Vec<[f64; 2]> = facet.vertex_points().iter().map(|point| [point[0], point[1]]).collect();
-    let measure = if facet == CellShape::Triangle { 0.5 } else { 1.0 };
+/// The nodes of degree 1 or 2 of a facet's own reference cell, each with an equal part of its measure, which is the integral of its Bernstein
+/// polynomial. With those of degree 1, its vertices, the rule is exact for functions of degree 1, in each direction on quadrilaterals.
+pub fn facet_node_rule(shape: CellShape, degree: usize) -> QuadratureRule<2> {
+    let points = Lagrange { shape, degree }.facet_node_points();
+    let measure = if shape == CellShape::Tetrahedron { 0.5 } else { 1.0 };
     QuadratureRule { weights: vec![measure / points.len() as f64; points.len()], points }
 }
 

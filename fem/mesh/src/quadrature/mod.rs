@@ -12,7 +12,7 @@ mod tests;
 
 #[doc(hidden)]
 pub use facet::map_to_corners;
-pub use facet::{FacetRule, facet_reference_rule, facet_rule, facet_vertex_rule, map_to_facet};
+pub use facet::{FacetRule, facet_node_rule, facet_reference_rule, facet_rule, map_to_facet};
 pub use gauss::gauss_jacobi;
 pub use split_facets::{Piece, SplitFacets};
 

@@ -400,13 +400,8 @@ impl<'a, const D: usize> Binding<'a, D> {
         of_history: Option<usize>,
         place: &str,
     ) -> Result<Option<usize>, AssemblyError> {
-        let read = requirements.fields.iter().filter_map(|slot| match &self.values[slot.field] {
-            Values::Discrete { space, .. } => Some((self.fields[slot.field].name, &**space)),
-            _ => None,
-        });
-        let arguments = arguments.iter().map(|(role, space)| (self.name_of(*role), *space));
         let mut degree = of_history;
-        for (field, space) in read.chain(arguments) {
+        for (field, space) in self.read_by(requirements, arguments) {
             let Elements::Points(own) = space.elements() else { continue };
             if degree.is_some_and(|known| known != *own) {
                 let (form, place, elements) = (self.name, place.to_owned(), space.elements().clone());
@@ -415,6 +410,44 @@ impl<'a, const D: usize> Binding<'a, D> {
             degree = Some(*own);
         }
         Ok(degree)
+    }
+
+    /// The names and spaces of the fields, test and trial functions of an integral.
+    fn read_by<'b>(
+        &'b self,
+        requirements: &'b Requirements,
+        arguments: &'b [(Role, &'b Space<D>)],
+    ) -> impl Iterator<Item = (&'static str, &'b Space<D>)> {
+        let read = requirements.fields.iter().filter_map(|slot| match &self.values[slot.field] {
+            Values::Discrete { space, .. } => Some((self.fields[slot.field].name, &**space)),
+            _ => None,
+        });
+        read.chain(arguments.iter().map(|(role, space)| (self.name_of(*role), *space)))
+    }
+
+    /// The degree of the nodes over which an integral with the rule of vertices is a sum: 2 where it has Bernstein's functions of that degree, else 1.
+    ///
+    /// # Errors
+    /// [`AssemblyError::OtherNodes`]: functions of several kinds on facets, one of them with other nodes than vertices.
+    pub fn degree_of_coefficients(
+        &self,
+        requirements: &Requirements,
+        arguments: &[(Role, &Space<D>)],
+        place: &str,
+    ) -> Result<usize, AssemblyError> {
+        let on_facets =
+            || self.read_by(requirements, arguments).filter(|(_, space)| space.facet_region().is_some());
+        let is_quadratic = |elements: &Elements| *elements == Elements::Bernstein(2);
+        let Some((field, _)) = on_facets().find(|(_, space)| is_quadratic(space.elements())) else {
+            return Ok(1);
+        };
+        match on_facets().find(|(_, space)| !is_quadratic(space.elements())) {
+            None => Ok(2),
+            Some((other, space)) => {
+                let (form, place, elements) = (self.name, place.to_owned(), space.elements().clone());
+                Err(AssemblyError::OtherNodes { form, field, place, other, elements })
+            }
+        }
     }
 
     /// The contact pairs of a region of the form; `displacement` are the fields whose sum displaces their surfaces.

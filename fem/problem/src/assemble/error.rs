@@ -396,6 +396,23 @@ pub enum AssemblyError {
         /// Elements of its space.
         elements: Elements,
     },
+    /// Functions of several kinds on facets in a sum over nodes.
+    #[error(
+        "form `{form}` needs `{field}` over {place}, a sum over the nodes of its Bernstein elements of degree 2, together with `{other}`, which has {elements}: \
+         give both the same elements"
+    )]
+    OtherNodes {
+        /// The form or function.
+        form: &'static str,
+        /// The field or function with nodes of degree 2, by its name in the form.
+        field: &'static str,
+        /// The place where it is summed.
+        place: String,
+        /// The other one.
+        other: &'static str,
+        /// Elements of its space.
+        elements: Elements,
+    },
     /// A derivative of values at points.
     #[error("form `{form}` reads a derivative of `{field}`, which is known at the points of a rule only")]
     DerivativeAtPoints {

@@ -28,11 +28,11 @@ use super::AssemblyError;
 use super::binding::{Binding, Tabulated, notices};
 use crate::assemble::binding::entities::Entities;
 use crate::assemble::element_loops::sum_factorisation::ProductTables;
-use crate::element::{CellShape, Tables};
+use crate::element::{CellShape, Element, Tables};
 use crate::instantiate::instantiate;
 use crate::mesh::{Facet, Mesh};
 use crate::quadrature::{
-    Piece, Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_rule, facet_vertex_rule,
+    Piece, Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_node_rule, facet_rule,
 };
 use crate::space::{Scope, Space};
 
@@ -104,7 +104,7 @@ impl FurtherTables {
     pub fn of(requirements: &Requirements) -> Self {
         let is_second = |slot: &FieldSlot| slot.order == Order::Hessian;
         let hessians = requirements.hessian || requirements.fields.iter().any(is_second);
-        FurtherTables { hessians, means: requirements.reads_means() }
+        FurtherTables { hessians, means: requirements.reads_means(), coefficients: false }
     }
 }
 
@@ -231,7 +231,7 @@ impl<const D: usize> GroupSide<D> {
         places: &Places<D>,
         further: FurtherTables,
     ) -> Result<Self, QuadratureError> {
-        let FurtherTables { hessians, means } = further;
+        let FurtherTables { hessians, means, .. } = further;
         let geometry = mesh.element_of(shape);
         let Places { points, facet } = places;
         // The Jacobian's determinant has at most this degree in each direction.
@@ -262,7 +262,7 @@ impl<const D: usize> GroupSide<D> {
             geometry: map,
             elements: elements
                 .iter()
-                .map(|element| element.tabulate(shape, points, local, hessians))
+                .map(|element| element.tabulate(shape, points, local, further))
                 .collect(),
             products: elements.iter().map(|element| element.products(shape, places)).collect(),
             bending,
@@ -296,9 +296,11 @@ impl Tabulated {
         shape: CellShape,
         points: &[[f64; D]],
         facet: Option<u8>,
-        hessians: bool,
+        FurtherTables { hessians, coefficients, .. }: FurtherTables,
     ) -> Tables<D> {
         let element = &self.elements[shape];
+        let nodal = element.of_coefficients().filter(|_| coefficients).map(Element::Lagrange);
+        let element = nodal.as_ref().unwrap_or(element);
         let whole = if hessians { element.tabulate_with_hessians(points) } else { element.tabulate(points) };
         if !self.on_facets || self.degree == 0 {
             return whole;
@@ -333,17 +335,21 @@ pub(super) fn groups<const D: usize>(
 ) -> Result<Vec<Group<D>>, AssemblyError> {
     let mesh = binding.mesh;
     let region = &binding.regions[integral.region];
-    let at_vertices = (region.rule == RegionRule::Vertices).then(|| {
-        let cell = QuadratureRule { points: vec![], weights: vec![] };
-        Quadrature::Explicit { cell, facet: facet_vertex_rule(mesh.shape_of_facets()) }
-    });
-    let quadrature = at_vertices.as_ref().unwrap_or(quadrature);
-    let history = binding.history_degree(requirements, quadrature)?;
     let place = format!("the region `{}` (\"{}\")", region.symbol, region.name);
+    let at_nodes = match region.rule {
+        RegionRule::OfBackend => None,
+        RegionRule::Vertices => {
+            let degree = binding.degree_of_coefficients(requirements, arguments, &place)?;
+            let cell = QuadratureRule { points: vec![], weights: vec![] };
+            Some(Quadrature::Explicit { cell, facet: facet_node_rule(mesh.shape_of_facets(), degree) })
+        }
+    };
+    let quadrature = at_nodes.as_ref().unwrap_or(quadrature);
+    let history = binding.history_degree(requirements, quadrature)?;
     let of_history = history.map(|(_, degree)| degree);
     let of_history = binding.degree_at_points(requirements, arguments, of_history, &place)?;
     let estimate = Estimate { integrand: &integral.degree, fields: degrees, of_history };
-    let further = FurtherTables::of(requirements);
+    let further = FurtherTables { coefficients: at_nodes.is_some(), ..FurtherTables::of(requirements) };
     let form = binding.name;
     if requirements.curvature && mesh.has_affine_facets() {
         notices::tell_of_straight_facets(form, &place);

@@ -54,8 +54,8 @@ pub enum ConstraintsError {
         scope: Scope,
     },
     /// Coefficients that are no values.
-    #[error("{place}: the coefficients of dual elements are not values that can be prescribed")]
-    NotNodal { place: String },
+    #[error("{place}: the coefficients of {elements} are not values that can be prescribed")]
+    NotNodal { place: String, elements: Elements },
     /// No node is near a point that is not finite.
     #[error("there is no node nearest to {point:?}")]
     NoNearest { point: Vec<f64> },

@@ -135,8 +135,8 @@ fn check_scope<const D: usize>(
         |reason| Err(SpaceError::Scope { elements: elements.clone(), scope: scope.clone(), reason });
     let all = |condition: &dyn Fn(&Element) -> bool| on_shapes.values().all(condition);
     let is_lagrange = all(&|element| element.as_lagrange().is_some());
-    if *elements == Elements::Dual && scope.facet_region().is_none() {
-        return refused("dual functions are those of facets");
+    if matches!(elements, Elements::Dual | Elements::Bernstein(_)) && scope.facet_region().is_none() {
+        return refused("dual functions and Bernstein's are those of facets");
     }
     if matches!(elements, Elements::Points(_)) != (*scope.sharing() == Scope::Point) {
         return refused("`Scope::Point` goes with `Elements::Points`");
@@ -145,7 +145,7 @@ fn check_scope<const D: usize>(
         on_shapes.values().map(|element| element.traces().map(|traces| traces.degree)).collect();
     let alike = traces.iter().all(|degree| degree.is_some() && *degree == traces[0]);
     let shared = !matches!(scope.sharing(), Scope::Body | Scope::Cell | Scope::Point);
-    if shared && traces.len() > 1 && !(is_lagrange || alike || *elements == Elements::Dual) {
+    if shared && traces.len() > 1 && !(is_lagrange || alike || !elements.is_nodal()) {
         return refused("cells of several shapes share elements with the traces of one Lagrange element");
     }
     match scope.sharing() {

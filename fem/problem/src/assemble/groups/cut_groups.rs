@@ -268,7 +268,7 @@ fn groups_of_pieces<const D: usize>(
     let (mesh, form) = (binding.mesh, binding.name);
     let failed = |source| AssemblyError::Quadrature { form, source };
     // Second derivatives are evaluated in lanes, means over whole cells as everywhere.
-    let further = FurtherTables { hessians: false, means: requirements.reads_means() };
+    let further = FurtherTables { means: requirements.reads_means(), ..FurtherTables::default() };
     let mut groups = Vec::new();
     for ((shape, local, count), (cells, points)) in entries {
         // One point, for what is the same at all of them: Jacobians of affine cells.

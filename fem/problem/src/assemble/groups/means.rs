@@ -9,10 +9,12 @@ use crate::quadrature::{QuadratureError, cell_rule};
 use crate::space::Space;
 
 /// Tables of a group beyond values and gradients.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Default, PartialEq)]
 pub(in crate::assemble) struct FurtherTables {
     pub hessians: bool,
     pub means: bool,
+    /// The values of fields on facets are their coefficients: points are the nodes.
+    pub coefficients: bool,
 }
 
 /// A rule on the cell that is exact for what is averaged, and the tables at its points.
@@ -35,7 +37,7 @@ impl<const D: usize> MeanTables<D> {
             geometry: mesh.element_of(shape).tabulate(&rule.points),
             elements: elements
                 .iter()
-                .map(|element| element.tabulate(shape, &rule.points, None, false))
+                .map(|element| element.tabulate(shape, &rule.points, None, FurtherTables::default()))
                 .collect(),
             weights: rule.weights,
         })

@@ -72,7 +72,7 @@ pub(in crate::assemble) fn groups_of<const D: usize>(
     let mesh = binding.mesh;
     let form = binding.name;
     // Second derivatives are evaluated in lanes.
-    let further = FurtherTables { hessians: false, means: requirements.reads_means() };
+    let further = FurtherTables { means: requirements.reads_means(), ..FurtherTables::default() };
     let mut groups = Vec::new();
     // Groups that differ by the number of points have the same tables.
     let mut known: HashMap<(usize, CellShape, u8), GroupSide<D>> = HashMap::new();
