@@ -72,11 +72,13 @@ impl PositionNumbers {
     /// # Errors
     /// Data that do not fit.
     pub fn of(law: &forms::Model<2>, assembler: &Assembler<2>, u: &Field<2>) -> Result<Self, AssemblyError> {
-        let square = PositionNumbers { square: 1.0, ..PositionNumbers::default() };
+        // All by the form whose derivative the adjoint has, so that they have its quadrature points.
+        let of = |weights: PositionNumbers| assembler.functional(&weights.criterion(law).criterion(u));
+        let none = PositionNumbers::default();
         Ok(PositionNumbers {
-            work: assembler.functional(&law.criterion(u))?,
-            reaction: assembler.functional(&law.contact_force(u))?,
-            square: assembler.functional(&square.criterion(law).criterion(u))?,
+            work: of(PositionNumbers { work: 1.0, ..none })?,
+            reaction: of(PositionNumbers { reaction: 1.0, ..none })?,
+            square: of(PositionNumbers { square: 1.0, ..none })?,
         })
     }
 

@@ -12,5 +12,6 @@ mod level_set_wheel;
 mod pressed_knot;
 mod readme;
 mod rolling_ring;
+mod rolling_wheel;
 mod shape_optimisation;
 mod tutorials;
