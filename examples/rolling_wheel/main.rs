@@ -32,7 +32,7 @@ use pictures::{picture, write_animation};
 #[command(version, name = "rolling_wheel")]
 struct Options {
     /// Pairs of triangles in the width of a sector
-    #[arg(long, value_name = "N", default_value_t = 16)]
+    #[arg(long, value_name = "N", default_value_t = 12)]
     cells: usize,
     /// Positions between two sectors
     #[arg(long, value_name = "M", default_value_t = 6)]
@@ -47,13 +47,13 @@ struct Options {
     #[arg(long, value_name = "A", default_value_t = 20.0)]
     unevenness: f64,
     /// b of the variance of the reaction (cm²/N)
-    #[arg(long, value_name = "B", default_value_t = 2.0)]
+    #[arg(long, value_name = "B", default_value_t = 50.0)]
     variance: f64,
     /// Steps with the smooth perimeter, at most
-    #[arg(long, value_name = "N", default_value_t = 60)]
+    #[arg(long, value_name = "N", default_value_t = 40)]
     steps: usize,
     /// Steps with the length of Γ after them, at most
-    #[arg(long, value_name = "N", default_value_t = 30)]
+    #[arg(long, value_name = "N", default_value_t = 15)]
     last_steps: usize,
     /// Begins again where a run was stopped, or had ended
     #[arg(long)]

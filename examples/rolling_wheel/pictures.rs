@@ -14,7 +14,7 @@ use forms_fem::shape_optimisation::Failure;
 
 use super::account::Rolled;
 
-/// Work and reaction over the angle, and the holes of the optima over the stress in the first position.
+/// Work and reaction over the angle less their means, and the holes of the optima over the stress in the first position.
 pub fn picture(judge: &Wheel, rolled: &[Rolled]) -> Result<impl Picture, Failure> {
     let mut panel = Panel::new(2);
     for wheel in &rolled[1..] {
@@ -31,8 +31,10 @@ pub fn picture(judge: &Wheel, rolled: &[Rolled]) -> Result<impl Picture, Failure
             .title(&format!("optimum, {}", wheel.name));
         panel = panel.picture(&map)?;
     }
-    let curves: [(&str, fn(&Rolled) -> &Vec<f64>); 2] =
-        [("W [N cm²]", |wheel| &wheel.work), ("reaction [MPa cm]", |wheel| &wheel.reaction)];
+    let curves: [(&str, fn(&Rolled) -> &Vec<f64>); 2] = [
+        ("W less its mean [N cm²]", |wheel| &wheel.work),
+        ("reaction less its mean [MPa cm]", |wheel| &wheel.reaction),
+    ];
     for (label, values) in curves {
         let mut plot = LinePlot::new()
             .x_axis("way [sectors]", Scale::Linear)
@@ -40,11 +42,13 @@ pub fn picture(judge: &Wheel, rolled: &[Rolled]) -> Result<impl Picture, Failure
             .grid()
             .size(230.0, 160.0);
         for wheel in rolled {
+            let values = values(wheel);
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
             // A sector ends as it begins.
-            let ends = (wheel.angles[0] + 1.0, values(wheel)[0]);
-            let angles: Vec<f64> = wheel.angles.iter().copied().chain([ends.0]).collect();
-            let values: Vec<f64> = values(wheel).iter().copied().chain([ends.1]).collect();
-            plot = plot.curve(Curve::new(&wheel.name, &angles, &values).without_markers());
+            let places = (0..values.len()).chain([0]);
+            let deviations: Vec<f64> = places.map(|place| values[place] - mean).collect();
+            let angles: Vec<f64> = wheel.angles.iter().copied().chain([wheel.angles[0] + 1.0]).collect();
+            plot = plot.curve(Curve::new(&wheel.name, &angles, &deviations).without_markers());
         }
         panel = panel.picture(&plot)?;
     }
