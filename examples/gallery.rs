@@ -263,7 +263,7 @@ const MAKERS: [Maker; 45] = [
         arguments: &["--bin", "level_set_wheel", "--", "--anew"],
         pictures: &[("out/level_set_wheel/level_set_wheel.png", "level_set_wheel.png")],
     },
-    // Ten minutes of processor time.
+    // Two minutes of processor time.
     Maker {
         arguments: &["--bin", "rolling_wheel", "--", "--anew"],
         pictures: &[

@@ -47,7 +47,7 @@ struct Options {
     #[arg(long, value_name = "A", default_value_t = 20.0)]
     unevenness: f64,
     /// b of the variance of the reaction (cm²/N)
-    #[arg(long, value_name = "B", default_value_t = 50.0)]
+    #[arg(long, value_name = "B", default_value_t = 1000.0)]
     variance: f64,
     /// Steps with the smooth perimeter, at most
     #[arg(long, value_name = "N", default_value_t = 40)]
@@ -79,10 +79,16 @@ impl Options {
         Rolling { criterion, ..Rolling::over_sector(count) }
     }
 
-    /// The optimum of a criterion over some positions, from round holes.
-    fn optimum(&self, name: &str, rolling: &Rolling, out: &mut StandardOutput) -> Result<Descended, Failure> {
+    /// The optimum of a criterion over some positions, from nodal values of φ.
+    fn optimum(
+        &self,
+        name: &str,
+        rolling: &Rolling,
+        initial: &Field<2>,
+        out: &mut StandardOutput,
+    ) -> Result<Descended, Failure> {
         let wheel = Wheel::rolling(self.cells, rolling)?;
-        let initial = Field::interpolate(&wheel.scalars, round_holes)?;
+        let initial = Field::from_values(&wheel.scalars, initial.values().to_vec())?;
         let RollingCriterion { exponent, unevenness, variance, .. } = rolling.criterion;
         out.line(format!("{name}:"));
         let descent = WheelDescent {
@@ -113,10 +119,10 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Failure> {
     cost(options.cells, &rolling, out)?;
 
     let single = Rolling::over_sector(1);
-    let runs = [
-        ("one position", options.optimum("one position", &single, out)?),
-        ("rolling", options.optimum("rolling", &rolling, out)?),
-    ];
+    let one = options.optimum("one position", &single, &round, out)?;
+    // From there what several positions ask for is a small change.
+    let all = options.optimum("rolling", &rolling, &one.phi, out)?;
+    let runs = [("one position", one), ("rolling", all)];
     // All wheels on the same positions, of which most are new to each.
     let compared = options.rolling(options.compared);
     let judge = Wheel::rolling(options.cells, &compared)?.with_length();

@@ -31,10 +31,8 @@ pub fn picture(judge: &Wheel, rolled: &[Rolled]) -> Result<impl Picture, Failure
             .title(&format!("optimum, {}", wheel.name));
         panel = panel.picture(&map)?;
     }
-    let curves: [(&str, fn(&Rolled) -> &Vec<f64>); 2] = [
-        ("W less its mean [N cm²]", |wheel| &wheel.work),
-        ("reaction less its mean [MPa cm]", |wheel| &wheel.reaction),
-    ];
+    let curves: [(&str, fn(&Rolled) -> &Vec<f64>); 2] =
+        [("W − mean [N cm²]", |wheel| &wheel.work), ("∫p − mean [MPa cm]", |wheel| &wheel.reaction)];
     for (label, values) in curves {
         let mut plot = LinePlot::new()
             .x_axis("way [sectors]", Scale::Linear)
