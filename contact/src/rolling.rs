@@ -121,7 +121,7 @@ impl Default for RollingCriterion {
     }
 }
 
-/// Numbers of positions of which there is no J.
+/// Reasons why there is no J.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[allow(missing_docs)]
 pub enum RollingError {
@@ -139,7 +139,7 @@ impl RollingCriterion {
     /// J.
     ///
     /// # Errors
-    /// [`RollingError`]: no positions, or numbers of which there is no J.
+    /// [`RollingError`]: no positions, or numbers without J.
     pub fn value(&self, positions: &[PositionNumbers]) -> Result<f64, RollingError> {
         self.check(positions)?;
         let mut sum = self.mean_work(positions);

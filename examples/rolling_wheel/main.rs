@@ -123,7 +123,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Failure> {
     // From there what several positions ask for is a small change.
     let all = options.optimum("rolling", &rolling, &one.phi, out)?;
     let runs = [("one position", one), ("rolling", all)];
-    // All wheels on the same positions, of which most are new to each.
+    // All wheels in the same positions.
     let compared = options.rolling(options.compared);
     let judge = Wheel::rolling(options.cells, &compared)?.with_length();
     let mut rolled = vec![Rolled::new("round holes", &judge, &compared, &round)?];
