@@ -43,7 +43,7 @@ macro_rules! tutorial {
     };
 }
 
-const MAKERS: [Maker; 44] = [
+const MAKERS: [Maker; 45] = [
     tutorial!("01_poisson", "01"),
     tutorial!("02_elasticity", "02"),
     tutorial!("03_neo_hookean", "03"),
@@ -262,6 +262,14 @@ const MAKERS: [Maker; 44] = [
     Maker {
         arguments: &["--bin", "level_set_wheel", "--", "--anew"],
         pictures: &[("out/level_set_wheel/level_set_wheel.png", "level_set_wheel.png")],
+    },
+    // Two minutes of processor time.
+    Maker {
+        arguments: &["--bin", "rolling_wheel", "--", "--anew"],
+        pictures: &[
+            ("out/rolling_wheel/rolling_wheel.png", "rolling_wheel.png"),
+            ("out/rolling_wheel/rolling_wheel_animation.png", "rolling_wheel_animation.png"),
+        ],
     },
     Maker {
         arguments: &["--bin", "pressed_knot"],

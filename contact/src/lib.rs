@@ -15,6 +15,7 @@
 //! | [`shape_gradient`] | the derivative by the shape, as the volume form of the discrete problem | |
 //! | [`boundary_form`] | the paper's derivative on the boundary | (11), (20) |
 //! | [`load_and_pressure`], [`shape_problem`] | further criteria, and contact for a descent of shapes | |
+//! | [`rolling`] | a wheel in several positions on flat ground, with one factor and one criterion | |
 //! | [`residual_estimator`] | the error of the displacement, cell by cell | |
 //! | [`impact`] | motion with impact, by schemes that keep or never gain energy | |
 //! | [`finite_impact`] | the same for rubber with friction at large displacements | |
@@ -39,6 +40,7 @@ pub mod material_threshold;
 pub mod multiplier_nodes;
 pub mod proximal;
 pub mod residual_estimator;
+pub mod rolling;
 pub mod shape_problem;
 pub mod uzawa;
 

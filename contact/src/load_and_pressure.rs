@@ -1,19 +1,22 @@
-//! Criteria other than the paper's (3): the work of the loads, and functionals of the contact pressure, which (22) as stated does
-//! not cover. Their adjoint is that of the discrete problem, (21), and takes any functional.
+//! Criteria other than the paper's (3) by itself: the work of the loads, and functionals of the contact pressure, which (22) as stated
+//! does not cover. Their adjoint is that of the discrete problem, (21), and takes any functional.
 
 use forms_fem::forms;
 
-/// J(u) = load ℓ(u) + ∫_ΓC (square \[·\]₋² + linear \[·\]₋), with the contact pressure \[σ_n − γ(u_n − g)\]₋.
+/// J(u) = load ℓ(u) + weight ∫ M(u) + ∫_ΓC (square \[·\]₋² + linear \[·\]₋), with the contact pressure \[σ_n − γ(u_n − g)\]₋.
 #[forms]
 pub mod load_and_pressure {
     pub use crate::nitsche::{GammaC, GammaN, Omega};
-    use crate::nitsche::{contact_pressure, direct};
+    use crate::nitsche::{cell_criterion, contact_pressure, direct};
 
     /// The weights of J, in addition to the data of the direct problem of [`crate::forms`].
     #[includes(crate::nitsche::Data)]
     pub struct Data {
         /// Weight of ℓ(u).
         pub load: Param,
+        /// Weight of ∫ M(u) = ∫ F·u.
+        #[default(0)]
+        pub weight: Param,
         /// Weight of ∫ \[·\]₋².
         pub square: Param,
         /// Weight of ∫ \[·\]₋.
@@ -23,7 +26,7 @@ pub mod load_and_pressure {
     /// J.
     #[doc(alias = "J")]
     pub fn criterion(u: State<Vector>) -> Functional {
-        integral(Omega, load * dot(body_force, u))
+        integral(Omega, load * dot(body_force, u) + weight * cell_criterion(u))
             + integral(GammaN, load * dot(traction, u))
             + integral(GammaC, (square * contact_pressure(u) + linear) * contact_pressure(u))
     }

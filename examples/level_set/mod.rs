@@ -1,7 +1,8 @@
 //! The frame of programs that optimise a level set function: a descent with its checkpoint, its history as a table, gradients checked by
-//! differences; and the problem of two of them.
+//! differences; and their problems.
 
 pub mod problem;
+pub mod wheel;
 
 use std::path::Path;
 

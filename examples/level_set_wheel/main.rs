@@ -3,28 +3,25 @@
 //!
 //! `cargo run --release --bin level_set_wheel -- [--cells N] [--steps N] [--last-steps N] [--out DIRECTORY] [--anew]`
 
-mod wheel;
-
 use std::f64::consts::TAU;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
 use clap::Parser;
 use forms_contact::Adjoint;
 use forms_examples::command_line::program_with_options;
-use forms_examples::level_set::{check_gradient, descend};
+use forms_examples::level_set::check_gradient;
+use forms_examples::level_set::wheel::{
+    Descended, HOLE_RADIUS, HOLES, Pressed, Wheel, WheelDescent, least_wall, round_holes, sector_wave,
+};
 use forms_fem::cut::Cut;
 use forms_fem::output::picture::{Colour, Curve, FieldMap, LinePlot, Panel, Picture, Scale, Shown};
 use forms_fem::output::{StandardOutput, VtuFile};
 use forms_fem::prelude::*;
 use forms_fem::shape_optimisation::Failure;
-use forms_fem::shape_optimisation::level_set::{
-    LevelSetDescent, LevelSetOptimised, LevelSetOptions, LevelSetProblem, LevelSetRow,
-};
+use forms_fem::shape_optimisation::level_set::{LevelSetProblem, LevelSetRow};
 use serde_json::json;
-
-use wheel::{HOLE_RADIUS, HOLES, Pressed, Wheel, least_wall, round_holes};
 
 /// J of the fitted optimum with the price of its perimeter, and J alone (results.md, cells of half the size).
 const FITTED: [f64; 2] = [2127.3467, 1152.689];
@@ -69,35 +66,6 @@ struct Run {
     last: Pressed,
 }
 
-impl Options {
-    /// One of the descents, from φ.
-    fn descent(
-        &self,
-        wheel: &Wheel,
-        initial: &Field<2>,
-        iterations: usize,
-        (directory, name): (&Path, &str),
-        out: &mut StandardOutput,
-    ) -> Result<LevelSetOptimised<Pressed, 2>, Failure> {
-        let options = LevelSetOptions {
-            iterations,
-            smoothing: self.smoothing,
-            interface_smoothing: self.smoothing,
-            constraint_tolerance: 1e-4,
-            ..LevelSetOptions::new(wheel.size())
-        };
-        let descent = LevelSetDescent { problem: wheel, initial: initial.clone(), options };
-        let settings = json!({
-            "cells": self.cells,
-            "adjoint": directory.file_name().map(|name| name.to_string_lossy()),
-            "perimeter": name,
-            "smoothing": self.smoothing,
-            "steps before": if name == "length" { self.steps } else { 0 },
-        });
-        descend(&descent, &settings, self.anew, &directory.join(name), out)
-    }
-}
-
 fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Failure> {
     let mut runs = vec![];
     let mut rows = vec![];
@@ -107,20 +75,18 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Failure> {
         let wheel = Wheel::new(options.cells, adjoint)?;
         let initial = Field::interpolate(&wheel.scalars, round_holes)?;
         out.line(format!("with the adjoint {number}, on {} unknowns:", wheel.unknowns()));
-        let wave = |x: &[f64; 2]| {
-            1.0 + (3.0 * x[0].hypot(x[1])).sin() * (HOLES as f64 * x[1].atan2(x[0]) + 0.7).cos()
-        };
         let with_length = Wheel::new(options.cells, adjoint)?.with_length();
         let round = Field::interpolate(&with_length.scalars, round_holes)?;
-        check_gradient(&with_length, &round, &wave, out)?;
-        let directory = options.out.join(directory);
-        let smooth = options.descent(&wheel, &initial, options.steps, (&directory, "smooth"), out)?;
-        let mut course = smooth.state.history;
-        let (wheel, first) = (wheel.with_length(), smooth.phi);
-        let best = options.descent(&wheel, &first, options.last_steps, (&directory, "length"), out)?;
-        let at_switch = course.len() - 1;
-        course.extend(best.state.history);
-        let phi = best.phi;
+        check_gradient(&with_length, &round, &sector_wave, out)?;
+        let descent = WheelDescent {
+            initial: &initial,
+            steps: [options.steps, options.last_steps],
+            smoothing: options.smoothing,
+            settings: json!({ "cells": options.cells, "adjoint": directory }),
+            anew: options.anew,
+            directory: &options.out.join(directory),
+        };
+        let Descended { wheel, phi, course, at_switch } = descent.run(wheel, out)?;
         let (start, body) = (wheel.solve(&Cut::by(&initial)?)?.state, Cut::by(&phi)?);
         let fine = wheel.refined()?;
         let halved = fine.solve(&Cut::by(&phi.onto(&fine.scalars).interpolated()?)?)?;
@@ -128,13 +94,13 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Failure> {
         let off = last.constraint.unwrap_or(0.0);
         out.line(format!(
             "{number}: J = {:.4} at first; volume off by {off:.1e}, wall {:.3}, pattern off by {:.0e}, {} steps",
-            start.work,
+            start.unpriced,
             least_wall(&body),
             wheel.pattern_error(&phi)?,
             course.len() - 2
         ));
         for (name, state) in [("at last", &last.state), ("at last, halved cells", &halved.state)] {
-            let (work, priced) = (state.work, wheel.priced(state));
+            let (work, priced) = (state.unpriced, wheel.priced(state));
             let [off_work, off_priced] =
                 [work / FITTED[1], priced / FITTED[0]].map(|ratio| 100.0 * (ratio - 1.0));
             rows.push(format!(
@@ -148,7 +114,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Failure> {
     rows.iter().for_each(|row| out.line(row));
     for run in &runs {
         let body = run.body.body()?;
-        let u = body.field(&run.last.u)?;
+        let u = body.field(&run.last.positions[0].u)?;
         let name = format!("wheel_{}.vtu", &run.number[1..3]);
         VtuFile::new(body.mesh()).point_data("displacement", &u)?.write(options.out.join(name))?;
     }
@@ -161,7 +127,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Result<(), Failure> {
 fn picture(runs: &[Run]) -> Result<impl Picture, Failure> {
     let Some(first) = runs.first() else { return Err("no run".into()) };
     let pieces = first.body.body()?;
-    let stress = first.wheel.mises(&first.last)?;
+    let stress = first.wheel.mises(&first.last, &first.last.positions[0])?;
     let shown = pieces.field(&stress)?;
     let mut map = FieldMap::of(&shown, Shown::Component(0), "stress [MPa]")
         .range(0.0, 20.0)

@@ -26,6 +26,7 @@ mod nearly_incompressible;
 mod random_loads;
 mod rigid_layers;
 mod rigid_tools;
+mod rolled_ground;
 mod rolling;
 mod rubber_block;
 mod rubber_bodies;

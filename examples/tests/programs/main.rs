@@ -13,5 +13,6 @@ mod pressed_knot;
 mod printed;
 mod readme;
 mod rolling_ring;
+mod rolling_wheel;
 mod shape_optimisation;
 mod tutorials;

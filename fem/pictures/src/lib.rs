@@ -3,6 +3,7 @@
 //! Lengths on the page are points, 1/72 inch. Text takes `_{…}` and `^{…}` for subscripts and
 //! superscripts. Everything needed is compiled in: no system font, no system library.
 
+mod animation;
 #[doc(hidden)]
 pub mod axes;
 mod bar_chart;
@@ -37,6 +38,7 @@ use thiserror::Error;
 
 use forms_mesh::files::write_whole;
 
+pub use animation::Animation;
 pub use axes::Scale;
 pub use bar_chart::BarChart;
 pub use colour_map::{Colour, ColourMap};
@@ -116,6 +118,9 @@ pub enum PictureError {
     /// A page that has no area or is too large.
     #[error("a picture of {width} × {height} cannot be drawn")]
     Size { width: f64, height: f64 },
+    /// A frame of an animation that has another size than the first one.
+    #[error("frame {frame} of an animation has {found:?} points, and the first one {first:?}")]
+    Frame { frame: usize, found: [f64; 2], first: [f64; 2] },
     /// The embedded font cannot be read.
     #[error("the embedded font cannot be read: {reason}")]
     Font {

@@ -13,6 +13,18 @@ use super::shading::Pixels;
 /// # Errors
 /// [`PictureError::Size`] of too many or no pixels; a failure of the encoder.
 pub fn encode(drawing: &Drawing, dots_per_inch: f64) -> Result<Vec<u8>, PictureError> {
+    let (rgb, size) = rgb(drawing, dots_per_inch)?;
+    // Lines and text compress well; a picture with shaded surfaces is half again to twice as large as with zlib, and written in a fraction of the time.
+    let is_shaded = drawing.items.iter().any(|item| matches!(item, Item::Surface { .. }));
+    let compression = if is_shaded { png::Compression::Fast } else { png::Compression::Balanced };
+    encode_pixels(&rgb, size, (png::ColorType::Rgb, compression), Some(dots_per_inch))
+}
+
+/// Red, green and blue of each pixel of a drawing, row by row, with the numbers of columns and rows.
+///
+/// # Errors
+/// [`PictureError::Size`] of too many or no pixels.
+pub(crate) fn rgb(drawing: &Drawing, dots_per_inch: f64) -> Result<(Vec<u8>, [u32; 2]), PictureError> {
     let scale = dots_per_inch / 72.0;
     let [width, height] = drawing.size.map(|length| (length * scale).round());
     let too_large = PictureError::Size { width, height };
@@ -48,10 +60,7 @@ pub fn encode(drawing: &Drawing, dots_per_inch: f64) -> Result<Vec<u8>, PictureE
         rgb.copy_within(4 * pixel..4 * pixel + 3, 3 * pixel);
     }
     rgb.truncate(3 * pixels);
-    // Lines and text compress well; a picture with shaded surfaces is half again to twice as large as with zlib, and written in a fraction of the time.
-    let is_shaded = drawing.items.iter().any(|item| matches!(item, Item::Surface { .. }));
-    let compression = if is_shaded { png::Compression::Fast } else { png::Compression::Balanced };
-    encode_pixels(&rgb, size, (png::ColorType::Rgb, compression), Some(dots_per_inch))
+    Ok((rgb, size))
 }
 
 /// The bytes of a PNG file with transparency, for embedding.

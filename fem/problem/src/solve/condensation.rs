@@ -17,14 +17,18 @@ use super::newton::{LineSearch, NewtonFailure};
 ///
 /// # Errors
 /// [`NewtonFailure`].
-pub(super) fn solve(free: &mut FreeEquations<'_>, guess: Option<Vec<f64>>) -> Result<(), NewtonFailure> {
+pub(super) fn solve(
+    free: &mut FreeEquations<'_>,
+    guess: Option<Vec<f64>>,
+    expected: &[usize],
+) -> Result<(), NewtonFailure> {
     let given = free.impose()?;
     // A problem that can be taken apart computes its residuals by parts from here on.
     // Held rows and columns are taken out of the whole tangent.
     let linear_part = if free.bounds.is_some() { None } else { share_linear_part(free)? };
     free.enter_start(&given)?;
     match linear_part {
-        Some(linear_part) => WithLinearPart { free, linear_part }.solve(guess),
+        Some(linear_part) => WithLinearPart { free, linear_part }.solve(guess, expected),
         None => iterate(free),
     }
 }
@@ -58,15 +62,15 @@ struct WithLinearPart<'f, 'a> {
 
 impl WithLinearPart<'_, '_> {
     /// Iterates from the first iterate to the solution.
-    fn solve(mut self, guess: Option<Vec<f64>>) -> Result<(), NewtonFailure> {
+    fn solve(mut self, guess: Option<Vec<f64>>, expected: &[usize]) -> Result<(), NewtonFailure> {
         if let Verdict::GoOn = self.judge()? {
-            self.iterate_on_few(guess)?;
+            self.iterate_on_few(guess, expected)?;
         }
         iterate(&mut self)
     }
 
     /// Iterates on the unknowns that the nonlinearity touches, as far as that goes, and completes the last iterate.
-    fn iterate_on_few(&mut self, guess: Option<Vec<f64>>) -> Result<(), NewtonFailure> {
+    fn iterate_on_few(&mut self, guess: Option<Vec<f64>>, expected: &[usize]) -> Result<(), NewtonFailure> {
         let FreeEquations { problem, elimination, solver, iterates, residuals, .. } = &mut *self.free;
         let (Some(problem), Some(solver)) = (problem.partly_linear(), solver.as_condensed()) else {
             return Ok(());
@@ -78,6 +82,11 @@ impl WithLinearPart<'_, '_> {
             let places = tangent.changed.unwrap_or_default();
             let additions = differences(elimination, &self.linear_part, &tangent.matrix, places)?;
             solver.expect_added(&additions);
+        }
+        if !expected.is_empty() {
+            let weights = elimination.weights();
+            let reduced = expected.iter().flat_map(|unknown| weights.of(*unknown));
+            solver.expect_touched(reduced.map(|(number, _)| *number));
         }
         if iterates.options.line_search != LineSearch::Off || !solver.condenses() {
             return Ok(());

@@ -71,12 +71,14 @@ pub struct Start {
     /// A guess at the iterates to come. A solver that condenses learns from the tangent there which unknowns the
     /// nonlinearity may touch; a wrong guess costs time and nothing else.
     pub guess: Option<Vec<f64>>,
+    /// Unknowns that the nonlinearity is expected to touch, in this problem or in later ones with the same solver. They are as harmless.
+    pub expected: Vec<usize>,
 }
 
 impl Start {
     /// This start, without a guess.
     pub fn at(u: Vec<f64>) -> Self {
-        Start { u, guess: None }
+        Start { u, guess: None, expected: vec![] }
     }
 }
 
@@ -108,7 +110,7 @@ pub fn newton_bounded(
     options: &NewtonOptions,
     progress: &mut dyn FnMut(&NewtonStep),
 ) -> Result<NewtonSolution, NewtonError> {
-    let Start { u, guess } = start;
+    let Start { u, guess, expected } = start;
     let together = Together::new(problem.divided(), elimination.free());
     let fields = Fields::new(&problem.fields(), &elimination, &together);
     let set = bounds.map(|bounds| ActiveSet::new(bounds, &elimination, &fields, options.line_search));
@@ -119,7 +121,8 @@ pub fn newton_bounded(
     let iterates = Iterates::new(u, fields, options, progress);
     let mut equations = FreeEquations::new(problem, elimination, solver, iterates);
     equations.bounds = set;
-    let found = condensation::solve(&mut equations, guess).and_then(|()| equations.unknowns_at_bounds());
+    let found = condensation::solve(&mut equations, guess, &expected);
+    let found = found.and_then(|()| equations.unknowns_at_bounds());
     let (Iterates { u, history, .. }, residual, worst) = equations.into_parts();
     // A judgement without an exchange is none.
     match together.check().map_err(NewtonFailure::Exchange).and(found) {

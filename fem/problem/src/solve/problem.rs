@@ -88,6 +88,8 @@ pub struct Problem<'a, const D: usize, const N: usize = 1> {
     /// Known solutions, and the same as seen from the start.
     pub(in crate::solve) deflation: Option<Deflation<D, N>>,
     pub(in crate::solve) repulsion: Option<Repulsion>,
+    /// Facets at which nonlinear integrals are expected to act.
+    pub(in crate::solve) expected: Option<&'a str>,
     pub(in crate::solve) solver: Solver<'a>,
     pub(in crate::solve) options: NewtonOptions,
     pub(in crate::solve) progress: Option<EachStep<'a>>,
@@ -148,6 +150,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
             factors: None,
             deflation: None,
             repulsion: None,
+            expected: None,
             solver: Solver::Own(Box::default()),
             options: NewtonOptions::default(),
             progress: None,
@@ -273,6 +276,33 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     /// ```
     pub fn solver(mut self, solver: &'a mut dyn LinearSolver) -> Self {
         self.solver = Solver::Lent(solver);
+        self
+    }
+
+    /// A facet region where the nonlinear integrals of this problem and of later ones with the same solver are likely to act: the facets
+    /// that touch the ground in any position of a wheel that rolls, say. A [`CondensedSolver`](super::CondensedSolver) then begins with a
+    /// factor that serves all of these problems, unless the region is so large that this does not pay. Results do not depend on it except
+    /// for rounding, and other solvers do not use it.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
+    /// # let space = Space::scalar(&mesh, 1)?;
+    /// # let mut held = Constraints::new(&space);
+    /// # held.fix("bottom", |_| 0.0)?;
+    /// let mut solver = CondensedSolver::default();
+    /// // One factor for all springs on the upper side.
+    /// for stiffness in [1.0, 10.0, 100.0] {
+    ///     let form = form!(|u: Unknown<Scalar>, v: Test<Scalar>| integral(cells("all"), dot(grad(u), grad(v)) + v)
+    ///         - integral(facets("top"), stiffness * neg_part(u) * v), stiffness: Param);
+    ///     let problem = Problem::new(&form, &space).constrained(&held).expecting_changes_at("top");
+    ///     problem.solver(&mut solver).solve()?;
+    /// }
+    /// assert_eq!(solver.report().factorisations, 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn expecting_changes_at(mut self, facets: &'a str) -> Self {
+        self.expected = Some(facets);
         self
     }
 

@@ -10,7 +10,7 @@ mod mesh_drawing;
 
 #[doc(inline)]
 pub use forms_pictures::{
-    BarChart, Colour, ColourMap, Curve, DOTS_PER_INCH, Drawing, LinePlot, Marker, Panel, Picture,
+    Animation, BarChart, Colour, ColourMap, Curve, DOTS_PER_INCH, Drawing, LinePlot, Marker, Panel, Picture,
     PictureError, Scale, SurfaceMap, draw_all, write_all_png,
 };
 use forms_pictures::{axes, drawing, layout, legend, path, shading};

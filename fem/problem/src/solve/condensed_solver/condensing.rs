@@ -88,6 +88,13 @@ impl CondensedSolver {
         self.expected = unknowns_of(&self.changes(additions));
     }
 
+    /// Names unknowns that coming matrices are likely to change, in addition to those named before.
+    pub(in crate::solve) fn expect_touched(&mut self, unknowns: impl Iterator<Item = u32>) {
+        self.expected.extend(unknowns);
+        self.expected.sort_unstable();
+        self.expected.dedup();
+    }
+
     /// Unknowns of the dense system to which solves with the current matrix are condensed; none if they are not.
     pub(in crate::solve) fn condensed_unknowns(&self) -> Option<usize> {
         match &self.current {

@@ -42,6 +42,27 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         moved.then_some(guess)
     }
 
+    /// The unknowns of the cells at the facets where nonlinear integrals are expected to act.
+    ///
+    /// # Errors
+    /// [`AssemblyError::Mesh`]: no such facets.
+    pub(super) fn expected_unknowns(&self) -> Result<Vec<usize>, AssemblyError> {
+        let Some(region) = self.expected else { return Ok(vec![]) };
+        let (mut unknowns, mut offset) = (vec![], 0);
+        for space in &self.system.spaces {
+            let facets = space.mesh().facet_region(region);
+            let facets =
+                facets.map_err(|source| AssemblyError::Mesh { form: self.system.form.name(), source })?;
+            let count = space.components();
+            for node in facets.iter().flat_map(|facet| space.cell_nodes(facet.cell as usize)) {
+                let first = offset + *node as usize * count;
+                unknowns.extend(first..first + count);
+            }
+            offset += space.unknowns();
+        }
+        Ok(unknowns)
+    }
+
     /// The constraints of each unknown: given, or none.
     pub(in crate::solve) fn all_constraints(&self) -> Result<[Cow<'a, Constraints<D>>; N], AssemblyError> {
         let mut given: [Option<Cow<'a, Constraints<D>>>; N] = [const { None }; N];

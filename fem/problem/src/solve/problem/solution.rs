@@ -174,7 +174,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
             Some(progress) => &mut **progress,
             None => &mut ignored,
         };
-        let start = Start { u, guess };
+        let start = Start { u, guess, expected: self.expected_unknowns()? };
         let found = newton_bounded(self, elimination, bounds.as_ref(), start, solver, &options, told);
         self.progress = progress;
         let found = found.map_err(|mut error| {
