@@ -3,19 +3,21 @@
 
 use std::error::Error;
 use std::f64::consts::TAU;
+use std::path::Path;
 
 use forms_contact::ContactProblem;
 use forms_contact::laws::friction_with_memory::penalty_with_memory as springs;
 use forms_contact::laws::{sliding_bodies, two_bodies};
 use forms_fem::contract::PairQuadrature;
 use forms_fem::history::WithoutPartner;
+use forms_fem::output::VtuFile;
 use forms_fem::prelude::*;
 
 use super::drawn_block::DrawnBlock;
 use super::parts::whole;
 use super::report::{tell, tell_steps};
 use crate::Method;
-use crate::part::MeshPart;
+use crate::part::{MeshPart, PartCheckpoint};
 use crate::petsc_solver::PetscSolver;
 use crate::world::World;
 
@@ -38,6 +40,13 @@ pub fn blocks_mesh(times: usize) -> Result<Mesh<3>, Box<dyn Error>> {
     Ok(Mesh::of_bodies(&[("slab", &slab), ("block", &block)])?)
 }
 
+/// A stiffness of each cell. Copies of cells are in no region.
+fn stiffness_of_cells(mesh: &Mesh<3>) -> Result<Field<3>, Box<dyn Error>> {
+    let mut stiffness = vec![1.0; mesh.cell_count()];
+    mesh.cell_region("block")?.iter().for_each(|cell| stiffness[*cell as usize] = 2.5);
+    Ok(Field::from_cell_values(&Space::discontinuous_scalar(mesh, 0)?, &stiffness)?)
+}
+
 /// The contact of the blocks at a load factor, with friction and a material of each cell, from the state before.
 ///
 /// # Errors
@@ -49,10 +58,7 @@ pub fn blocks(
     completed: Completed<'_>,
 ) -> Result<ContactProblem<3, two_bodies::Model<3>>, Box<dyn Error>> {
     let mesh = space.mesh();
-    let of_cells = Space::discontinuous_scalar(mesh, 0)?;
-    let mut stiffness = vec![1.0; mesh.cell_count()];
-    mesh.cell_region("block")?.iter().for_each(|cell| stiffness[*cell as usize] = 2.5);
-    let mu = completed(Field::from_cell_values(&of_cells, &stiffness)?)?;
+    let mu = completed(stiffness_of_cells(mesh)?)?;
     let data = two_bodies::data()
         .lambda(mu.clone())
         .mu(mu)
@@ -73,18 +79,12 @@ pub fn blocks(
 }
 
 /// The force along the first axis on the block's side of the surfaces.
-///
-/// # Errors
-/// None, as long as the law has a region of pairs.
 pub fn force_on_block(law: &two_bodies::Model<3>, u: &Field<3>) -> Functional<3> {
     let regions = law.regions.clone().touch(Pairing::onto("block bottom", "slab top"));
     two_bodies::Model { data: law.data.clone(), regions }.contact_force(u)
 }
 
-/// A ring of rubber with a slit, whose inside is "skin" with both ends.
-///
-/// # Errors
-/// None, unless the generators change.
+/// The map from the unit square to a ring with a slit.
 pub fn place([s, t]: [f64; 2]) -> [f64; 2] {
     let angle = -SLIT - s * (TAU - 2.0 * SLIT);
     let radius = 1.0 + 0.4 * t.powf(1.0 + 0.4 * s);
@@ -101,7 +101,7 @@ pub fn is_skin(x: &[f64; 2]) -> bool {
     x[0].hypot(x[1]) < 1.02 || (x[0] > 0.9 && x[1].abs() < 0.08 && x[0].hypot(x[1]) < 1.38)
 }
 
-/// The ring, or a part of it, with its ends pushed together and past each other.
+/// The ring of rubber, or a part of it, with its ends pushed together and past each other. Its inside is "skin" with both ends.
 ///
 /// # Errors
 /// A mesh without these regions.
@@ -234,6 +234,15 @@ fn run_blocks(world: &World, name: &str, times: usize) -> Outcome {
     let part = world.scatter(|| blocks_mesh(times).map_err(|error| error.to_string()))?;
     let part = part.with_surfaces(&super::drawn_block::SURFACES)?;
     let space = Space::vector(&part, 1)?;
+    // A checkpoint with a file of the parts next to it: one that is there has the state.
+    let path = std::env::args().nth(5);
+    if let Some(stored) = path.as_ref().map(|path| PartCheckpoint::read(&part, path)).transpose()?.flatten() {
+        let of_cells = stored.field("stiffness", &Space::discontinuous_scalar(&part, 0)?)?;
+        let largest = of_cells.values().iter().copied().fold(0.0, f64::max);
+        tell(world, "stiffness", &[world.gather(largest.to_bits())?.into_iter().map(f64::from_bits).sum()]);
+        tell(world, "u", &whole(&part, &stored.field("u", &space)?)?);
+        return Ok(());
+    }
     let completed = |field: Field<3>| match name {
         "material" => Ok(field),
         _ => Ok(part.completed(&field)?),
@@ -257,6 +266,16 @@ fn run_blocks(world: &World, name: &str, times: usize) -> Outcome {
     }
     tell(world, "all_steps", &steps);
     tell(world, "u", &whole(&part, &u)?);
+    if let Some(path) = path {
+        let stiffness = stiffness_of_cells(&part)?;
+        PartCheckpoint::new(&part).field("u", &u)?.field("stiffness", &stiffness)?.write(&path)?;
+        let path = Path::new(&path).with_extension("vtu");
+        VtuFile::new(&part)
+            .point_data("u", &u)?
+            .point_data("stiffness", &stiffness)?
+            .on(&part)
+            .write(path)?;
+    }
     Ok(())
 }
 

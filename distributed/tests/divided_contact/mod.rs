@@ -11,7 +11,7 @@ use forms_distributed::cases::drawn_block::DrawnBlock;
 use forms_fem::mesh::structured;
 use forms_fem::prelude::*;
 
-use super::{DIGITS, Numbers, PROCESSES, check_to, refused, vertices};
+use super::{DIGITS, Directory, Numbers, PROCESSES, check_to, refused, told, vertices};
 
 fn paired<const D: usize>(solved: &Solved<D>) -> [Vec<f64>; 2] {
     let reports = solved.pairs.iter().map(|pairs| &pairs.report);
@@ -94,6 +94,17 @@ fn blocks_in_space_are_the_same_on_parts() {
     }
     expected.extend([("all_steps", all_steps), ("u", vertices(&u))]);
     check_to(DIGITS, &PROCESSES, &["blocks", "1"], &expected);
+    // Files have each cell once, and another number of processes goes on from them with copies of its own.
+    let directory = Directory::new("blocks");
+    let arguments = ["blocks", "1", "0", "direct", &directory.file("run.checkpoint")];
+    told(3, &arguments);
+    let cells = |rank: usize| {
+        let file = directory.file(&format!("run_p000{rank}.vtu"));
+        Mesh::<3>::read_vtk(file).unwrap().cell_count()
+    };
+    assert_eq!((0..3).map(cells).sum::<usize>(), blocks_mesh(1).unwrap().cell_count());
+    let stored = BTreeMap::from([("u", expected["u"].clone()), ("stiffness", vec![5.0])]);
+    check_to(DIGITS, &[2], &arguments, &stored);
 }
 
 /// One surface that may touch itself, on a grid whose other parts no process builds.

@@ -44,7 +44,7 @@ pub enum MeshError {
         name: String,
         what: &'static str,
     },
-    /// A surface of which each process has its own facets only.
+    /// A surface that no process has whole.
     #[error(
         "the surface \"{name}\" is divided among processes; name it in `part.with_surfaces(..)` before spaces are made"
     )]
