@@ -13,7 +13,7 @@ use forms_fem::history::WithoutPartner;
 use forms_fem::output::VtuFile;
 use forms_fem::prelude::*;
 
-use super::drawn_block::DrawnBlock;
+use super::drawn_block::{DrawnBlock, SURFACES};
 use super::parts::whole;
 use super::report::{tell, tell_steps};
 use crate::Method;
@@ -143,7 +143,12 @@ impl Remembering {
         Ok(Remembering { block, touch, data })
     }
 
-    /// The state after all steps, each solved as is said: it commits the memory.
+    /// Who assembles.
+    pub fn assembler(&self) -> &Assembler<2> {
+        self.block.assembler()
+    }
+
+    /// The state after all steps, each solved as is said, with the law between the bodies; the force is that on the block. It commits the memory.
     ///
     /// # Errors
     /// A step that was not solved.
@@ -153,10 +158,11 @@ impl Remembering {
             &ContactProblem<2, springs::Model<2>>,
             &Increment<'_, Field<2>>,
         ) -> Result<Solved<2>, Box<dyn Error>>,
-    ) -> Result<Field<2>, Box<dyn Error>> {
+    ) -> Result<(Field<2>, springs::Model<2>), Box<dyn Error>> {
+        let (mut last, data) = (None, self.data.clone().force_direction([1.0, 0.0]));
         let (space, assembler) = (self.block.space(), self.block.assembler());
         let path = LoadSteps::uniform(4, 1.0).advance(Field::zero(space), |step| {
-            let data = self.data.clone().displacement_before(step.before);
+            let data = data.clone().displacement_before(step.before);
             let regions = springs::Regions::default().touch(self.touch.clone()).gamma_n("block right");
             let law = springs::Model { data, regions };
             let problem = ContactProblem::new(space, law, self.block.held(step.factor)?);
@@ -165,9 +171,13 @@ impl Remembering {
             let (after, memory) = (problem.law.slip_after_step(&u), &problem.law.data.elastic_slip);
             assembler.update_sliding_history(&after, memory, &self.touch, &u, WithoutPartner::Restart)?;
             memory.commit();
+            last = Some(problem.law);
             Ok::<_, Box<dyn Error>>(u)
         });
-        Ok(path.map_err(|error| error.to_string())?.state)
+        let u = path.map_err(|error| error.to_string())?.state;
+        let mut law = last.ok_or("no step was taken")?;
+        law.regions = law.regions.touch(Pairing::onto(SURFACES[1], SURFACES[0]));
+        Ok((u, law))
     }
 }
 
@@ -186,7 +196,7 @@ pub fn run(world: &World, name: &str, times: usize) -> Outcome {
 
 /// The pairs of the drawn block by a name, as a whole mesh has them.
 pub fn drawn_pairs(name: &str) -> Pairing {
-    let [slab, block] = super::drawn_block::SURFACES;
+    let [slab, block] = SURFACES;
     match name {
         "segments" => Pairing::between(slab, block).at(PairQuadrature::Pieces),
         "one sided" => Pairing::onto(block, slab),
@@ -203,7 +213,7 @@ fn tell_pairs<const D: usize>(world: &World, part: &MeshPart<'_, D>, solved: &So
 
 fn run_drawn(world: &World, name: &str) -> Outcome {
     let part = world.divide(&DrawnBlock::mesh(4)?)?;
-    let part = if name == "unnamed" { part } else { part.with_surfaces(&super::drawn_block::SURFACES)? };
+    let part = if name == "unnamed" { part } else { part.with_surfaces(&SURFACES)? };
     let block = DrawnBlock::on(&part, drawn_pairs(name))?;
     let mut solver = PetscSolver::for_part(&part, &[&block.held(1.0)?], Method::Direct)?;
     let (mut steps, mut before, mut last) = (vec![], None, None);
@@ -232,7 +242,7 @@ fn run_drawn(world: &World, name: &str) -> Outcome {
 
 fn run_blocks(world: &World, name: &str, times: usize) -> Outcome {
     let part = world.scatter(|| blocks_mesh(times).map_err(|error| error.to_string()))?;
-    let part = part.with_surfaces(&super::drawn_block::SURFACES)?;
+    let part = part.with_surfaces(&SURFACES)?;
     let space = Space::vector(&part, 1)?;
     // A checkpoint with a file of the parts next to it: one that is there has the state.
     let path = std::env::args().nth(5);
@@ -296,12 +306,13 @@ fn run_ring(world: &World) -> Outcome {
 }
 
 fn run_memory(world: &World) -> Outcome {
-    let part = world.divide(&DrawnBlock::mesh(4)?)?.with_surfaces(&super::drawn_block::SURFACES)?;
+    let part = world.divide(&DrawnBlock::mesh(4)?)?.with_surfaces(&SURFACES)?;
     let block = Remembering::on(&part, drawn_pairs(""))?;
     let mut solver = PetscSolver::for_part(&part, &[&block.block.held(1.0)?], Method::Direct)?;
-    let u = block.drawn(|problem, step| {
+    let (u, law) = block.drawn(|problem, step| {
         Ok(problem.direct()?.on(&part).solver(&mut solver).increment(step).solve()?)
     })?;
     tell(world, "u", &whole(&part, &u)?);
+    tell(world, "force", &[part.functional(block.assembler(), &law.contact_force(&u))?]);
     Ok(())
 }
