@@ -65,7 +65,7 @@ fn drawn(name: &str) -> Numbers {
 fn a_block_that_is_drawn_along_a_slab_is_the_same_on_parts() {
     check_to(DIGITS, &PROCESSES, &["drawn"], &drawn("drawn"));
     check_to(DIGITS, &[3], &["one sided"], &drawn("one sided"));
-    // The solver of one process solves for the contact unknowns first, and takes another step.
+    // forms_fem solves for the contact unknowns first, and takes another number of steps once.
     let mut segments = drawn("segments");
     segments.insert("steps", read(&told(1, &["segments"]))["steps"].clone());
     check_to(DIGITS, &[4], &["segments"], &segments);
