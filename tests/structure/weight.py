@@ -17,7 +17,7 @@ COUNTS = [
     ("#[inline(never)]", r"#\[inline\(never\)\]", False, 280),
     ("instantiate! blocks", r"^\s*instantiate!\(", False, 97),
 ]
-LINES = [("lines of Rust without tests", False, 176_200), ("lines of Rust", True, 246_600)]
+LINES = [("lines of Rust without tests", False, 177_000), ("lines of Rust", True, 247_600)]
 
 
 def sources():
