@@ -79,7 +79,8 @@ impl<const D: usize> MeshPart<'_, D> {
         Ok(MeshPart::new(world, mesh, Vertices { numbers, sharers }))
     }
 
-    /// Number of this process's copies of other processes' cells, which it has for contact between surfaces. They come after its own.
+    /// Number of this process's copies of other processes' cells, which it has for contact between surfaces. They come after its own, and are
+    /// counted by [`Mesh::cell_count`].
     pub fn ghost_cells(&self) -> usize {
         self.mesh.ghost_cells().len()
     }
