@@ -96,6 +96,9 @@ fn operators(solver: &Owned<'_>, matrix: Object) -> Result<(), PetscError> {
     unsafe { call!(KSPSetOperators(solver.handle(), matrix, matrix)) }
 }
 
+/// Percent of memory that MUMPS takes beyond its estimate, in place of 20. With rows of contact surfaces its estimate was too low by more.
+const MORE_MEMORY: &CStr = c"80";
+
 /// The solver of a method, as the options change it.
 fn krylov<'w>(
     world: &'w World,
@@ -118,6 +121,9 @@ fn krylov<'w>(
                 call!(KSPSetType(solver, c"preonly".as_ptr()))?;
                 call!(PCSetType(preconditioner, c"lu".as_ptr()))?;
                 call!(PCFactorSetMatSolverType(preconditioner, c"mumps".as_ptr()))?;
+                if nodes.divided.is_some() {
+                    default_option(prefix, "mat_mumps_icntl_14", MORE_MEMORY)?;
+                }
             }
             Method::ConjugateGradients { tolerance, max_iterations } => {
                 iterations(solver, c"cg", tolerance, max_iterations)?;

@@ -15,6 +15,7 @@ use forms_fem::output::VtuFile;
 use forms_fem::prelude::*;
 use forms_fem::time::Mass;
 
+mod divided_contact;
 mod programs;
 
 use programs::mpirun;

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use forms_contact::threshold::of_law;
 use forms_distributed::cases::ball_on_flat::{is_near, place, pressed};
+use forms_distributed::cases::divided_contact;
 use forms_distributed::cases::histories;
 use forms_distributed::cases::mixed_block::MixedBlock;
 use forms_distributed::cases::motions::Motion;
@@ -46,6 +47,11 @@ fn run(world: &World) -> Outcome {
         "missing" => world.read_gmsh::<3>("no/such.msh").map(drop).map_err(Into::into),
         "mixed" => mixed(&cube(CellShape::Hexahedron)?, method),
         "softening" => softening(world, given(5).as_deref()),
+        "drawn" | "one sided" | "segments" | "blocks" | "ring" | "springs" | "material" | "unnamed" => {
+            divided_contact::run(world, &name, divisions)?;
+            tell(world, "megabytes", &[largest(world, peak())?]);
+            Ok(())
+        }
         "creep" | "swing" => history(world, &name),
         name if Motion::named(name).is_ok() => {
             motion(world, Motion::named(name)?, divisions, given(5).as_deref())

@@ -13,6 +13,8 @@ use forms_fem::solve::LoadPath;
 const FRICTION: f64 = 0.3;
 /// The way of the block's top: down in the first half of the steps, along in the second.
 const WAY: [f64; 2] = [0.9, -0.06];
+/// The surfaces that touch.
+pub const SURFACES: [&str; 2] = ["slab top", "block bottom"];
 /// Load steps.
 const STEPS: usize = 6;
 
@@ -23,6 +25,7 @@ pub type Law = sliding_bodies::Model<2>;
 pub struct DrawnBlock {
     space: Arc<Space<2>>,
     assembler: Assembler<2>,
+    touch: Pairing,
 }
 
 impl DrawnBlock {
@@ -31,12 +34,27 @@ impl DrawnBlock {
     /// # Errors
     /// Too many cells, or none.
     pub fn new(cells: usize) -> Result<Self, Box<dyn Error>> {
+        Self::on(&Self::mesh(cells)?, Pairing::between(SURFACES[0], SURFACES[1]))
+    }
+
+    /// The mesh of both bodies.
+    ///
+    /// # Errors
+    /// Too many cells, or none.
+    pub fn mesh(cells: usize) -> Result<Mesh<2>, Box<dyn Error>> {
         let slab = rectangle([0.0; 2], [3.0, 0.6], [4 * cells - 1, cells], CellShape::Quadrilateral, 1)?;
         let block = rectangle([0.3, 0.61], [1.3, 1.21], [cells, cells], CellShape::Triangle, 1)?;
-        let mesh = Mesh::of_bodies(&[("slab", &slab), ("block", &block)])?;
-        let space = Space::vector(&mesh, 2)?;
-        let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(4));
-        Ok(DrawnBlock { space, assembler: assembler.with_threads(Threads::new(1)) })
+        Ok(Mesh::of_bodies(&[("slab", &slab), ("block", &block)])?)
+    }
+
+    /// Both bodies on their mesh, or a part of it, with the pairs of their surfaces.
+    ///
+    /// # Errors
+    /// A mesh that is too large.
+    pub fn on(mesh: &Mesh<2>, touch: Pairing) -> Result<Self, Box<dyn Error>> {
+        let space = Space::vector(mesh, 2)?;
+        let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(4));
+        Ok(DrawnBlock { space, assembler: assembler.with_threads(Threads::new(1)), touch })
     }
 
     /// The slab held, the block's top at a part of its way.
@@ -64,8 +82,7 @@ impl DrawnBlock {
             .displacement_before(before)
             .force_direction([1.0, 0.0])
             .criterion_force(|x: &[f64; 2]| [0.3 + x[0], 0.5 * x[1]]);
-        let touch = Pairing::between("slab top", "block bottom");
-        let regions = sliding_bodies::Regions::default().touch(touch).gamma_n("block right");
+        let regions = sliding_bodies::Regions::default().touch(self.touch.clone()).gamma_n("block right");
         let law = sliding_bodies::Model { data, regions };
         Ok(ContactProblem::new(&self.space, law, self.held(part)?).assembler(self.assembler.clone()))
     }
@@ -94,8 +111,13 @@ impl DrawnBlock {
     /// Data that do not fit.
     pub fn of_block(&self, before: &Field<2>) -> Result<Law, Box<dyn Error>> {
         let mut law = self.step(1.0, before)?.law;
-        law.regions = law.regions.touch(Pairing::onto("block bottom", "slab top"));
+        law.regions = law.regions.touch(Pairing::onto(SURFACES[1], SURFACES[0]));
         Ok(law)
+    }
+
+    /// The space of the displacement.
+    pub fn space(&self) -> &Arc<Space<2>> {
+        &self.space
     }
 
     /// Who assembles.

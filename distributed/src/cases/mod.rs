@@ -2,6 +2,7 @@
 
 pub mod adaptive;
 pub mod ball_on_flat;
+pub mod divided_contact;
 pub mod drawn_block;
 pub mod hanging_block;
 pub mod histories;

@@ -33,6 +33,7 @@ use std::path::{Path, PathBuf};
 use forms_fem::contract::FieldValue;
 use forms_fem::output::{checksum, write_whole};
 use forms_fem::prelude::*;
+use forms_fem::solve::DividedVectors;
 use forms_fem::time::{Checkpoint, State};
 
 use self::entries::{Entry, entries_of, entries_of_history};
@@ -96,9 +97,9 @@ impl<'p, 'w, const D: usize> PartCheckpoint<'p, 'w, D> {
     /// As [`PartCheckpoint::number`]; [`PetscError::Divided`] of spaces that parts do not have.
     pub fn field(self, name: &str, field: &Field<D>) -> Result<Self, PetscError> {
         let space = field.space();
-        let is_own = self.part.vectors(&[space])?.is_own().to_vec();
+        let vectors = self.part.vectors(&[space])?;
         let own = entries_of(self.part, space).map(|mut entries| {
-            entries.retain(|(_, first, _)| is_own[*first]);
+            entries.retain(|(_, first, _)| vectors.owns(*first));
             entries
         });
         let entries = self.part.world().agree(own)?;
@@ -389,8 +390,8 @@ fn mesh_of<const D: usize>(part: &MeshPart<'_, D>) -> Result<u64, PetscError> {
             std::iter::once(part.vertices.numbers[node]).chain(position).flat_map(u64::to_le_bytes)
         }))
     };
-    let cells = part.mesh.cell_count();
-    let own = (0..cells).fold(cells as u64, |sum, cell| sum.wrapping_add(of_cell(cell)));
+    let cells = part.mesh.body_cells();
+    let own = cells.clone().fold(cells.len() as u64, |sum, cell| sum.wrapping_add(of_cell(cell)));
     Ok(part.world().gather(own)?.into_iter().fold(0, u64::wrapping_add))
 }
 

@@ -12,86 +12,103 @@ use crate::meeting::{Call, Meetings};
 /// Vectors over the unknowns of some spaces, one after the other.
 pub(crate) struct SpacesOnPart {
     meetings: Rc<Meetings>,
-    is_own: Vec<bool>,
+    /// The rank that owns each unknown.
+    owners: Vec<u32>,
     /// Each other process whose part meets this one, with the unknowns that both have, in the same order on both.
-    with: Vec<(usize, Vec<u32>)>,
-    /// Number of the other processes that have lower ranks.
-    lower: usize,
-    /// All of these unknowns, each once.
+    with: Lists,
+    /// Those of them that this process owns, and those that the other one owns.
+    owned: Lists,
+    of_owners: Lists,
+    /// All of the unknowns that others have, too, each once.
     shared: Vec<u32>,
+    /// Whether many processes have the same unknowns, at replicated surfaces. Then owners add up.
+    replicated: bool,
     /// Number that tells exchanges of other spaces apart.
     number: u64,
 }
 
+/// Unknowns for each other process.
+type Lists = Vec<(usize, Vec<u32>)>;
+
 impl SpacesOnPart {
     /// Vectors over the unknowns of spaces with the given numbers of components.
-    pub(super) fn new(meetings: Rc<Meetings>, spaces: Vec<(usize, Rc<SharedNodes>)>) -> Self {
+    pub(super) fn new(
+        meetings: Rc<Meetings>,
+        spaces: Vec<(usize, Rc<SharedNodes>)>,
+        replicated: bool,
+    ) -> Self {
         let ranks: Vec<usize> =
             spaces.first().map_or(&[][..], |(_, nodes)| &nodes.with).iter().map(|with| with.0).collect();
-        let mut with: Vec<(usize, Vec<u32>)> = ranks.into_iter().map(|rank| (rank, vec![])).collect();
-        let (mut is_own, mut offset) = (vec![], 0);
+        let mut with: Lists = ranks.into_iter().map(|rank| (rank, vec![])).collect();
+        let (mut owners, mut offset) = (vec![], 0);
         for (components, nodes) in &spaces {
             for ((_, unknowns), (_, shared)) in with.iter_mut().zip(&nodes.with) {
                 let first = |node: &u32| offset + *node * *components as u32;
                 unknowns.extend(shared.iter().flat_map(|node| first(node)..first(node) + *components as u32));
             }
-            is_own.extend(nodes.is_own.iter().flat_map(|own| std::iter::repeat_n(*own, *components)));
+            owners.extend(nodes.owners.iter().flat_map(|owner| std::iter::repeat_n(*owner, *components)));
             offset += (nodes.count * components) as u32;
         }
         let mut shared: Vec<u32> = with.iter().flat_map(|(_, unknowns)| unknowns).copied().collect();
         shared.sort_unstable();
         shared.dedup();
         let number = Fingerprint::default().numbers(spaces.iter().map(|(components, _)| *components as u64));
-        let lower = with.iter().filter(|(rank, _)| *rank < meetings.rank()).count();
-        SpacesOnPart { meetings, is_own, with, lower, shared, number: number.finish() }
+        let own = meetings.rank();
+        let owned_by = |owner: &dyn Fn(usize) -> usize| -> Lists {
+            let list = |(rank, unknowns): &(usize, Vec<u32>)| {
+                let is_one = |unknown: &&u32| owners[**unknown as usize] == owner(*rank) as u32;
+                (*rank, unknowns.iter().filter(is_one).copied().collect())
+            };
+            with.iter().map(list).collect()
+        };
+        let (owned, of_owners) = (owned_by(&|_| own), owned_by(&|rank| rank));
+        let number = number.finish();
+        SpacesOnPart { meetings, owners, with, owned, of_owners, shared, replicated, number }
     }
 
     /// Number of unknowns here.
     pub fn count(&self) -> usize {
-        self.is_own.len()
+        self.owners.len()
     }
 
-    pub fn is_own(&self) -> &[bool] {
-        &self.is_own
-    }
-
-    /// The values of other processes at the unknowns that each shares with this one.
-    fn values_of_others(&self, own: &[f64]) -> Result<Vec<Vec<f64>>, PetscError> {
+    /// Sends each other process the values at the unknowns of a list, and receives its values at those of another list.
+    fn exchange(&self, values: &[f64], to: &Lists, from: &Lists) -> Result<Vec<Vec<f64>>, PetscError> {
         let list = |(rank, unknowns): &(usize, Vec<u32>)| {
-            (*rank, unknowns.iter().map(|unknown| own[*unknown as usize].to_bits()).collect())
+            (*rank, unknowns.iter().map(|unknown| values[*unknown as usize].to_bits()).collect())
         };
-        let lengths: Vec<usize> = self.with.iter().map(|(_, unknowns)| unknowns.len()).collect();
-        let found = self.meetings.exchange(self.number, self.with.iter().map(list).collect(), &lengths)?;
+        let lengths: Vec<usize> = from.iter().map(|(_, unknowns)| unknowns.len()).collect();
+        let found = self.meetings.exchange(self.number, to.iter().map(list).collect(), &lengths)?;
         Ok(found.into_iter().map(|list| list.into_iter().map(f64::from_bits).collect()).collect())
     }
 
     /// See [`DividedVectors::add_up`].
     pub fn sums(&self, own: &[f64]) -> Result<Vec<f64>, PetscError> {
-        let others = self.values_of_others(own)?;
+        // Each process that adds has all contributions there: all that share an unknown, or its owner.
+        let (to, from) =
+            if self.replicated { (&self.of_owners, &self.owned) } else { (&self.with, &self.with) };
+        let others = self.exchange(own, to, from)?;
         let mut sums = own.to_vec();
         self.shared.iter().for_each(|unknown| sums[*unknown as usize] = 0.0);
-        let add = |sums: &mut [f64], from: usize, to: usize| {
-            for ((_, unknowns), values) in self.with[from..to].iter().zip(&others[from..to]) {
+        let add = |sums: &mut [f64], is_one: &dyn Fn(usize) -> bool| {
+            for ((_, unknowns), values) in from.iter().zip(&others).filter(|((rank, _), _)| is_one(*rank)) {
                 unknowns.iter().zip(values).for_each(|(unknown, value)| sums[*unknown as usize] += value);
             }
         };
         // In the order of the ranks, so that all processes have the same bits.
-        add(&mut sums, 0, self.lower);
+        add(&mut sums, &|rank| rank < self.meetings.rank());
         self.shared.iter().for_each(|unknown| sums[*unknown as usize] += own[*unknown as usize]);
-        add(&mut sums, self.lower, self.with.len());
+        add(&mut sums, &|rank| rank > self.meetings.rank());
+        if self.replicated {
+            self.copy_from_owners(&mut sums)?;
+        }
         Ok(sums)
     }
 
     /// See [`DividedVectors::spread`].
     pub fn copy_from_owners(&self, values: &mut [f64]) -> Result<(), PetscError> {
-        let others = self.values_of_others(values)?;
-        // The lowest rank owns an unknown, and is written last.
-        for ((_, unknowns), found) in self.with.iter().zip(&others).rev() {
-            for (unknown, value) in unknowns.iter().zip(found) {
-                if !self.is_own[*unknown as usize] {
-                    values[*unknown as usize] = *value;
-                }
-            }
+        let others = self.exchange(values, &self.owned, &self.of_owners)?;
+        for ((_, unknowns), found) in self.of_owners.iter().zip(&others) {
+            unknowns.iter().zip(found).for_each(|(unknown, value)| values[*unknown as usize] = *value);
         }
         Ok(())
     }
@@ -103,7 +120,7 @@ fn failed(error: PetscError) -> CommunicationError {
 
 impl DividedVectors for SpacesOnPart {
     fn owns(&self, unknown: usize) -> bool {
-        self.is_own[unknown]
+        self.owners[unknown] == self.meetings.rank() as u32
     }
 
     fn add_up(&self, own: &[f64]) -> Result<Vec<f64>, CommunicationError> {

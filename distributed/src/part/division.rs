@@ -9,7 +9,7 @@ use forms_fem::mesh::{BOUNDARY, Facet, Mesh, MeshError, RegionNames, straight_ma
 
 use super::MeshPart;
 use super::boxes::boxes;
-use super::cutting::{Cutting, Piece};
+use super::partition::{Partition, Subdomain};
 use super::shared_nodes::Vertices;
 use crate::error::PetscError;
 use crate::world::World;
@@ -122,8 +122,9 @@ impl World {
     /// # Errors
     /// [`PetscError::Unfit`] of a mesh with rigid surfaces or hanging nodes; [`PetscError::TooManyProcesses`].
     pub fn divide<const D: usize>(&self, mesh: &Mesh<D>) -> Result<MeshPart<'_, D>, PetscError> {
-        let piece = Cutting::new(self, mesh).and_then(|cutting| cutting.piece(self.rank()).map_err(unfit));
-        Ok(self.agree(piece)?.into_part(self))
+        let partition = Partition::new(self, mesh);
+        let own = partition.and_then(|partition| partition.subdomain(self.rank()).map_err(unfit));
+        Ok(self.agree(own)?.into_part(self))
     }
 
     /// This process's part of a mesh in a Gmsh file ([`Mesh::read_gmsh`]), as [`World::scatter`].
@@ -166,17 +167,17 @@ impl World {
         let is_first = self.rank() == 0;
         let mesh = if is_first { make().map(Some).map_err(|error| error.to_string()) } else { Ok(None) };
         let mesh = self.succeed_on_first(mesh)?.flatten();
-        let cutting = mesh.as_ref().map(|mesh| Cutting::new(self, mesh)).transpose();
-        let cutting = self.succeed_on_first(cutting.map_err(|error| error.to_string()))?.flatten();
+        let partition = mesh.as_ref().map(|mesh| Partition::new(self, mesh)).transpose();
+        let partition = self.succeed_on_first(partition.map_err(|error| error.to_string()))?.flatten();
         let mut own = Ok(None);
         // The first process has its own piece, and one other at a time.
         for rank in (0..self.size()).rev() {
-            let piece = cutting.as_ref().map(|cutting| cutting.piece(rank)).transpose();
-            let piece = self.succeed_on_first(piece.map_err(|error| error.to_string()))?.flatten();
-            let words = piece.as_ref().filter(|_| rank > 0).map_or_else(Vec::new, Piece::to_words);
+            let found = partition.as_ref().map(|partition| partition.subdomain(rank)).transpose();
+            let found = self.succeed_on_first(found.map_err(|error| error.to_string()))?.flatten();
+            let words = found.as_ref().filter(|_| rank > 0).map_or_else(Vec::new, Subdomain::to_words);
             match self.list_of_first(rank, words)? {
-                Some(_) if rank == 0 => own = Ok(piece),
-                Some(words) => own = Piece::of_words(&words),
+                Some(_) if rank == 0 => own = Ok(found),
+                Some(words) => own = Subdomain::of_words(&words),
                 None => {}
             }
         }

@@ -2,12 +2,14 @@
 
 mod boxes;
 mod checkpoint;
-mod cutting;
 mod divided_unknowns;
 mod divided_vectors;
 mod division;
+mod ghost_cells;
+mod partition;
 mod shared_nodes;
 mod unknown_rows;
+mod words;
 
 use std::any::Any;
 use std::cell::RefCell;
@@ -17,6 +19,7 @@ use std::rc::Rc;
 use forms_fem::element::Elements;
 use forms_fem::mesh::MeshError;
 use forms_fem::prelude::*;
+use forms_fem::solve::divided::check_ghost_values;
 use forms_fem::solve::{CommunicationError, Communicator, DividedVectors};
 use forms_fem::space::Scope;
 
@@ -56,8 +59,8 @@ use crate::world::World;
 /// ```
 ///
 /// Load steps, motions and histories take `.on(&part)` in the same way, [`VtuFile::on`](forms_fem::output::VtuFile::on) writes all parts, and
-/// [`PartCheckpoint`] keeps them. Refused by name: integrals over interior facets and contact pairs, relations between unknowns, bounds,
-/// projections to continuous spaces, adaptivity.
+/// [`PartCheckpoint`] keeps them. Contact pairs need surfaces that each process has whole: [`MeshPart::with_surfaces`]. Refused by name: integrals
+/// over interior facets, relations between unknowns, bounds, projections to continuous spaces, adaptivity.
 pub struct MeshPart<'w, const D: usize> {
     world: &'w World,
     mesh: Mesh<D>,
@@ -142,9 +145,15 @@ impl<'w, const D: usize> MeshPart<'w, D> {
         functional: &Functional<D>,
     ) -> Result<f64, DistributedError<AssemblyError>> {
         let form = functional.name();
-        let all: Vec<u32> = (0..assembler.mesh().cell_count() as u32).collect();
+        check_ghost_values(self, functional).map_err(|error| match error {
+            AssemblyError::Communication { source: CommunicationError::Elsewhere { count }, .. } => {
+                DistributedError::Elsewhere { count }
+            }
+            error => DistributedError::Here(error),
+        })?;
+        let cells: Vec<u32> = self.mesh.body_cells().map(|cell| cell as u32).collect();
         let own = if assembler.mesh().is_same(&self.mesh) {
-            let own = assembler.clone().on_owned_cells(&all);
+            let own = assembler.clone().on_owned_cells(&cells);
             own.map_err(|source| AssemblyError::Region { form, symbol: "this process's cells", source })
         } else {
             let source = CommunicationError::Divided { what: "functionals on other meshes".to_owned() };
@@ -199,7 +208,8 @@ impl<'w, const D: usize> MeshPart<'w, D> {
         for space in spaces {
             fields.push((space.components(), self.shared_nodes(space)?));
         }
-        Ok(Rc::new(SpacesOnPart::new(Rc::clone(self.world.meetings()), fields)))
+        let (meetings, replicated) = (Rc::clone(self.world.meetings()), self.mesh.has_replicated_surfaces());
+        Ok(Rc::new(SpacesOnPart::new(meetings, fields, replicated)))
     }
 
     fn shared_nodes(&self, space: &Space<D>) -> Result<Rc<SharedNodes>, PetscError> {

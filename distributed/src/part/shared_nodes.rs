@@ -34,8 +34,8 @@ pub(super) struct SharedNodes {
     pub count: usize,
     /// Each other process whose part meets this one, with the nodes that both have: in the same order on both.
     pub with: Vec<(usize, Vec<u32>)>,
-    /// Whether a node is this process's own: it has the lowest rank of those that have the node.
-    pub is_own: Vec<bool>,
+    /// The owner of each node: the lowest rank of those that have the node in cells of their own.
+    pub owners: Vec<u32>,
 }
 
 impl SharedNodes {
@@ -49,9 +49,18 @@ impl SharedNodes {
         let mut neighbours: Vec<usize> = vertices.sharers.values().flatten().copied().collect();
         neighbours.sort_unstable();
         neighbours.dedup();
+        let own_rank = world.rank() as u32;
+        // Of all others the numbers of their owners are not known yet.
+        let mut owners = vec![u32::MAX; space.node_count()];
+        for cell in space.mesh().body_cells() {
+            space.cell_nodes(cell).iter().for_each(|node| owners[*node as usize] = own_rank);
+        }
         let keys_for = |rank: &usize| {
             let keys = candidates.iter().filter(|(_, (_, ranks))| ranks.contains(rank));
-            let list = keys.flat_map(|(key, _)| std::iter::once(key.len() as u64).chain(key.iter().copied()));
+            let list = keys.flat_map(|(key, (node, _))| {
+                let has_it = u64::from(owners[*node as usize] == own_rank);
+                std::iter::once((key.len() as u64) << 1 | has_it).chain(key.iter().copied())
+            });
             (*rank, list.collect::<Vec<u64>>())
         };
         let lists: Vec<(usize, Vec<u64>)> = neighbours.iter().map(keys_for).collect();
@@ -63,30 +72,30 @@ impl SharedNodes {
         let lengths = world.meetings().exchange(number("lengths"), lengths, &vec![1; neighbours.len()])?;
         let lengths: Vec<usize> = lengths.iter().map(|length| length[0] as usize).collect();
         let found = world.meetings().exchange(number("nodes"), lists, &lengths)?;
-        let mut is_own = vec![true; space.node_count()];
         let mut with = Vec::with_capacity(neighbours.len());
         for (rank, list) in neighbours.into_iter().zip(found) {
             // An edge whose ends are there need not be: both have to know the node. The lists are sorted by keys.
             let mut nodes = vec![];
-            for key in keys_in(&list) {
+            for (key, has_it) in keys_in(&list) {
                 if let Some((node, _)) = candidates.get(key) {
                     nodes.push(*node);
-                    is_own[*node as usize] &= world.rank() < rank;
+                    let owner = &mut owners[*node as usize];
+                    *owner = if has_it { (*owner).min(rank as u32) } else { *owner };
                 }
             }
             with.push((rank, nodes));
         }
-        Ok(SharedNodes { count: space.node_count(), with, is_own })
+        Ok(SharedNodes { count: space.node_count(), with, owners })
     }
 }
 
-/// The keys of a list, each after its length.
-fn keys_in(mut list: &[u64]) -> impl Iterator<Item = &[u64]> {
+/// The keys of a list, each after twice its length, and one more where a cell of the sender's own has the node.
+fn keys_in(mut list: &[u64]) -> impl Iterator<Item = (&[u64], bool)> {
     std::iter::from_fn(move || {
-        let (length, rest) = list.split_first()?;
-        let (key, rest) = rest.split_at_checked(*length as usize)?;
+        let (head, rest) = list.split_first()?;
+        let (key, rest) = rest.split_at_checked((head >> 1) as usize)?;
         list = rest;
-        Some(key)
+        Some((key, head & 1 == 1))
     })
 }
 
@@ -96,12 +105,24 @@ fn candidates<const D: usize>(
     vertices: &Vertices,
 ) -> Result<BTreeMap<Key, (u32, Vec<usize>)>, PetscError> {
     let mut found: BTreeMap<Key, (u32, Vec<usize>)> = BTreeMap::new();
+    let mesh = space.mesh();
     match space.scope() {
-        Scope::Cell | Scope::Point => return Ok(found),
+        Scope::Cell | Scope::Point => {
+            // Whole cells are on several processes at replicated surfaces only.
+            for cell in (0..mesh.cell_count()).filter(|_| mesh.has_replicated_surfaces()) {
+                let corners = mesh.cell_vertices(cell);
+                let shared = corners.iter().map(|corner| vertices.sharers.get(corner));
+                let Some(ranks) = common(&shared.collect::<Vec<_>>()) else { continue };
+                for (node, place) in space.cell_nodes(cell).iter().zip(0..) {
+                    let numbers = corners.iter().map(|corner| vertices.numbers[*corner as usize]);
+                    found.insert(numbers.chain([place]).collect(), (*node, ranks.clone()));
+                }
+            }
+            return Ok(found);
+        }
         Scope::Nodes => {}
         scope => return Err(PetscError::Divided { what: format!("spaces {scope}") }),
     }
-    let mesh = space.mesh();
     let mut supports = Supports::default();
     for cell in 0..mesh.cell_count() {
         let corners = mesh.cell_vertices(cell);
@@ -110,13 +131,9 @@ fn candidates<const D: usize>(
             continue;
         }
         for (node, support) in space.cell_nodes(cell).iter().zip(supports.of(space, cell)) {
-            let all: Option<Vec<&Vec<usize>>> = support.iter().map(|(corner, _)| shared[*corner]).collect();
-            let Some((first, others)) = all.as_deref().and_then(<[_]>::split_first) else { continue };
-            let is_everywhere = |rank: &&usize| others.iter().all(|ranks| ranks.contains(rank));
-            let ranks: Vec<usize> = first.iter().filter(is_everywhere).copied().collect();
-            if ranks.is_empty() {
-                continue;
-            }
+            let of_node: Vec<Option<&Vec<usize>>> =
+                support.iter().map(|(corner, _)| shared[*corner]).collect();
+            let Some(ranks) = common(&of_node) else { continue };
             let (known, _) = found.entry(vertices.key(corners, support)).or_insert((*node, ranks));
             if known != node {
                 let what = "elements with several nodes at one place".to_owned();
@@ -125,6 +142,15 @@ fn candidates<const D: usize>(
         }
     }
     Ok(found)
+}
+
+/// The ranks that are in all of some lists, if there are any.
+fn common(lists: &[Option<&Vec<usize>>]) -> Option<Vec<usize>> {
+    let (first, others) = lists.split_first()?;
+    let is_everywhere =
+        |rank: &&usize| others.iter().all(|ranks| ranks.is_some_and(|ranks| ranks.contains(rank)));
+    let ranks: Vec<usize> = (*first)?.iter().filter(is_everywhere).copied().collect();
+    (!ranks.is_empty()).then_some(ranks)
 }
 
 impl Vertices {

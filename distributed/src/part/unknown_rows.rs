@@ -4,6 +4,7 @@ use std::rc::Rc;
 
 use forms_fem::linear_algebra::rigid_motions;
 use forms_fem::prelude::*;
+use forms_fem::solve::DividedVectors;
 use forms_fem::solve::divided::prescribed_by_all;
 
 use super::divided_unknowns::DividedUnknowns;
@@ -29,7 +30,7 @@ pub(super) fn rows<const D: usize>(
     for one in constraints {
         let (components, end) = (one.space().components(), offset + one.space().unknowns());
         let has_rows =
-            |first: &usize| vectors.is_own()[*first] && is_free[*first..*first + components].contains(&true);
+            |first: &usize| vectors.owns(*first) && is_free[*first..*first + components].contains(&true);
         own_nodes.push((offset..end).step_by(components).filter(has_rows).collect());
         offset = end;
     }

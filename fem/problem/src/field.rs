@@ -281,7 +281,7 @@ impl<const D: usize> Field<D> {
     /// [`FieldError::NotFinite`], which names the position.
     #[inline(never)]
     pub fn from_cell_values(space: &Arc<Space<D>>, values: &[f64]) -> Result<Self, FieldError> {
-        let of_cells = space.mesh().body_cells().map(|cell| space.cell_nodes(cell).first().copied());
+        let of_cells = space.mesh().cells_of_bodies().map(|cell| space.cell_nodes(cell).first().copied());
         let is_constant = *space.scope() == Scope::Cell && space.is_constant();
         Field::from_constants(space, values, ("cells", is_constant), &of_cells.flatten().collect::<Vec<_>>())
     }

@@ -59,7 +59,12 @@ pub(super) fn entries_of_history<const D: usize, V: FieldValue>(
         first += count;
         (numbers_of(part, cell as usize).chain([facet]).collect(), first - count, count)
     };
-    Ok(assembler.history_entities(history).map_err(unfit)?.into_iter().map(entry).collect())
+    let entities = assembler.history_entities(history).map_err(unfit)?;
+    if entities.is_empty() && !assembler.history_values(history).map_err(unfit)?.is_empty() {
+        let what = "histories of pairs in checkpoints".to_owned();
+        return Err(PetscError::Divided { what });
+    }
+    Ok(entities.into_iter().map(entry).collect())
 }
 
 /// The numbers of a cell's vertices in the whole mesh.

@@ -44,6 +44,14 @@ pub enum MeshError {
         name: String,
         what: &'static str,
     },
+    /// A surface that no process has whole.
+    #[error(
+        "the surface \"{name}\" is divided among processes; name it in `part.with_surfaces(..)` before spaces are made"
+    )]
+    DividedSurface {
+        /// Name of the surface.
+        name: String,
+    },
     /// A feature that needs a whole mesh.
     #[error("{what} is not available on a mesh that is divided among processes; {instead}")]
     Piece {

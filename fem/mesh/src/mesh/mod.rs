@@ -81,7 +81,7 @@ pub use order::CellOrder;
 pub use part::PartOfMesh;
 pub use perforated::PerforatedAnnulus;
 #[doc(hidden)]
-pub use piece::{RegionNames, TAKE_THE_WHOLE};
+pub use piece::{GhostCells, RegionNames, TAKE_THE_WHOLE};
 pub use quality::{ASPECT_RATIOS, CellQuality, MeshQuality};
 pub use refine::{Surface, onto_sphere};
 pub use regions::{BOUNDARY, EVERYWHERE, INTERIOR};

@@ -1,17 +1,46 @@
 //! Pieces of a mesh that is divided among processes: cells that one process has of a larger mesh.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use super::{BOUNDARY, EVERYWHERE, Facet, Mesh, MeshError};
+use crate::element::CellShape;
 
 /// The extent of a mesh's cells.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default)]
 pub(super) enum Extent {
     /// They are all cells of the body.
     #[default]
     Whole,
     /// Other processes have further ones.
-    Piece,
+    Piece(Box<Replicas>),
+}
+
+/// What a process has of other processes' cells: copies of those at some surfaces.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Replicas {
+    /// Number of the last cells, copies of others' cells. They are in no region.
+    ghost_cells: usize,
+    /// Number of the last nodes, which only copies have.
+    ghost_nodes: usize,
+    /// All facets of some surfaces, those of the copies, too, ascending.
+    surfaces: BTreeMap<String, Vec<Facet>>,
+    /// The shapes of all processes' cells.
+    shapes: Vec<CellShape>,
+}
+
+/// Copies of other processes' cells at some surfaces.
+#[doc(hidden)]
+#[derive(Clone, Debug)]
+pub struct GhostCells<const D: usize> {
+    /// Nodes that come after those of the piece.
+    pub nodes: Vec<[f64; D]>,
+    /// Their cells, block after block.
+    pub blocks: Vec<(CellShape, Vec<u32>)>,
+    /// All facets of each surface: of the piece's own cells, and of the copies.
+    pub surfaces: BTreeMap<String, Vec<Facet>>,
+    /// The shapes of all processes' cells.
+    pub shapes: Vec<CellShape>,
 }
 
 /// Advice for what needs the whole mesh.
@@ -38,7 +67,8 @@ impl<const D: usize> Mesh<D> {
         for name in names.facets.iter().map(String::as_str).chain([BOUNDARY]) {
             let mut own = data.facet_regions.remove(name).unwrap_or_default();
             own.retain(|facet| cut.binary_search(facet).is_err());
-            facets.insert(name.to_owned(), own);
+            // Lists of names have that of the boundary, too.
+            facets.entry(name.to_owned()).or_insert(own);
         }
         let mut cells: BTreeMap<String, Vec<u32>> = BTreeMap::new();
         for name in names.cells.iter().map(String::as_str).chain([EVERYWHERE]) {
@@ -47,14 +77,109 @@ impl<const D: usize> Mesh<D> {
         }
         (data.facet_regions, data.cell_regions) = (facets, cells);
         data.interior_regions.clear();
-        data.extent = Extent::Piece;
+        data.extent = Extent::Piece(Box::default());
         self
+    }
+
+    /// This piece with copies of other processes' cells, so that each process has some surfaces whole. The copies come last, and are in no
+    /// region: integrals, conditions and files are those of the piece's own cells.
+    ///
+    /// # Errors
+    /// Cells that do not fit each other.
+    #[doc(hidden)]
+    pub fn with_ghost_cells(&self, ghosts: GhostCells<D>) -> Result<Self, MeshError> {
+        let GhostCells { nodes, blocks, mut surfaces, shapes } = ghosts;
+        let of_block = |block: &super::CellBlock| {
+            let cells = block.cells.clone().flat_map(|cell| self.cell(cell));
+            (block.shape, cells.copied().collect())
+        };
+        let ghost_nodes = nodes.len();
+        let all_nodes = self.nodes.iter().copied().chain(nodes).collect();
+        let all_blocks = self.blocks().iter().map(of_block).chain(blocks).collect();
+        // Each was looked at where it is a process's own, and may have hanging nodes there.
+        let mut mesh = Mesh::of_sound_cells(self.degree, all_nodes, all_blocks)?;
+        let ghost_cells = mesh.cell_count() - self.cell_count();
+        for facets in surfaces.values_mut() {
+            facets.sort_unstable();
+            facets.dedup();
+        }
+        let data = mesh.data_mut();
+        data.facet_regions.clone_from(&self.facet_regions);
+        data.cell_regions.clone_from(&self.cell_regions);
+        data.interior_regions.clear();
+        data.extent = Extent::Piece(Box::new(Replicas { ghost_cells, ghost_nodes, surfaces, shapes }));
+        Ok(mesh)
+    }
+
+    fn replicas(&self) -> Option<&Replicas> {
+        match &self.extent {
+            Extent::Whole => None,
+            Extent::Piece(replicas) => Some(replicas),
+        }
+    }
+
+    /// The copies of other processes' cells: the last ones.
+    #[doc(hidden)]
+    pub fn ghost_cells(&self) -> Range<usize> {
+        let count = self.replicas().map_or(0, |replicas| replicas.ghost_cells);
+        self.cell_count() - count..self.cell_count()
+    }
+
+    /// Number of nodes that only copies of other processes' cells have: the last ones.
+    pub(super) fn ghost_nodes(&self) -> usize {
+        self.replicas().map_or(0, |replicas| replicas.ghost_nodes)
+    }
+
+    /// Whether each process has some surfaces whole.
+    #[doc(hidden)]
+    pub fn has_replicated_surfaces(&self) -> bool {
+        self.replicas().is_some_and(|replicas| !replicas.surfaces.is_empty())
+    }
+
+    /// The shapes of the cells of all processes, where surfaces are replicated; else of those that are here.
+    #[doc(hidden)]
+    pub fn shapes_of_all(&self) -> Vec<CellShape> {
+        match self.replicas() {
+            Some(replicas) if !replicas.shapes.is_empty() => replicas.shapes.clone(),
+            _ => self.shapes(),
+        }
+    }
+
+    /// All facets of a surface, ascending; of a piece also those of copies.
+    ///
+    /// # Errors
+    /// Those of [`Mesh::facet_region`]; [`MeshError::DividedSurface`] where no process has all of them.
+    #[doc(hidden)]
+    pub fn facets_of_surface(&self, name: &str) -> Result<&[Facet], MeshError> {
+        let here = self.facet_region(name)?;
+        match self.replicas() {
+            None => Ok(here),
+            Some(replicas) => {
+                let divided = || MeshError::DividedSurface { name: name.to_owned() };
+                replicas.surfaces.get(name).map(Vec::as_slice).ok_or_else(divided)
+            }
+        }
+    }
+
+    /// A name for some facets of a surface that each process has whole; nothing where that surface is none.
+    pub(super) fn name_on_surface(
+        &mut self,
+        name: &str,
+        within: &str,
+        condition: &dyn Fn(&[f64; D]) -> bool,
+    ) {
+        let all = self.replicas().and_then(|replicas| replicas.surfaces.get(within));
+        let Some(all) = all else { return };
+        let found = all.iter().copied().filter(|facet| condition(&self.facet_centre(*facet))).collect();
+        if let Extent::Piece(replicas) = &mut self.data_mut().extent {
+            replicas.surfaces.insert(name.to_owned(), found);
+        }
     }
 
     /// Whether it is one process's piece of a larger mesh. What needs the whole mesh refuses it.
     #[inline]
     pub fn is_piece(&self) -> bool {
-        self.extent == Extent::Piece
+        matches!(self.extent, Extent::Piece(_))
     }
 
     /// Check that the mesh is no piece of a larger one, for functions that need all of it, with what to do instead.
@@ -76,7 +201,8 @@ mod tests {
     #[test]
     fn a_piece_has_the_regions_of_the_whole_and_no_boundary_at_its_cut() -> Result<(), MeshError> {
         let half = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1)?;
-        let (cut, facets) = (half.facet_region("right")?.to_vec(), ["left", "right", "top", "bottom"]);
+        let facets = ["left", "right", "top", "bottom", BOUNDARY];
+        let cut = half.facet_region("right")?.to_vec();
         let names = RegionNames { cells: &["steel".to_owned()], facets: &facets.map(str::to_owned) };
         let mut piece = half.into_piece(&cut, names);
         let count = |name: &str| piece.facet_region(name).map(<[Facet]>::len);
@@ -90,6 +216,32 @@ mod tests {
         let text =
             "refinement is not available on a mesh that is divided among processes; take the whole mesh";
         assert!(said.starts_with(text), "{said}");
+        Ok(())
+    }
+
+    #[test]
+    fn copies_of_cells_are_in_surfaces_only() -> Result<(), MeshError> {
+        let half = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1)?;
+        let (cut, top) = (half.facet_region("right")?.to_vec(), half.facet_region("top")?.to_vec());
+        let names = RegionNames { cells: &[], facets: &["top", "left"].map(str::to_owned) };
+        let piece = half.into_piece(&cut, names);
+        // The other half's cell below the top, next to the corner: two nodes are here, and two come with it.
+        let copy = Facet { cell: 4, local: 2 };
+        let mut part = piece.with_ghost_cells(GhostCells {
+            nodes: vec![[1.5, 0.5], [1.5, 1.0]],
+            blocks: vec![(CellShape::Quadrilateral, vec![5, 9, 10, 8])],
+            surfaces: BTreeMap::from([("top".to_owned(), [&[copy], &top[..]].concat())]),
+            shapes: vec![CellShape::Quadrilateral],
+        })?;
+        assert_eq!((part.cell_count(), part.body_cells(), part.ghost_cells()), (5, 0..4, 4..5));
+        assert_eq!(part.body_nodes(), (9, 16));
+        assert!(part.cell_region(EVERYWHERE)?.len() == 4 && part.boundary_facets().len() == 6);
+        assert_eq!((part.facet_region("top")?, part.facets_of_surface("top")?.len()), (&top[..], 3));
+        part.name_facets("far", "top", |x| x[0] > 1.0)?;
+        assert!(part.facet_region("far")?.is_empty());
+        assert_eq!(part.facets_of_surface("far")?, [copy]);
+        let divided = MeshError::DividedSurface { name: "left".to_owned() };
+        assert_eq!(part.facets_of_surface("left"), Err(divided));
         Ok(())
     }
 }

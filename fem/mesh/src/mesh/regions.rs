@@ -142,7 +142,9 @@ impl<const D: usize> Mesh<D> {
     ) -> Result<(), MeshError> {
         let facets = self.facet_region(within)?.iter().copied();
         let facets = facets.filter(|&facet| condition(&self.facet_centre(facet))).collect();
-        self.insert_facets(name, facets)
+        self.insert_facets(name, facets)?;
+        self.name_on_surface(name, within, condition);
+        Ok(())
     }
 
     /// A name for the facets of a list, for example one read from a file; their order does not matter, and one

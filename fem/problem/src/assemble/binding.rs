@@ -462,8 +462,6 @@ impl<'a, const D: usize> Binding<'a, D> {
         quadrature: &Quadrature<D>,
         degree: usize,
     ) -> Result<Arc<Pairs<D>>, AssemblyError> {
-        let whole = self.mesh.without_pieces("contact between surfaces", crate::mesh::TAKE_THE_WHOLE);
-        whole.map_err(|source| AssemblyError::Mesh { form: self.name, source })?;
         let lock = || self.found.lock().unwrap_or_else(PoisonError::into_inner);
         let is_wanted = |found: &&Found<D>| {
             (found.region, found.degree) == (region, degree) && found.displacement.as_deref() == displacement

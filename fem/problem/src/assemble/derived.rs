@@ -225,7 +225,7 @@ impl<const D: usize> Assembler<D> {
             Some(displacement) => self.pairs_displaced(pairing, degree, displacement),
             None => self.pairs_of(pairing, degree),
         };
-        let pairs = pairs.map_err(failed)?;
+        let pairs = Pairs::of_cells(pairs.map_err(failed)?, &self.mesh);
         let place = format!("the pairs {pairing}");
         let found =
             self.values(expression, &mut |binding| groups_of(binding, &place, &pairs, requirements))?;

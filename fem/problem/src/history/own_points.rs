@@ -37,7 +37,7 @@ fn own_surfaces<'p, const D: usize>(mesh: &Mesh<D>, pairing: &'p Pairing) -> Res
         if mesh.rigid_surface(&facing.own).is_some() {
             return Err(PairError::RigidSide { surface: facing.own.clone() });
         }
-        let own = mesh.facet_region(&facing.own).map_err(|source| PairError::Surface { source })?;
+        let own = mesh.facets_of_surface(&facing.own).map_err(|source| PairError::Surface { source })?;
         if own.is_empty() {
             return Err(PairError::Empty { surface: facing.own.clone() });
         }

@@ -9,7 +9,7 @@ use forms_core::contract::{Entity, PairQuadrature, Pairing, Requirements, Side};
 use super::{HistoryMismatch, PointStorage, Snapshot, State};
 use crate::assemble::Assembler;
 use crate::mesh::Facet;
-use crate::pairs::{PairError, PairGroup};
+use crate::pairs::{PairError, PairGroup, Pairs};
 
 /// The kind of a pairing's points, for histories that are read there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +48,7 @@ impl<const D: usize> PointStorage<D> {
         degree: usize,
         initial: &[f64],
     ) -> Result<Self, PairError> {
-        let pairs = assembler.pairs_of(pairing, degree)?;
+        let pairs = Pairs::of_cells(assembler.pairs_of(pairing, degree)?, assembler.mesh());
         let (mut ranges, mut count) = (HashMap::new(), 0);
         for group in &pairs.groups {
             for facets in &group.facets {

@@ -10,7 +10,7 @@ use super::surface::{SurfaceFacet, dot, minus, unit};
 use super::surfaces::Surfaces;
 use super::{Displacement, DisplacementField, PairError};
 use crate::field::Field;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, TAKE_THE_WHOLE};
 use crate::quadrature::Quadrature;
 use crate::threads::Threads;
 
@@ -91,7 +91,10 @@ impl<const D: usize> Approach<D> {
             return Err(PairError::Approach { direction: self.direction.to_vec(), overlap: self.overlap });
         }
         let direction = unit(&self.direction);
-        let cells = mesh.cell_region(&self.moving).map_err(|source| PairError::Surface { source })?;
+        let cells = mesh
+            .without_pieces("the way to a first touch", TAKE_THE_WHOLE)
+            .and_then(|()| mesh.cell_region(&self.moving))
+            .map_err(|source| PairError::Surface { source })?;
         let space = u.space();
         let displacement = Displacement { fields: vec![DisplacementField { space, values: u.values() }] };
         let at_rest = SurfacesAtRest::default();

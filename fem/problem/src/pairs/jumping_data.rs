@@ -104,7 +104,7 @@ fn check_surface<const D: usize>(
     read: &ReadFunction<'_, D>,
 ) -> Result<(), PairError> {
     // A surface that does not exist, or is rigid, is named where pairs are searched for.
-    let Ok(facets) = mesh.facet_region(surface) else { return Ok(()) };
+    let Ok(facets) = mesh.facets_of_surface(surface) else { return Ok(()) };
     let mut rules: Vec<FacetPoints<D>> = Vec::new();
     let [mut on, mut inside, mut further] = [(); 3].map(|()| vec![0.0; read.components]);
     for facet in facets {

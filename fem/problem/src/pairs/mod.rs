@@ -166,6 +166,17 @@ pub struct Pairs<const D: usize> {
 const CHUNK: usize = 64;
 
 impl<const D: usize> Pairs<D> {
+    /// The pairs whose own facets belong to the cells of bodies, and not to copies of other processes' cells.
+    pub(crate) fn of_cells(pairs: Arc<Self>, mesh: &Mesh<D>) -> Arc<Self> {
+        if mesh.ghost_cells().is_empty() {
+            return pairs;
+        }
+        let own = mesh.body_cells();
+        let of_group = |group: &Arc<PairGroup<D>>| group.filtered(|cell| own.contains(&(cell as usize)));
+        let groups = pairs.groups.iter().map(of_group).filter(|group| !group.facets.is_empty());
+        Arc::new(Pairs { groups: groups.map(Arc::new).collect(), ..(*pairs).clone() })
+    }
+
     /// Searches with the candidates of an earlier search for the same pairing and rule, and leaves those of this one.
     fn find(
         mesh: &Mesh<D>,

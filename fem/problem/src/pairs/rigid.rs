@@ -95,5 +95,5 @@ pub(crate) fn coupled_facets<'m, const D: usize>(
     if let Some(carrier) = mesh.carrier(name) {
         return Ok(vec![carrier].into());
     }
-    mesh.facet_region(name).map(Into::into).map_err(|source| PairError::Surface { source })
+    mesh.facets_of_surface(name).map(Into::into).map_err(|source| PairError::Surface { source })
 }

@@ -23,7 +23,7 @@ pub(super) struct Surfaces<'m, const D: usize> {
 
 /// The facets of a surface of a body, at least one.
 fn facets<'m, const D: usize>(mesh: &'m Mesh<D>, name: &str) -> Result<&'m [Facet], PairError> {
-    let facets = mesh.facet_region(name).map_err(|source| PairError::Surface { source })?;
+    let facets = mesh.facets_of_surface(name).map_err(|source| PairError::Surface { source })?;
     match facets.is_empty() {
         true => Err(PairError::Empty { surface: name.to_owned() }),
         false => Ok(facets),

@@ -52,6 +52,10 @@ fn thicknesses<const D: usize>(
     facets: &[SurfaceFacet<D>],
     depth: f64,
 ) -> HashMap<Facet, f64> {
+    if mesh.boundary_facets().is_empty() {
+        // Of a piece of a mesh.
+        return HashMap::new();
+    }
     let at_rest = FacetAtRest::all(mesh, mesh.boundary_facets());
     let at_rest = SurfaceAtRest { facets: at_rest.into(), nodes: vec![] };
     let boundary = SurfaceFacet::all(mesh, &at_rest, 0..at_rest.facets.len(), None);

@@ -62,6 +62,15 @@ pub enum CommunicationError {
         /// The thing, in words.
         what: String,
     },
+    /// A given field that does not go on in the copies of other processes' cells.
+    #[error(
+        "the field `{field}` has other values on copies of cells than on the process that owns them; take \
+         `part.completed(&field)`"
+    )]
+    GhostValues {
+        /// Its name in the form.
+        field: &'static str,
+    },
     /// The processes do not solve the same problem.
     #[error("the processes have different problems: what differs is {what}")]
     Different {
@@ -132,7 +141,7 @@ pub fn on_part_of_cells<const D: usize>(
 ) -> Result<Assembler<D>, AssemblyError> {
     let own = match mesh.is_piece() {
         // All of them are this process's own.
-        true => assembler.clone().on_owned_cells(&(0..mesh.cell_count() as u32).collect::<Vec<_>>()),
+        true => assembler.clone().on_owned_cells(&(0..mesh.body_cells().end as u32).collect::<Vec<_>>()),
         false => {
             let part = &mesh.cell_order().cells()[communicator.part(mesh.cell_count())];
             assembler.clone().on_owned_cells(part)

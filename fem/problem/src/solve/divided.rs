@@ -1,12 +1,21 @@
 //! Vectors over unknowns whose mesh is divided: each process has the entries of its piece, with the same values where pieces meet.
 
+use std::any::Any;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::rc::Rc;
 
-use super::communicator::CommunicationError;
+use forms_core::contract::Source;
+
+use super::communicator::{CommunicationError, Communicator, agreed};
+use crate::assemble::AssemblyError;
+use crate::contract::Function;
+use crate::field::Field;
 use crate::linear_algebra::vector::norm;
+
+/// Part of a field's largest value by which copies may differ: positions are rounded.
+const GHOST_TOLERANCE: f64 = 1e-9;
 
 /// Vectors over the unknowns of a problem on a divided mesh, space after space. Unknowns where pieces meet are on several processes, and one
 /// of these owns each. All processes make the same calls in the same order.
@@ -59,6 +68,38 @@ pub fn prescribed_by_all(
     Ok(found
         .map(|(unknown, (count, value))| (unknown, if *count == 1.0 { *value } else { value / count }))
         .collect())
+}
+
+/// An error on all processes for a given field of a form that has other values on copies of cells than their owners give it. Integrals over
+/// pairs read opposite cells there.
+///
+/// # Errors
+/// [`CommunicationError::GhostValues`]; [`CommunicationError::Divided`] of fields on spaces that are not divided; a failed exchange.
+#[doc(hidden)]
+pub fn check_ghost_values<const D: usize>(
+    all: &dyn Communicator,
+    form: &Function<D>,
+) -> Result<(), AssemblyError> {
+    let name = form.name();
+    let failed = |source| AssemblyError::Communication { form: name, source };
+    for (description, source) in form.fields().iter().zip(&form.inputs().sources) {
+        let Some(Source::Discrete(handle)) = source else { continue };
+        let Some(field) = handle.as_any().downcast_ref::<Field<D>>() else { continue };
+        if !field.space().mesh().has_replicated_surfaces() {
+            continue;
+        }
+        let Some(divided) = all.divided(&[field.space() as &dyn Any]).map_err(failed)? else { continue };
+        let mut owned = field.values().to_vec();
+        divided.spread(&mut owned).map_err(failed)?;
+        let size = owned.iter().fold(0.0_f64, |size, value| size.max(value.abs()));
+        let is_same = |(value, owned): (&f64, &f64)| (value - owned).abs() <= GHOST_TOLERANCE * size;
+        let own = match field.values().iter().zip(&owned).all(is_same) {
+            true => Ok(()),
+            false => Err(failed(CommunicationError::GhostValues { field: description.name })),
+        };
+        agreed(Some(all), name, own)?;
+    }
+    Ok(())
 }
 
 /// Answers that are the same on all processes: norms, extremes and verdicts on vectors. On a mesh that is not divided they are this

@@ -10,7 +10,7 @@ use forms_core::contract::{Entity, Region};
 use super::communicator::{
     CommunicationError, Communicator, Fingerprint, agreed, agreed_or, on_part_of_cells, summed,
 };
-use super::divided::{DividedVectors, prescribed_by_all};
+use super::divided::{DividedVectors, check_ghost_values, prescribed_by_all};
 use super::elimination::Elimination;
 use crate::assemble::{Assembler, AssemblyError};
 use crate::contract::Form;
@@ -91,9 +91,13 @@ impl<'a> Processes<'a> {
     /// # Errors
     /// [`CommunicationError::Divided`].
     pub fn check_form<const D: usize>(&self, form: &Form<D>) -> Result<(), AssemblyError> {
-        let is_local = |region: &Region| matches!(region.entity, Entity::Cells | Entity::Facets);
-        let all_local = form.inputs().regions.iter().all(is_local);
-        self.refuse(form.name(), [(!all_local, "contact pairs, interfaces and interior facets")])
+        let is_across = |region: &Region| matches!(region.entity, Entity::InteriorFacets | Entity::Interface);
+        let across = form.inputs().regions.iter().any(is_across);
+        self.refuse(form.name(), [(across, "interfaces and interior facets")])?;
+        match self.communicator.filter(|_| self.divided.is_some()) {
+            Some(all) => check_ghost_values(all, form),
+            None => Ok(()),
+        }
     }
 
     /// The error of the first thing that is there, and that a divided mesh does not have; on all processes.

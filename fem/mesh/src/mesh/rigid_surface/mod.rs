@@ -214,21 +214,28 @@ impl<const D: usize> Mesh<D> {
     /// Whether a cell carries a rigid surface, and is no part of a body.
     #[doc(hidden)]
     pub fn carries(&self, cell: u32) -> bool {
-        cell as usize >= self.body_cells().end
+        cell as usize >= self.cells_of_bodies().end
     }
 
-    /// The cells of bodies: all but those that carry rigid surfaces, which come after them.
+    /// The cells of bodies: all but those that carry rigid surfaces, which come after them. Of a piece of a mesh they are this process's own.
     pub fn body_cells(&self) -> std::ops::Range<usize> {
+        0..self.ghost_cells().start - self.rigid.len()
+    }
+
+    /// The cells of bodies with copies of other processes' cells.
+    #[doc(hidden)]
+    pub fn cells_of_bodies(&self) -> std::ops::Range<usize> {
         0..self.cell_count() - self.rigid.len()
     }
 
     /// Number of nodes of the bodies, and of the places in [`Mesh::cells`] that are of their cells. The nodes of the cells that carry
-    /// rigid surfaces come after them.
+    /// rigid surfaces come after them, and those of copies of other processes' cells.
     #[doc(hidden)]
     pub fn body_nodes(&self) -> (usize, usize) {
-        let carriers: usize =
-            (self.body_cells().end..self.cell_count()).map(|cell| self.cell(cell).len()).sum();
-        (self.node_count() - carriers, self.cells.len() - carriers)
+        let places = |cells: std::ops::Range<usize>| cells.map(|cell| self.cell(cell).len()).sum::<usize>();
+        let others = places(self.body_cells().end..self.cell_count());
+        let carriers = places(self.cells_of_bodies().end..self.cell_count());
+        (self.node_count() - carriers - self.ghost_nodes(), self.cells.len() - others)
     }
 
     /// Check that the mesh has no rigid surfaces and is no piece of another, for functions that do not support them.

@@ -82,7 +82,7 @@ impl Estimate<'_> {
     pub fn on_pairs<const D: usize>(&self, mesh: &Mesh<D>, pairing: Option<&Pairing>) -> usize {
         let map = map_of_surfaces(mesh, pairing);
         let degree = |shape: CellShape| self.on_facets(mesh, shape.is_simplex(), map);
-        mesh.shapes().into_iter().map(degree).max().unwrap_or(0)
+        mesh.shapes_of_all().into_iter().map(degree).max().unwrap_or(0)
     }
 }
 
@@ -99,7 +99,7 @@ fn map_of_surfaces<const D: usize>(mesh: &Mesh<D>, pairing: Option<&Pairing>) ->
     let names = surfaces.flat_map(|facing| [&facing.own, &facing.opposite]);
     let is_affine = |name: &String| {
         // What is no surface is an error of the search.
-        let facets = mesh.facet_region(name).unwrap_or_default();
+        let facets = mesh.facets_of_surface(name).unwrap_or_default();
         facets.iter().all(|facet| maps.of_facet(*facet))
     };
     if names.into_iter().all(is_affine) { Map::Affine } else { Map::Varying }

@@ -11,6 +11,7 @@ use crate::assemble::{Assembler, AssemblyError};
 use crate::contract::Function;
 use crate::field::{Field, FieldView};
 use crate::instantiate::instantiate;
+use crate::mesh::TAKE_THE_WHOLE;
 use crate::pairs::{FollowedMotion, Follower, PairError, PairReport, Pairs};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
@@ -232,6 +233,8 @@ impl<const D: usize> Assembler<D> {
         before: &Field<D>,
         after: &Field<D>,
     ) -> Result<FollowedMotion<D>, PairError> {
+        let whole = self.mesh.without_pieces("the motion of surfaces between two states", TAKE_THE_WHOLE);
+        whole.map_err(|source| PairError::Surface { source })?;
         self.check_displacement(before)?;
         self.check_displacement(after)?;
         if !Arc::ptr_eq(before.space(), after.space()) {

@@ -28,7 +28,7 @@ impl<const D: usize> Transfer<'_, D> {
         let (mesh, space) = (self.space.mesh(), self.space);
         // Nodes of cells that carry rigid surfaces are nowhere near the bodies: they keep zero.
         let mut sources: Vec<Option<u32>> = vec![None; space.node_count()];
-        for cell in mesh.body_cells() {
+        for cell in mesh.cells_of_bodies() {
             for &node in space.cell_nodes(cell) {
                 sources[node as usize].get_or_insert(cell as u32);
             }

@@ -116,9 +116,10 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         self.divided = processes.divided().cloned();
         if self.divided.is_some() {
             let (assembler, mesh) = (&self.system.assembler, self.system.spaces[0].mesh());
-            let all_cells = (0..mesh.cell_count() as u32).all(|cell| assembler.owns_cell(cell));
+            let own = mesh.body_cells();
+            let is_fit = |cell: u32| assembler.owns_cell(cell) == own.contains(&(cell as usize));
             let things = [
-                (!all_cells, "assemblers of some cells only"),
+                (!(0..mesh.cell_count() as u32).all(is_fit), "assemblers of some cells only"),
                 (!self.bounds.is_empty(), "bounds on unknowns"),
                 (!self.positive.is_empty(), "quantities that are kept positive"),
                 (self.deflation.is_some(), "deflated solutions"),

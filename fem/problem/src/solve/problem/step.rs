@@ -4,7 +4,7 @@ use super::Problem;
 use super::SolveError;
 use super::solution::Found;
 use crate::constraints::Constraints;
-use crate::solve::{Elimination, LinearSolver, NewtonFailure};
+use crate::solve::{Elimination, LinearSolver, NewtonFailure, Processes};
 
 impl<const D: usize, const N: usize> Problem<'_, D, N> {
     /// The solution from the start, or, in a load step whose start is a prediction that leads nowhere, from the state before.
@@ -36,7 +36,10 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
     fn followed(&self, found: Found) -> Result<Found, SolveError> {
         if let Some(before) = self.last_state {
             let before: Vec<f64> = before.iter().flat_map(|field| field.values()).copied().collect();
-            self.system.follow_motion(&before, &found.0).map_err(NewtonFailure::Refused)?;
+            // On pieces each process knows the thickness of its own cells behind a surface: the thinnest decides.
+            let processes = Processes::new(self.communicator, self.divided.clone());
+            let own = self.system.follow_motion(&before, &found.0);
+            processes.all_succeed(self.system.form.name(), own).map_err(NewtonFailure::Refused)?;
         }
         Ok(found)
     }

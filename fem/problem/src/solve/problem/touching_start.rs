@@ -9,8 +9,7 @@ use super::SolveError;
 use crate::assemble::FoundPairs;
 use crate::mesh::{Facet, Mesh};
 use crate::pairs::PairGroup;
-use crate::solve::communicator::summed;
-use crate::solve::{Elimination, NewtonFailure};
+use crate::solve::{Elimination, NewtonFailure, Processes};
 
 /// A gap below this part of the own facet's diameter is none, and not apart or overlapping by rounding.
 const TOUCHING: f64 = 1e-11;
@@ -58,14 +57,16 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
 
     /// Whether something acts at u: values that are prescribed there, or forces.
     fn leaves_rest(&self, elimination: &Elimination, u: &[f64]) -> Result<bool, SolveError> {
+        let processes = Processes::new(self.communicator, self.divided.clone());
+        let form = self.system.form.name();
         let mut imposed = u.to_vec();
         elimination.impose(&mut imposed).map_err(NewtonFailure::Mismatch)?;
-        if imposed != u {
+        if processes.any(form, imposed != u)? {
             return Ok(true);
         }
-        let forces = summed(self.communicator, self.system.form.name(), self.system.whole_residual(u))?;
+        let forces = processes.added_up(form, self.system.whole_residual(u))?;
         let forces = elimination.reduce(&forces).map_err(NewtonFailure::Mismatch)?;
-        Ok(forces.iter().any(|force| *force != 0.0))
+        Ok(processes.any(form, forces.iter().any(|force| *force != 0.0))?)
     }
 
     /// The ways of all nodes of an unknown, of each cell at a surface that touches: half of the overlap toward the other one.

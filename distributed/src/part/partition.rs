@@ -1,5 +1,5 @@
-//! A mesh that is cut into pieces, one for each process, along the curve on which its cells are walked; and the pieces as lists of
-//! numbers, which go from process to process.
+//! Partition of a mesh into subdomains, one for each process, along the curve on which its cells are walked; and the subdomains as lists
+//! of numbers, which go from process to process.
 
 use std::collections::BTreeMap;
 
@@ -8,11 +8,12 @@ use forms_fem::mesh::{BOUNDARY, EVERYWHERE, Facet, Mesh, MeshError, RegionNames}
 
 use super::MeshPart;
 use super::shared_nodes::Vertices;
+use super::words::{Words, add, facet_of, word_of};
 use crate::error::PetscError;
 use crate::world::World;
 
 /// A mesh with the processes that its vertices go to.
-pub(super) struct Cutting<'m, const D: usize> {
+pub(super) struct Partition<'m, const D: usize> {
     mesh: &'m Mesh<D>,
     /// The first cell of each process on the curve, and the number of all.
     starts: Vec<usize>,
@@ -20,8 +21,8 @@ pub(super) struct Cutting<'m, const D: usize> {
     sharers: BTreeMap<u32, Vec<usize>>,
 }
 
-/// The cells of one process.
-pub(super) struct Piece<const D: usize> {
+/// The cells of one process, and what it has of the whole.
+pub(super) struct Subdomain<const D: usize> {
     mesh: Mesh<D>,
     /// Facets to cells of other processes, ascending.
     cut: Vec<Facet>,
@@ -33,7 +34,7 @@ pub(super) struct Piece<const D: usize> {
 /// No process yet.
 const NOBODY: usize = usize::MAX;
 
-impl<'m, const D: usize> Cutting<'m, D> {
+impl<'m, const D: usize> Partition<'m, D> {
     pub fn new(world: &World, mesh: &'m Mesh<D>) -> Result<Self, PetscError> {
         let (processes, cells) = (world.size(), mesh.cell_count());
         if cells < processes {
@@ -57,11 +58,11 @@ impl<'m, const D: usize> Cutting<'m, D> {
                 }
             }
         }
-        Ok(Cutting { mesh, starts, sharers })
+        Ok(Partition { mesh, starts, sharers })
     }
 
-    /// The piece of a process.
-    pub fn piece(&self, rank: usize) -> Result<Piece<D>, MeshError> {
+    /// The cells of a process.
+    pub fn subdomain(&self, rank: usize) -> Result<Subdomain<D>, MeshError> {
         let mesh = self.mesh;
         let mut cells = mesh.cell_order().cells()[self.starts[rank]..self.starts[rank + 1]].to_vec();
         cells.sort_unstable();
@@ -79,19 +80,19 @@ impl<'m, const D: usize> Cutting<'m, D> {
         };
         let sharers = part.nodes.iter().enumerate().filter_map(others).collect();
         let numbers = part.nodes.iter().map(|node| u64::from(*node)).collect();
-        Ok(Piece { mesh: part.mesh, cut, names, vertices: Vertices { numbers, sharers } })
+        Ok(Subdomain { mesh: part.mesh, cut, names, vertices: Vertices { numbers, sharers } })
     }
 }
 
-impl<const D: usize> Piece<D> {
-    /// The piece as this process's part.
+impl<const D: usize> Subdomain<D> {
+    /// The subdomain as this process's part.
     pub fn into_part(self, world: &World) -> MeshPart<'_, D> {
         let [cells, facets] = &self.names;
         let mesh = self.mesh.into_piece(&self.cut, RegionNames { cells, facets });
         MeshPart::new(world, mesh, self.vertices)
     }
 
-    /// The piece as a list of numbers.
+    /// The subdomain as a list of numbers.
     pub fn to_words(&self) -> Vec<u64> {
         let mesh = &self.mesh;
         let mut words = vec![mesh.degree() as u64];
@@ -126,7 +127,7 @@ impl<const D: usize> Piece<D> {
         words
     }
 
-    /// The piece that a list describes; none of a list that breaks off.
+    /// The subdomain that a list describes; none of a list that breaks off.
     pub fn of_words(words: &[u64]) -> Result<Option<Self>, MeshError> {
         let mut rest = Words(words);
         let Some((degree, nodes, blocks)) = rest.cells::<D>() else { return Ok(None) };
@@ -142,28 +143,9 @@ impl<const D: usize> Piece<D> {
             mesh.name_listed_facets(name, facets)?;
         }
         let names = [cells.into_keys().collect(), facets.into_keys().collect()];
-        Ok(rest.ends().map(|(cut, vertices)| Piece { mesh, cut, names, vertices }))
+        Ok(rest.ends().map(|(cut, vertices)| Subdomain { mesh, cut, names, vertices }))
     }
 }
-
-fn word_of(facet: &Facet) -> u64 {
-    u64::from(facet.cell) << 8 | u64::from(facet.local)
-}
-
-fn facet_of(word: &u64) -> Facet {
-    Facet { cell: (word >> 8) as u32, local: *word as u8 }
-}
-
-/// Adds a list behind its length.
-fn add(words: &mut Vec<u64>, list: impl Iterator<Item = u64>) {
-    let at = words.len();
-    words.push(0);
-    words.extend(list);
-    words[at] = (words.len() - at - 1) as u64;
-}
-
-/// The rest of a list.
-struct Words<'a>(&'a [u64]);
 
 /// Degree, nodes and cells by their shapes.
 type Cells<const D: usize> = (usize, Vec<[f64; D]>, Vec<(CellShape, Vec<u32>)>);
@@ -172,23 +154,6 @@ type Cells<const D: usize> = (usize, Vec<[f64; D]>, Vec<(CellShape, Vec<u32>)>);
 type Regions<T> = BTreeMap<String, Vec<T>>;
 
 impl Words<'_> {
-    fn number(&mut self) -> Option<usize> {
-        let (first, rest) = self.0.split_first()?;
-        self.0 = rest;
-        Some(*first as usize)
-    }
-
-    fn list<T>(&mut self, of: impl Fn(&u64) -> T) -> Option<Vec<T>> {
-        let length = self.number()?;
-        let (list, rest) = self.0.split_at_checked(length)?;
-        self.0 = rest;
-        Some(list.iter().map(of).collect())
-    }
-
-    fn text(&mut self) -> Option<String> {
-        String::from_utf8(self.list(|byte| *byte as u8)?).ok()
-    }
-
     fn cells<const D: usize>(&mut self) -> Option<Cells<D>> {
         let degree = self.number()?;
         let nodes = self.list(|bits| f64::from_bits(*bits))?.as_chunks().0.to_vec();
@@ -229,7 +194,7 @@ mod tests {
     use forms_fem::mesh::rectangle;
 
     #[test]
-    fn a_piece_comes_back_from_its_list() -> Result<(), MeshError> {
+    fn a_subdomain_comes_back_from_its_list() -> Result<(), MeshError> {
         let mut mesh = rectangle([0.0; 2], [1.0; 2], [3, 2], CellShape::Triangle, 2)?;
         mesh.name_cells("steel", |x| x[0] < 0.5)?;
         let (vertices, cut) = (
@@ -241,13 +206,13 @@ mod tests {
         );
         let names =
             [vec!["all".to_owned(), "steel".to_owned()], vec!["boundary".to_owned(), "left".to_owned()]];
-        let piece = Piece { mesh, cut, names, vertices };
-        let words = piece.to_words();
-        let back = Piece::<2>::of_words(&words)?.unwrap();
+        let subdomain = Subdomain { mesh, cut, names, vertices };
+        let words = subdomain.to_words();
+        let back = Subdomain::<2>::of_words(&words)?.unwrap();
         assert_eq!(back.to_words(), words);
-        assert_eq!((back.mesh.nodes(), back.mesh.cells()), (piece.mesh.nodes(), piece.mesh.cells()));
-        assert_eq!(back.mesh.cell_region("steel")?, piece.mesh.cell_region("steel")?);
-        assert!(Piece::<2>::of_words(&words[..words.len() - 1])?.is_none());
+        assert_eq!((back.mesh.nodes(), back.mesh.cells()), (subdomain.mesh.nodes(), subdomain.mesh.cells()));
+        assert_eq!(back.mesh.cell_region("steel")?, subdomain.mesh.cell_region("steel")?);
+        assert!(Subdomain::<2>::of_words(&words[..words.len() - 1])?.is_none());
         Ok(())
     }
 }

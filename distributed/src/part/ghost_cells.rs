@@ -1,0 +1,237 @@
+//! Surfaces that each process has whole, as contact between bodies needs them: every process gets copies of the cells at them.
+
+use std::collections::{BTreeMap, HashMap};
+
+use forms_fem::element::CellShape;
+use forms_fem::mesh::{Facet, GhostCells, Mesh, MeshError};
+use forms_fem::prelude::*;
+use forms_fem::solve::communicator::Fingerprint;
+
+use super::MeshPart;
+use super::shared_nodes::Vertices;
+use super::words::{Words, add, facet_of, word_of};
+use crate::error::PetscError;
+use crate::world::World;
+
+/// One process's own cells at some surfaces, with numbers of nodes in the whole mesh.
+struct CellsAtSurfaces<const D: usize> {
+    cells: Vec<(CellShape, Vec<u64>)>,
+    /// Each node with its position.
+    nodes: Vec<(u64, [f64; D])>,
+    /// Facets of each surface, by places among the cells.
+    surfaces: Vec<Vec<Facet>>,
+}
+
+impl<const D: usize> MeshPart<'_, D> {
+    /// This part with some surfaces whole on each process, for contact pairs between them: a [`Pairing`] may have these surfaces, and facets
+    /// that are named within them. Each process has copies of all cells at the surfaces ([`MeshPart::ghost_cells`]) with their unknowns.
+    /// All else is of the process's own cells: integrals over cells, facets and own facets of pairs, regions, files. Spaces come afterwards.
+    ///
+    /// ```no_run
+    /// # use forms_distributed::World;
+    /// # use forms_fem::prelude::*;
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let world = World::start()?;
+    /// # let mesh = rectangle([0.0; 2], [1.0; 2], [8; 2], CellShape::Triangle, 1)?;
+    /// let part = world.divide(&mesh)?.with_surfaces(&["slab top", "block bottom"])?;
+    /// let space = Space::vector(&part, 2)?;
+    /// let touch = Pairing::between("slab top", "block bottom");
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`PetscError::Unfit`] of a name that does not exist, of surfaces without facets, of other names on other processes, or of a part that has
+    /// such surfaces.
+    pub fn with_surfaces(self, names: &[&str]) -> Result<Self, PetscError> {
+        let world = self.world;
+        let texts = names.iter().fold(Fingerprint::default(), |all, name| all.text(name));
+        world.check_same("surfaces", texts.finish())?;
+        let own = world.agree(self.cells_at(names))?;
+        for (name, facets) in names.iter().zip(&own.surfaces) {
+            if world.gather(facets.len() as u64)?.iter().all(|count| *count == 0) {
+                return Err(unfit(MeshError::EmptyRegion { name: (*name).to_owned(), entity: "facet" }));
+            }
+        }
+        let here = |shape: &CellShape| u64::from(self.mesh.shapes().contains(shape));
+        let mut shapes = vec![];
+        for shape in CellShape::ALL {
+            if world.gather(here(&shape))?.contains(&1) {
+                shapes.push(shape);
+            }
+        }
+        let others = cells_of_others(world, &own)?;
+        let mut merged = Merged::new(&self, names);
+        let joined = others.iter().try_for_each(|cells| merged.add(cells).ok_or_else(lost));
+        world.agree(joined)?;
+        let Merged { nodes, blocks, surfaces, numbers, at_surfaces, .. } = merged;
+        let mesh = self.mesh.with_ghost_cells(GhostCells { nodes, blocks, surfaces, shapes });
+        let mesh = world.agree(mesh.map_err(unfit))?;
+        let all: Vec<usize> = (0..world.size()).filter(|rank| *rank != world.rank()).collect();
+        let mut sharers = self.vertices.sharers;
+        if !all.is_empty() {
+            for cell in at_surfaces.into_iter().chain(mesh.ghost_cells().map(|cell| cell as u32)) {
+                for vertex in mesh.cell_vertices(cell as usize) {
+                    sharers.insert(*vertex, all.clone());
+                }
+            }
+        }
+        Ok(MeshPart::new(world, mesh, Vertices { numbers, sharers }))
+    }
+
+    /// Number of this process's copies of other processes' cells, which it has for contact between surfaces. They come after its own, and are
+    /// counted by [`Mesh::cell_count`].
+    pub fn ghost_cells(&self) -> usize {
+        self.mesh.ghost_cells().len()
+    }
+
+    /// A field with the values of other processes at the copies of their cells: for data that were made cell by cell, or from regions.
+    ///
+    /// # Errors
+    /// [`PetscError::Unfit`] of a field that is not on this part; [`PetscError::Divided`] of spaces that parts do not have.
+    pub fn completed(&self, field: &Field<D>) -> Result<Field<D>, PetscError> {
+        let mut values = field.values().to_vec();
+        self.vectors(&[field.space()])?.copy_from_owners(&mut values)?;
+        Ok(self.world.agree(Field::from_values(field.space(), values).map_err(unfit))?)
+    }
+
+    fn cells_at(&self, names: &[&str]) -> Result<CellsAtSurfaces<D>, PetscError> {
+        if self.mesh.has_replicated_surfaces() {
+            return Err(unfit("name all surfaces in one call of `part.with_surfaces(..)`"));
+        }
+        let facets = names.iter().map(|name| self.mesh.facet_region(name).map_err(unfit));
+        let facets: Vec<&[Facet]> = facets.collect::<Result<_, _>>()?;
+        let cells = cells_of(&facets);
+        let place = |cell: u32| cells.binary_search(&cell).map_or(0, |place| place as u32);
+        let mut nodes: BTreeMap<u64, [f64; D]> = BTreeMap::new();
+        let mut found = vec![];
+        for cell in &cells {
+            let own = self.mesh.cell(*cell as usize);
+            let number = |node: &u32| self.vertices.numbers[*node as usize];
+            nodes.extend(own.iter().map(|node| (number(node), self.mesh.nodes()[*node as usize])));
+            found.push((self.mesh.cell_shape(*cell as usize), own.iter().map(number).collect()));
+        }
+        let placed = |facet: &Facet| Facet { cell: place(facet.cell), local: facet.local };
+        let surfaces = facets.iter().map(|facets| facets.iter().map(placed).collect()).collect();
+        Ok(CellsAtSurfaces { cells: found, nodes: nodes.into_iter().collect(), surfaces })
+    }
+}
+
+/// The cells of some facets, ascending.
+fn cells_of(facets: &[&[Facet]]) -> Vec<u32> {
+    let mut cells: Vec<u32> = facets.concat().iter().map(|facet| facet.cell).collect();
+    cells.sort_unstable();
+    cells.dedup();
+    cells
+}
+
+/// What all other processes have at the surfaces, in the order of their ranks.
+fn cells_of_others<const D: usize>(
+    world: &World,
+    own: &CellsAtSurfaces<D>,
+) -> Result<Vec<CellsAtSurfaces<D>>, PetscError> {
+    let words = own.to_words();
+    let lengths = world.gather(words.len() as u64)?;
+    let others: Vec<usize> = (0..world.size()).filter(|rank| *rank != world.rank()).collect();
+    let lengths: Vec<usize> = others.iter().map(|rank| lengths[*rank] as usize).collect();
+    let number = Fingerprint::default().text("cells at surfaces").finish();
+    let lists = others.iter().map(|rank| (*rank, words.clone())).collect();
+    let found = world.meetings().exchange(number, lists, &lengths)?;
+    let read = |list: &Vec<u64>| CellsAtSurfaces::of_words(list).ok_or_else(lost);
+    Ok(world.agree(found.iter().map(read).collect::<Result<_, PetscError>>())?)
+}
+
+impl<const D: usize> CellsAtSurfaces<D> {
+    fn to_words(&self) -> Vec<u64> {
+        let mut words = vec![self.cells.len() as u64];
+        for (shape, nodes) in &self.cells {
+            add(&mut words, shape.name().bytes().map(u64::from));
+            add(&mut words, nodes.iter().copied());
+        }
+        add(&mut words, self.nodes.iter().map(|(number, _)| *number));
+        add(&mut words, self.nodes.iter().flat_map(|(_, position)| position.map(f64::to_bits)));
+        words.push(self.surfaces.len() as u64);
+        for facets in &self.surfaces {
+            add(&mut words, facets.iter().map(word_of));
+        }
+        words
+    }
+
+    fn of_words(words: &[u64]) -> Option<Self> {
+        let mut rest = Words(words);
+        let mut cells = vec![];
+        for _ in 0..rest.number()? {
+            let name = rest.text()?;
+            let shape = CellShape::ALL.into_iter().find(|shape| shape.name() == name)?;
+            cells.push((shape, rest.list(|number| *number)?));
+        }
+        let (numbers, positions) = (rest.list(|number| *number)?, rest.list(|bits| f64::from_bits(*bits))?);
+        let nodes = numbers.into_iter().zip(positions.as_chunks().0.iter().copied()).collect();
+        let mut surfaces = vec![];
+        for _ in 0..rest.number()? {
+            surfaces.push(rest.list(facet_of)?);
+        }
+        Some(CellsAtSurfaces { cells, nodes, surfaces })
+    }
+}
+
+/// A part with what other processes have at its surfaces.
+struct Merged<'n, const D: usize> {
+    names: &'n [&'n str],
+    /// Number of cells so far.
+    cells: usize,
+    /// Nodes of the part here, by their numbers in the whole mesh.
+    places: HashMap<u64, u32>,
+    numbers: Vec<u64>,
+    /// Own cells at the surfaces.
+    at_surfaces: Vec<u32>,
+    nodes: Vec<[f64; D]>,
+    blocks: Vec<(CellShape, Vec<u32>)>,
+    surfaces: BTreeMap<String, Vec<Facet>>,
+}
+
+impl<'n, const D: usize> Merged<'n, D> {
+    fn new(part: &MeshPart<'_, D>, names: &'n [&'n str]) -> Self {
+        let (mesh, numbers): (&Mesh<D>, _) = (&part.mesh, part.vertices.numbers.clone());
+        let places = numbers.iter().zip(0..).map(|(number, node)| (*number, node)).collect();
+        let own = |name: &&str| mesh.facet_region(name).unwrap_or_default();
+        let at_surfaces = cells_of(&names.iter().map(own).collect::<Vec<_>>());
+        let surfaces = names.iter().map(|name| ((*name).to_owned(), own(name).to_vec())).collect();
+        let (nodes, blocks, cells) = (vec![], vec![], mesh.cell_count());
+        Merged { names, cells, places, numbers, at_surfaces, nodes, blocks, surfaces }
+    }
+
+    /// Adds the cells of another process; none where they name a node that has no position.
+    fn add(&mut self, others: &CellsAtSurfaces<D>) -> Option<()> {
+        for (number, position) in &others.nodes {
+            let next = self.numbers.len() as u32;
+            if *self.places.entry(*number).or_insert(next) == next {
+                self.numbers.push(*number);
+                self.nodes.push(*position);
+            }
+        }
+        for (shape, numbers) in &others.cells {
+            let nodes = numbers.iter().map(|number| self.places.get(number).copied());
+            let nodes: Vec<u32> = nodes.collect::<Option<_>>()?;
+            match self.blocks.last_mut() {
+                Some((last, all)) if last == shape => all.extend(nodes),
+                _ => self.blocks.push((*shape, nodes)),
+            }
+        }
+        for (name, facets) in self.names.iter().zip(&others.surfaces) {
+            let first = self.cells as u32;
+            let here = facets.iter().map(|facet| Facet { cell: first + facet.cell, local: facet.local });
+            self.surfaces.entry((*name).to_owned()).or_default().extend(here);
+        }
+        self.cells += others.cells.len();
+        Some(())
+    }
+}
+
+fn unfit(why: impl ToString) -> PetscError {
+    PetscError::Unfit { message: why.to_string() }
+}
+
+fn lost() -> PetscError {
+    unfit("cells at a surface were not received")
+}
