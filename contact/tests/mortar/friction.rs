@@ -121,7 +121,8 @@ fn what_sticks_does_not_creep() {
         let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) / expected[1];
         // The ends of the block's bottom lift where their multiplier has no pressure.
         println!("degree {degree}: {:.1e}", apart(reference, expected));
-        assert!(apart(reference, expected) < 1e-5, "{degree}: {reference:?} {expected:?}");
+        let tolerance = if degree == 1 { 1e-6 } else { 1e-5 };
+        assert!(apart(reference, expected) < tolerance, "{degree}: {reference:?} {expected:?}");
         for steps in [1, 4, 13] {
             let (force, moved, _) = drawn(degree, 20.0, along, steps);
             println!("degree {degree}, {steps} steps: {moved:.1e}");
@@ -141,7 +142,8 @@ fn what_slides_bears_its_friction() {
         assert!(moved > 0.8 && force[1] > 5.0, "{moved} {force:?}");
         assert!((ratio.abs() / 0.3 - 1.0).abs() < 1e-10, "{degree} {steps}: {ratio}");
         // Normals of lifted ends are not upright.
-        assert!(upright.abs() < 1e-2, "{degree} {steps}: {force:?}");
+        let tolerance = if degree == 1 { 2e-3 } else { 1e-2 };
+        assert!(upright.abs() < tolerance, "{degree} {steps}: {force:?}");
     }
 }
 
