@@ -31,16 +31,14 @@ pub fn picture(judge: &Wheel, rolled: &[Rolled]) -> Result<impl Picture, Failure
             .title(&format!("optimum, {}", wheel.name));
         panel = panel.picture(&map)?;
     }
-    let curves: [(&str, fn(&Rolled) -> &Vec<f64>); 2] =
-        [("W − mean [N cm²]", |wheel| &wheel.work), ("∫p − mean [MPa cm]", |wheel| &wheel.reaction)];
-    for (label, values) in curves {
+    for (label, is_work) in [("W − mean [N cm²]", true), ("∫p − mean [MPa cm]", false)] {
         let mut plot = LinePlot::new()
             .x_axis("way [sectors]", Scale::Linear)
             .y_axis(label, Scale::Linear)
             .grid()
             .size(230.0, 160.0);
         for wheel in rolled {
-            let values = values(wheel);
+            let values = if is_work { &wheel.work } else { &wheel.reaction };
             let mean = values.iter().sum::<f64>() / values.len() as f64;
             // A sector ends as it begins.
             let places = (0..values.len()).chain([0]);
