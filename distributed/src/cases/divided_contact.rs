@@ -198,7 +198,7 @@ pub fn run(world: &World, name: &str, times: usize) -> Outcome {
 pub fn drawn_pairs(name: &str) -> Pairing {
     let [slab, block] = SURFACES;
     match name {
-        "segments" => Pairing::between(slab, block).at(PairQuadrature::Pieces),
+        "segments" | "means on segments" => Pairing::between(slab, block).at(PairQuadrature::Pieces),
         "one sided" => Pairing::onto(block, slab),
         _ => Pairing::between(slab, block),
     }

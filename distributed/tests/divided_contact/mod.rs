@@ -14,6 +14,8 @@ use forms_fem::prelude::*;
 
 use super::{DIGITS, Directory, Numbers, PROCESSES, check_to, refused, told, vertices};
 
+mod histories;
+
 fn paired<const D: usize>(solved: &Solved<D>) -> [Vec<f64>; 2] {
     let reports = solved.pairs.iter().map(|pairs| &pairs.report);
     [
