@@ -142,6 +142,18 @@ pub fn slid<'a>(block: &'a DrawnBlock, stiffness: Option<Field<2>>) -> Outcome<L
         .options(options))
 }
 
+/// Whether points do the same in a second run, and other things with larger controls: 1 if so.
+///
+/// # Errors
+/// A step that was not solved.
+pub fn switches(history: &mut LoadHistory<'_, 2>) -> Outcome<[f64; 2]> {
+    let m = history.start();
+    let larger: Vec<f64> = m.iter().map(|m| 1.05 * m).collect();
+    let [here, again, there] = [&m, &m, &larger].map(|m| history.sample(m));
+    let (here, again, there) = (here?.active_set, again?.active_set, there?.active_set);
+    Ok([f64::from(here == again), f64::from(here != there)])
+}
+
 /// A stiffness of each cell; copies of cells are in no region.
 fn stiffness_of_cells(mesh: &Mesh<2>) -> Outcome<Field<2>> {
     let mut stiffness = vec![10.0; mesh.cell_count()];
@@ -283,6 +295,7 @@ pub fn run(world: &World, name: &str, path: Option<&str>) -> Outcome<()> {
             tell(world, "value", &[found.value]);
             tell(world, "gradient", &found.gradient);
             tell(world, "u", &whole(&part, &history.states(&m)?[WAY.len() - 1])?);
+            tell(world, "switches", &switches(&mut history)?);
         }
     }
     Ok(())

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use forms_distributed::cases::divided_contact::drawn_pairs;
 use forms_distributed::cases::drawn_block::DrawnBlock;
-use forms_distributed::cases::pair_histories::{STEP, STEPS, by_means, fallen, slid, thrown_block};
+use forms_distributed::cases::pair_histories::{STEP, STEPS, by_means, fallen, slid, switches, thrown_block};
 use forms_fem::inverse::ReducedProblem;
 
-use crate::{DIGITS, Directory, Numbers, check_to, told, vertices};
+use crate::{DIGITS, Directory, Numbers, check_to, refused, told, vertices};
 
 const PROCESSES: [usize; 3] = [1, 2, 3];
 
@@ -24,8 +24,12 @@ fn gradients_of_sliding_steps_are_the_same_on_parts() {
     let found = history.gradient(&m).unwrap();
     let end = history.states(&m).unwrap().pop().unwrap();
     assert!(found.gradient.iter().all(|rate| rate.abs() > 1e-6), "{:?}", found.gradient);
-    let expected =
-        BTreeMap::from([("value", vec![found.value]), ("gradient", found.gradient), ("u", vertices(&end))]);
+    let expected = BTreeMap::from([
+        ("value", vec![found.value]),
+        ("gradient", found.gradient),
+        ("u", vertices(&end)),
+        ("switches", switches(&mut history).unwrap().to_vec()),
+    ]);
     check_to(DIGITS, &PROCESSES, &["slid"], &expected);
 }
 
@@ -81,4 +85,12 @@ fn a_motion_with_springs_between_bodies_is_the_same_on_parts() {
     let expected =
         BTreeMap::from([("value", vec![found.value]), ("gradient", found.gradient), ("along", found.along)]);
     check_to(DIGITS, &PROCESSES, &["sprung"], &expected);
+}
+
+/// A field that only the criterion reads.
+#[test]
+fn a_criterion_of_fields_without_values_on_copies_is_refused() {
+    let cause = "has other values on copies of cells than on the process that owns them";
+    let said = refused(&["uncompleted"], cause);
+    assert!(said.contains("`mu`") && said.contains("part.completed(&field)"), "{said}");
 }

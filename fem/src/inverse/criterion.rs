@@ -106,6 +106,7 @@ impl<'a, const D: usize> Criterion<'a, D> {
         let energy = match &self.energy {
             Some(energy) => {
                 let energy = energy(at)?;
+                equations.check_given(&energy)?;
                 let own = equations.assembler.energy(&energy, &read_by(&energy, after))?;
                 equations.totals(vec![own])?[0]
             }

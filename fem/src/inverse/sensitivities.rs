@@ -121,6 +121,7 @@ pub(super) fn rows_of<const D: usize>(
     let spaces: Vec<&Arc<Space<D>>> = tests.iter().filter_map(space_of).collect();
     let unread = |name: &str| own.iter().any(|own| own.name == name && own.wanted == Wanted::No);
     let left_out: Vec<usize> = (0..tests.len()).filter(|number| unread(tests[*number])).collect();
+    equations.check_given(rates)?;
     let rows = equations.assembler.residual_without(rates, &spaces, &left_out)?;
     let mut rest = &rows[..];
     let mut own_rows: Vec<Vec<f64>> = own.iter().map(|own| vec![0.0; own.space.unknowns()]).collect();

@@ -5,10 +5,11 @@ use std::sync::Arc;
 use super::error::HistoryFailure;
 use crate::assemble::{Assembler, AssemblyError, BlockPattern, Outline, Parts, ValuesBefore};
 use crate::constraints::Constraints;
-use crate::contract::{Form, Functional, Source};
+use crate::contract::{Form, Function, Functional, Source};
 use crate::field::{Field, FieldView, fields_on};
 use crate::instantiate::instantiate;
 use crate::linear_algebra::BlockMatrix;
+use crate::solve::divided::check_ghost_values;
 use crate::solve::{
     Communicator, Elimination, LentSolver, LinearSolver, NewtonOptions, OwnedForm, Processes, SolverReport,
     StepMemory, Transpose, solve_linear, solve_linear_transposed, solve_owned,
@@ -107,6 +108,14 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     /// The processes.
     pub fn processes(&self) -> &Processes<'a> {
         &self.processes
+    }
+
+    /// An error for a given field that has other values on copies of cells than their owners give it; on all processes.
+    ///
+    /// # Errors
+    /// As [`check_ghost_values`].
+    pub fn check_given(&self, function: &Function<D>) -> Result<(), AssemblyError> {
+        self.processes.communicator().map_or(Ok(()), |all| check_ghost_values(all, function))
     }
 
     /// A vector over the unknowns, or those on one space, that was assembled by [`Self::assembler`].
