@@ -11,6 +11,7 @@ use forms_distributed::cases::divided_contact;
 use forms_distributed::cases::histories;
 use forms_distributed::cases::mixed_block::MixedBlock;
 use forms_distributed::cases::motions::Motion;
+use forms_distributed::cases::pair_histories;
 use forms_distributed::cases::part_steps::{FACTORS, HALF, Softening, softening};
 use forms_distributed::cases::parts::{Case, whole};
 use forms_distributed::cases::report::{tell, tell_steps};
@@ -51,6 +52,9 @@ fn run(world: &World) -> Outcome {
             divided_contact::run(world, &name, divisions)?;
             tell(world, "megabytes", &[largest(world, peak())?]);
             Ok(())
+        }
+        "slid" | "uncompleted" | "thrown" | "sprung" | "means" | "means on segments" => {
+            pair_histories::run(world, &name, given(5).as_deref())
         }
         "creep" | "swing" => history(world, &name),
         name if Motion::named(name).is_ok() => {

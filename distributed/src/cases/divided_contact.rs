@@ -198,7 +198,7 @@ pub fn run(world: &World, name: &str, times: usize) -> Outcome {
 pub fn drawn_pairs(name: &str) -> Pairing {
     let [slab, block] = SURFACES;
     match name {
-        "segments" => Pairing::between(slab, block).at(PairQuadrature::Pieces),
+        "segments" | "means on segments" => Pairing::between(slab, block).at(PairQuadrature::Pieces),
         "one sided" => Pairing::onto(block, slab),
         _ => Pairing::between(slab, block),
     }
@@ -312,6 +312,19 @@ fn run_memory(world: &World) -> Outcome {
     let (u, law) = block.drawn(|problem, step| {
         Ok(problem.direct()?.on(&part).solver(&mut solver).increment(step).solve()?)
     })?;
+    if let Some(path) = std::env::args().nth(5) {
+        let (assembler, slip) = (block.assembler(), &block.data.elastic_slip);
+        let Some(stored) = PartCheckpoint::read(&part, &path)? else {
+            return Ok(PartCheckpoint::new(&part).history("slip", assembler, slip)?.write(path)?);
+        };
+        // The slip that other processes stored, next to the one that was found here.
+        let own = assembler.history_values(slip)?.concat();
+        stored.history("slip", assembler, slip)?;
+        let read = assembler.history_values(slip)?.concat();
+        let size = own.iter().map(|own| own.abs()).sum();
+        let difference = own.iter().zip(&read).map(|(own, read)| (own - read).abs()).sum();
+        tell(world, "stored", &world.sum(&[size, difference])?);
+    }
     tell(world, "u", &whole(&part, &u)?);
     tell(world, "force", &[part.functional(block.assembler(), &law.contact_force(&u))?]);
     Ok(())

@@ -8,6 +8,7 @@ pub mod hanging_block;
 pub mod histories;
 pub mod mixed_block;
 pub mod motions;
+pub mod pair_histories;
 pub mod part_steps;
 pub mod parts;
 pub mod poisson;

@@ -14,6 +14,8 @@ use forms_fem::prelude::*;
 
 use super::{DIGITS, Directory, Numbers, PROCESSES, check_to, refused, told, vertices};
 
+mod histories;
+
 fn paired<const D: usize>(solved: &Solved<D>) -> [Vec<f64>; 2] {
     let reports = solved.pairs.iter().map(|pairs| &pairs.report);
     [
@@ -142,6 +144,14 @@ fn friction_that_remembers_is_the_same_on_parts() {
     assert!(force < -0.05, "springs hold the block back: {force}");
     let expected = BTreeMap::from([("u", vertices(&u)), ("force", vec![force])]);
     check_to(DIGITS, &PROCESSES, &["springs"], &expected);
+    // Another number of processes reads the slip of each own point.
+    let directory = Directory::new("springs");
+    let arguments = ["springs", "0", "0", "direct", &directory.file("run.checkpoint")];
+    told(3, &arguments);
+    for processes in [1, 2] {
+        let sums = read(&told(processes, &arguments))["stored"].clone();
+        assert!(sums[0] > 1e-3 && sums[1] < 1e-11 * sums[0], "{sums:?}");
+    }
 }
 
 #[test]
