@@ -263,7 +263,7 @@ const MAKERS: [Maker; 45] = [
         arguments: &["--bin", "level_set_wheel", "--", "--anew"],
         pictures: &[("out/level_set_wheel/level_set_wheel.png", "level_set_wheel.png")],
     },
-    // Two minutes of processor time.
+    // A minute of processor time.
     Maker {
         arguments: &["--bin", "rolling_wheel", "--", "--anew"],
         pictures: &[

@@ -305,7 +305,7 @@ impl Wheel {
         }
     }
 
-    /// What a position adds to the derivative of J by φ, from the derivatives of J by its numbers.
+    /// The share of a position in the derivative of J by φ, from the derivatives of J by its numbers.
     fn derivative_on(
         &self,
         ground: &Ground,

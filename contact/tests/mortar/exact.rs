@@ -1,4 +1,4 @@
-//! What holds for any displacement and any multipliers: forces and moments cancel, and tangents are those of the residual.
+//! Checks that hold for any displacement and any multipliers: forces and moments cancel, and tangents are those of the residual.
 
 use forms_fem::prelude::*;
 use forms_fem::verification;

@@ -125,7 +125,7 @@ fn cells_of(facets: &[&[Facet]]) -> Vec<u32> {
     cells
 }
 
-/// What all other processes have at the surfaces, in the order of their ranks.
+/// Cells that all other processes have at the surfaces, in the order of their ranks.
 fn cells_of_others<const D: usize>(
     world: &World,
     own: &CellsAtSurfaces<D>,

@@ -16,7 +16,7 @@ pub(super) enum Extent {
     Piece(Box<Replicas>),
 }
 
-/// What a process has of other processes' cells: copies of those at some surfaces.
+/// Copies of other processes' cells in a piece: those at some surfaces.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Replicas {
     /// Number of the last cells, copies of others' cells. They are in no region.
