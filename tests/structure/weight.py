@@ -14,10 +14,10 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 COUNTS = [
     ("visitors of a form", r"\b(?:trait|for) \w*Visitor\b(?!.*syn)", False, 0),
     ("signatures generic over a form", r"[<,(] ?(?:[A-Z]\w*|\w+: &?impl) ?:? (?:contract::)?(?:Form|Functional|Expression|Integrals|Compiled|WithIntegrals)<", False, 12),
-    ("#[inline(never)]", r"#\[inline\(never\)\]", False, 280),
+    ("#[inline(never)]", r"#\[inline\(never\)\]", False, 274),
     ("instantiate! blocks", r"^\s*instantiate!\(", False, 97),
 ]
-LINES = [("lines of Rust without tests", False, 178_800), ("lines of Rust", True, 250_000)]
+LINES = [("lines of Rust without tests", False, 178_560), ("lines of Rust", True, 249_760)]
 
 
 def sources():

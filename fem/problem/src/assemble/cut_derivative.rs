@@ -146,7 +146,7 @@ impl<const D: usize> Moving<'_, D> {
         let found = assembler.threads.run(parts, |entities: Range<usize>| {
             let mut numbers: Vec<f64> = Vec::with_capacity(entities.len());
             let moving = (PointMotion::OfRecords, entities);
-            term.kernel.compute_moving(&task, assembler.instructions, moving, &mut |first, vectors| {
+            term.kernel.compute_moving(&task, moving, &mut |first, vectors| {
                 for (entity, vector) in vectors.chunks_exact(size).enumerate() {
                     let nodes = test.space.nodes_at(side.cells[first + entity], local);
                     let values = nodes.iter().flat_map(|node| {

@@ -1,4 +1,5 @@
-//! Kernels behind virtual calls: one call runs a kernel over the entities of a range, and inside of it the kernel's type is known.
+//! Kernels behind virtual calls: one call runs a kernel over the entities of a range, and inside of it the types of the kernel and of its
+//! lanes are known.
 //!
 //! A program compiles the loops of `element_loops` once, and of each of its forms only what is below these calls.
 
@@ -12,13 +13,14 @@ use forms_core::contract::{
 
 use super::AssemblyError;
 use super::binding::Binding;
-use super::element_loops::matrices::ElementMatrices;
-use super::element_loops::moving_points::PointMotion;
-use super::element_loops::point_values::{PointBuffers, PointValues, ReceivePoint};
-use super::element_loops::sink::Deliver;
-use super::element_loops::vectors::ElementVectors;
+use super::element_loops::matrices::{self, ElementMatrices, block_order};
+use super::element_loops::moving_points::{self, PointMotion};
+use super::element_loops::point_values::{self, ExpressionCalls, PointBuffers, PointValues, ReceivePoint};
+use super::element_loops::sink::{Buffered, Deliver, Sink};
+use super::element_loops::vectors::{self, ElementVectors};
+use super::element_loops::{BilinearCalls, Factors, LinearCalls};
 use super::groups::Group;
-use crate::lanes::InstructionSet;
+use crate::lanes::{Moving, Order, SimdLane, with_lanes};
 
 /// This backend: kernels run in the lanes of the machine's instruction set.
 #[derive(Clone, Copy, Debug)]
@@ -31,49 +33,49 @@ impl<const D: usize> Backend<D> for Lanes {
 
     fn linear<K: LinearKernel<D>>(kernel: K) -> VectorKernel<D> {
         let constants = LinearConstants::of::<K, D>();
-        VectorKernel { calls: Arc::new(kernel), constants, factor: 1.0 }
+        VectorKernel { kernel: Arc::new(kernel), constants, factor: 1.0 }
     }
 
     fn bilinear<K: BilinearKernel<D>>(kernel: K) -> MatrixKernel<D> {
         let constants = BilinearConstants::of::<K, D>();
-        MatrixKernel { calls: Arc::new(kernel), constants, factor: 1.0 }
+        MatrixKernel { kernel: Arc::new(kernel), constants, factor: 1.0 }
     }
 
     fn expression<K: ExpressionKernel<D>>(kernel: K) -> PointKernel<D> {
         let constants = ExpressionConstants::of::<K, D>();
-        PointKernel { calls: Arc::new(kernel), constants, factor: 1.0 }
+        PointKernel { kernel: Arc::new(kernel), constants, factor: 1.0 }
     }
 }
 
 impl<const D: usize> CombiningBackend<D> for Lanes {
     fn adapt_linear(kernel: &VectorKernel<D>, adaptation: Adaptation) -> VectorKernel<D> {
-        let VectorKernel { calls, constants, factor } = kernel.clone();
+        let VectorKernel { kernel, constants, factor } = kernel.clone();
         let constants =
             LinearConstants { requirements: adaptation.requirements(constants.requirements), ..constants };
-        VectorKernel { calls, constants, factor: adaptation.factor() * factor }
+        VectorKernel { kernel, constants, factor: adaptation.factor() * factor }
     }
 
     fn adapt_bilinear(kernel: &MatrixKernel<D>, adaptation: Adaptation) -> MatrixKernel<D> {
-        let MatrixKernel { calls, constants, factor } = kernel.clone();
+        let MatrixKernel { kernel, constants, factor } = kernel.clone();
         let constants =
             BilinearConstants { requirements: adaptation.requirements(constants.requirements), ..constants };
-        MatrixKernel { calls, constants, factor: adaptation.factor() * factor }
+        MatrixKernel { kernel, constants, factor: adaptation.factor() * factor }
     }
 
     fn adapt_expression(kernel: &PointKernel<D>, adaptation: Adaptation) -> PointKernel<D> {
-        let PointKernel { calls, constants, factor } = kernel.clone();
+        let PointKernel { kernel, constants, factor } = kernel.clone();
         let constants = ExpressionConstants {
             requirements: adaptation.requirements(constants.requirements),
             ..constants
         };
-        PointKernel { calls, constants, factor: adaptation.factor() * factor }
+        PointKernel { kernel, constants, factor: adaptation.factor() * factor }
     }
 }
 
 /// The kernel of an integral that is linear in a test function, with a factor.
 #[derive(Clone)]
 pub struct VectorKernel<const D: usize> {
-    calls: Arc<dyn VectorCalls<D>>,
+    kernel: Arc<dyn AnyLinearKernel<D>>,
     constants: LinearConstants,
     factor: f64,
 }
@@ -81,7 +83,7 @@ pub struct VectorKernel<const D: usize> {
 /// The kernel of an integral that is linear in a test and in a trial function, with a factor.
 #[derive(Clone)]
 pub struct MatrixKernel<const D: usize> {
-    calls: Arc<dyn MatrixCalls<D>>,
+    kernel: Arc<dyn AnyBilinearKernel<D>>,
     constants: BilinearConstants,
     factor: f64,
 }
@@ -89,24 +91,9 @@ pub struct MatrixKernel<const D: usize> {
 /// The kernel of a density, a derived field, or switches, with a factor.
 #[derive(Clone)]
 pub struct PointKernel<const D: usize> {
-    calls: Arc<dyn PointCalls<D>>,
+    kernel: Arc<dyn AnyExpressionKernel<D>>,
     constants: ExpressionConstants,
     factor: f64,
-}
-
-/// Hands over what is computed, times a factor.
-#[cold]
-fn scaled(
-    factor: f64,
-    deliver: Deliver,
-    compute: &dyn Fn(Deliver) -> Result<(), AssemblyError>,
-) -> Result<(), AssemblyError> {
-    let mut scaled = Vec::new();
-    compute(&mut |first, values| {
-        scaled.clear();
-        scaled.extend(values.iter().map(|value| factor * value));
-        deliver(first, &scaled)
-    })
 }
 
 impl<const D: usize> VectorKernel<D> {
@@ -115,31 +102,36 @@ impl<const D: usize> VectorKernel<D> {
         self.constants
     }
 
-    /// See [`ElementVectors::compute`].
+    /// The element vectors of some of the group's entities, handed over in their order: `deliver(first, vectors)` gets whole element
+    /// vectors, that of entity `first` first, each as `[node][component]`.
+    ///
+    /// # Errors
+    /// Errors of the form's data, or of `deliver`.
     pub(in crate::assemble) fn compute(
         &self,
         task: &ElementVectors<D>,
-        set: InstructionSet,
         entities: Range<usize>,
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        let compute =
-            |deliver: Deliver| self.calls.compute(task, &self.constants, set, entities.clone(), deliver);
-        if self.factor == 1.0 { compute(deliver) } else { scaled(self.factor, deliver, &compute) }
+        self.kernel.compute(task, &self.constants, entities, &mut Buffered::new(self.factor, deliver))
     }
 
-    /// See [`ElementVectors::compute_moving`].
+    /// The derivatives of the element vectors of a group whose points move, handed over in the same way.
+    ///
+    /// # Errors
+    /// Errors of the form's data, or of `deliver`.
     pub(in crate::assemble) fn compute_moving(
         &self,
         task: &ElementVectors<D>,
-        set: InstructionSet,
-        (motion, entities): (PointMotion, Range<usize>),
+        moving: (PointMotion, Range<usize>),
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        let compute = |deliver: Deliver| {
-            self.calls.compute_moving(task, &self.constants, set, (motion, entities.clone()), deliver)
-        };
-        if self.factor == 1.0 { compute(deliver) } else { scaled(self.factor, deliver, &compute) }
+        let mut scaled = Vec::new();
+        self.kernel.compute_moving(task, &self.constants, moving, &mut |first, values| {
+            scaled.clear();
+            scaled.extend(values.iter().map(|value| self.factor * value));
+            deliver(first, &scaled)
+        })
     }
 }
 
@@ -149,17 +141,21 @@ impl<const D: usize> MatrixKernel<D> {
         self.constants
     }
 
-    /// See [`ElementMatrices::compute`].
+    /// The element matrices of some of the group's entities, handed over in their order: `deliver(first, matrices)` gets whole element
+    /// matrices, that of entity `first` first, each as `[test node][trial node][row component][column component]`.
+    ///
+    /// # Errors
+    /// Errors of the form's data, or of `deliver`.
     pub(in crate::assemble) fn compute(
         &self,
         task: &ElementMatrices<D>,
-        set: InstructionSet,
         entities: Range<usize>,
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        let compute =
-            |deliver: Deliver| self.calls.compute(task, &self.constants, set, entities.clone(), deliver);
-        if self.factor == 1.0 { compute(deliver) } else { scaled(self.factor, deliver, &compute) }
+        let places = block_order(task.nodes(), self.constants.components, task.symmetric);
+        let order = Order::new(places, task.binding.instructions.checked().width());
+        let sink = &mut Buffered::new(self.factor, deliver);
+        self.kernel.compute(task, &self.constants, &order, entities, sink)
     }
 }
 
@@ -180,7 +176,10 @@ impl<const D: usize> PointKernel<D> {
         PointValues { binding, group, requirements, components: shape.iter().product() }
     }
 
-    /// See [`PointValues::compute`].
+    /// The values at every quadrature point of some of the group's entities: `receive(value, weight, position)` is called with each in turn.
+    ///
+    /// # Errors
+    /// Errors of the form's data, or of `receive`.
     pub(in crate::assemble) fn each_point(
         &self,
         task: &PointValues<D>,
@@ -188,12 +187,12 @@ impl<const D: usize> PointKernel<D> {
         entities: Range<usize>,
         receive: &mut ReceivePoint<D>,
     ) -> Result<(), AssemblyError> {
-        let (factor, set) = (self.factor, task.binding.instructions);
+        let factor = self.factor;
         if factor == 1.0 {
-            return self.calls.compute(task, set, buffers, entities, receive);
+            return self.kernel.compute(task, buffers, entities, receive);
         }
         let mut scaled = Vec::new();
-        self.calls.compute(task, set, buffers, entities, &mut |value, weight, position| {
+        self.kernel.compute(task, buffers, entities, &mut |value, weight, position| {
             scaled.clear();
             scaled.extend(value.iter().map(|value| factor * value));
             receive(&scaled, weight, position)
@@ -201,101 +200,111 @@ impl<const D: usize> PointKernel<D> {
     }
 }
 
-trait VectorCalls<const D: usize>: Send + Sync {
+/// A kernel that is linear in a test function, of any type.
+trait AnyLinearKernel<const D: usize>: Send + Sync {
     fn compute(
         &self,
         task: &ElementVectors<D>,
         constants: &LinearConstants,
-        set: InstructionSet,
-        entities: Range<usize>,
-        deliver: Deliver,
+        range: Range<usize>,
+        sink: &mut dyn Sink,
     ) -> Result<(), AssemblyError>;
 
     fn compute_moving(
         &self,
         task: &ElementVectors<D>,
         constants: &LinearConstants,
-        set: InstructionSet,
         moving: (PointMotion, Range<usize>),
         deliver: Deliver,
     ) -> Result<(), AssemblyError>;
 }
 
-impl<K: LinearKernel<D>, const D: usize> VectorCalls<D> for K {
+impl<K: LinearKernel<D>, const D: usize> AnyLinearKernel<D> for K {
     fn compute(
         &self,
         task: &ElementVectors<D>,
-        constants: &LinearConstants,
-        set: InstructionSet,
-        entities: Range<usize>,
-        deliver: Deliver,
+        kernel: &LinearConstants,
+        range: Range<usize>,
+        sink: &mut dyn Sink,
     ) -> Result<(), AssemblyError> {
-        task.compute((self, constants), set, entities, deliver)
+        with_lanes!(task.binding.instructions.checked(), L => {
+            let calls = &mut LinearCalls::<K, L, D>::new(self);
+            L::call(vectors::Loops { task, kernel, calls, order: None, range, buffers: None, sink })
+        })
     }
 
     fn compute_moving(
         &self,
         task: &ElementVectors<D>,
-        constants: &LinearConstants,
-        set: InstructionSet,
-        moving: (PointMotion, Range<usize>),
+        kernel: &LinearConstants,
+        (motion, range): (PointMotion, Range<usize>),
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        if moving.0 == PointMotion::OfRecords && !K::MOVED_BY_LEVEL_SET {
+        if motion == PointMotion::OfRecords && !K::MOVED_BY_LEVEL_SET {
             return Err(AssemblyError::NoLevelSetDerivative { form: task.binding.name });
         }
         // Kernels whose points nothing moves are not compiled once more.
         if const { K::MOVED_BY_LEVEL_SET || K::SLIDES } {
-            return task.compute_moving((self, constants), set, moving, deliver);
+            return with_lanes!(task.binding.instructions.checked(), L => {
+                let calls = &mut LinearCalls::<K, Moving<L>, D>::new(self);
+                L::call(moving_points::Loops { task, kernel, calls, motion, range, deliver })
+            });
         }
         Ok(())
     }
 }
 
-trait MatrixCalls<const D: usize>: Send + Sync {
+/// A kernel that is linear in a test and in a trial function, of any type.
+trait AnyBilinearKernel<const D: usize>: Send + Sync {
     fn compute(
         &self,
         task: &ElementMatrices<D>,
         constants: &BilinearConstants,
-        set: InstructionSet,
-        entities: Range<usize>,
-        deliver: Deliver,
+        order: &Order,
+        range: Range<usize>,
+        sink: &mut dyn Sink,
     ) -> Result<(), AssemblyError>;
 }
 
-impl<K: BilinearKernel<D>, const D: usize> MatrixCalls<D> for K {
+impl<K: BilinearKernel<D>, const D: usize> AnyBilinearKernel<D> for K {
     fn compute(
         &self,
         task: &ElementMatrices<D>,
-        constants: &BilinearConstants,
-        set: InstructionSet,
-        entities: Range<usize>,
-        deliver: Deliver,
+        kernel: &BilinearConstants,
+        order: &Order,
+        range: Range<usize>,
+        sink: &mut dyn Sink,
     ) -> Result<(), AssemblyError> {
-        task.compute((self, constants), set, entities, deliver)
+        with_lanes!(task.binding.instructions.checked(), L => {
+            let mut factors = Factors::default();
+            let calls = &mut BilinearCalls::<K, L, D>::new(self, &mut factors);
+            L::call(matrices::Loops { task, kernel, calls, order, range, buffers: None, sink })
+        })
     }
 }
 
-trait PointCalls<const D: usize>: Send + Sync {
+/// A kernel of values at points, of any type.
+trait AnyExpressionKernel<const D: usize>: Send + Sync {
     fn compute(
         &self,
         task: &PointValues<D>,
-        set: InstructionSet,
         buffers: &mut PointBuffers,
-        entities: Range<usize>,
+        range: Range<usize>,
         receive: &mut ReceivePoint<D>,
     ) -> Result<(), AssemblyError>;
 }
 
-impl<K: ExpressionKernel<D>, const D: usize> PointCalls<D> for K {
+impl<K: ExpressionKernel<D>, const D: usize> AnyExpressionKernel<D> for K {
     fn compute(
         &self,
         task: &PointValues<D>,
-        set: InstructionSet,
         buffers: &mut PointBuffers,
-        entities: Range<usize>,
+        range: Range<usize>,
         receive: &mut ReceivePoint<D>,
     ) -> Result<(), AssemblyError> {
-        task.compute(self, set, buffers, entities, receive)
+        with_lanes!(task.binding.instructions.checked(), L => {
+            let calls = &mut ExpressionCalls::<K, L, D>::new(self);
+            L::call(point_values::Loops { task, calls, buffers, range, receive })
+        })
     }
 }

@@ -79,7 +79,7 @@ impl<const D: usize> TangentIntegrals<'_, D> {
         let estimate =
             Estimate { integrand: &first.integral.degree, fields: &self.degrees, of_history: None };
         let degree = estimate.on_pairs(self.binding.mesh, region.pairing.as_ref());
-        let means = facet_means(self.binding, number, (self.quadrature, degree))?;
+        let means = facet_means(&self.binding, number, (self.quadrature, degree))?;
         let (mut rows, mut columns) = (Sums::new(), Sums::new());
         for term in by_means {
             self.collect(term, Factor::ByMeans, &means.facets, &mut rows)?;
@@ -149,11 +149,11 @@ impl<const D: usize> TangentIntegrals<'_, D> {
         facets: &HashMap<Facet, usize>,
         sums: &mut Sums,
     ) -> Result<(), AssemblyError> {
-        let TangentIntegrals { binding, threads, set, .. } = *self;
+        let TangentIntegrals { ref binding, threads, .. } = *self;
         let element = binding.constant_element()?;
         for term in form.means().iter().filter(|term| of_list(term.integral, number).is_some()) {
             let Some(displacing) = displacing_segments(form, term) else { continue };
-            let motion = Motion { binding, term, element, threads, set };
+            let motion = Motion { binding, term, element, threads };
             let kernel = term.kernel.constants();
             let groups =
                 groups(binding, term.integral, self.quadrature, &self.degrees, kernel.requirements, &[])?;
@@ -209,7 +209,7 @@ impl<const D: usize> TangentIntegrals<'_, D> {
         let of_argument = [(role, &**space)];
         let [height, width] = constants.components;
         for group in groups(
-            self.binding,
+            &self.binding,
             integral,
             self.quadrature,
             &self.degrees,
@@ -226,7 +226,7 @@ impl<const D: usize> TangentIntegrals<'_, D> {
                 Factor::ByUnknowns => ([own, side], [constant, element], [None, seen]),
             };
             let task = ElementMatrices {
-                binding: self.binding,
+                binding: &self.binding,
                 group: &group,
                 cells: Cells::Mesh(self.binding.mesh),
                 sides,
@@ -237,7 +237,7 @@ impl<const D: usize> TangentIntegrals<'_, D> {
             let place = usize::from(factor == Factor::ByUnknowns);
             let nodes = GroupNodes::new(space, &group.sides[side]).at_places(task.seen[place].as_deref());
             let size = task.nodes()[place] * height * width;
-            term.kernel.compute(&task, self.set, 0..group.entities(), &mut |first, matrices| {
+            term.kernel.compute(&task, 0..group.entities(), &mut |first, matrices| {
                 for (unit, matrix) in matrices.chunks_exact(size).enumerate() {
                     let facet = facets[&pairs.group.facets[first + unit][0]];
                     let of_facet = sums.entry((facet, means.weight)).or_default();

@@ -15,7 +15,6 @@ use super::{Assembler, AssemblyError, Parts};
 use crate::contract::{Form, Function};
 use crate::field::{Field, FieldView, views};
 use crate::instantiate::instantiate;
-use crate::lanes::InstructionSet;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
 use crate::threads::Threads;
@@ -173,7 +172,6 @@ impl<const D: usize> Assembler<D> {
             vector: vec![0.0; offsets[tests.len()]],
             offsets,
             added,
-            set: self.instructions,
             facets: SharedFacetGroups::default(),
         };
         for term in terms {
@@ -194,7 +192,6 @@ struct VectorSum<'a, const D: usize> {
     offsets: Vec<usize>,
     vector: Vec<f64>,
     added: Added,
-    set: InstructionSet,
     facets: SharedFacetGroups<D>,
 }
 
@@ -222,7 +219,7 @@ pub enum Terms {
 impl<const D: usize> VectorSum<'_, D> {
     #[inline(never)]
     fn integrate(&mut self, term: &Term<VectorKernel<D>>) -> Result<(), AssemblyError> {
-        let (integral, constants, set) = (term.integral, term.kernel.constants(), self.set);
+        let (integral, constants) = (term.integral, term.kernel.constants());
         let components = constants.components;
         let space = self.tests[integral.test];
         let offset = self.offsets[integral.test];
@@ -260,7 +257,7 @@ impl<const D: usize> VectorSum<'_, D> {
             let parts = scatter.parts(&partition, values);
             let done = self.threads.run(parts, |(entities, mut part)| {
                 let mut sizes = Vec::new();
-                term.kernel.compute(&task, set, entities, &mut |first, vectors| {
+                term.kernel.compute(&task, entities, &mut |first, vectors| {
                     let added = match added {
                         Added::Vectors => vectors,
                         Added::Sizes(Terms::OfRows) => {

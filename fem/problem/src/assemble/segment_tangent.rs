@@ -22,7 +22,6 @@ use crate::element::CellShape;
 use crate::element::lagrange::MAXIMUM_NODES;
 use crate::field::FieldView;
 use crate::instantiate::instantiate;
-use crate::lanes::InstructionSet;
 use crate::linear_algebra::BlockMatrix;
 use crate::mesh::Facet;
 use crate::pairs::{Foot, PairError};
@@ -181,7 +180,7 @@ impl<const D: usize> Assembler<D> {
         term: &'a Term<VectorKernel<D>>,
         element: usize,
     ) -> Motion<'a, D> {
-        Motion { binding, term, element, threads: self.threads, set: self.instructions }
+        Motion { binding, term, element, threads: self.threads }
     }
 }
 
@@ -192,7 +191,6 @@ pub(super) struct Motion<'a, const D: usize> {
     /// That of the test function.
     pub element: usize,
     pub threads: Threads,
-    pub set: InstructionSet,
 }
 
 /// The derivatives of an element vector by a node's displacement: Σ over coordinates c of the feet of ∂R/∂c ∂c/∂u.
@@ -296,7 +294,7 @@ impl<const D: usize> Motion<'_, D> {
         side: usize,
         motion: PointMotion,
     ) -> Result<Vec<f64>, AssemblyError> {
-        let Motion { binding, term, element, threads, set } = *self;
+        let Motion { binding, term, element, threads } = *self;
         let cells = Cells::Mesh(binding.mesh);
         let task = ElementVectors { binding, group, cells, side, element };
         let count = group.entities();
@@ -305,7 +303,7 @@ impl<const D: usize> Motion<'_, D> {
         let found = threads.run(parts, |units: Range<usize>| {
             let mut vectors: Vec<f64> = Vec::new();
             let moving = (motion, units);
-            term.kernel.compute_moving(&task, set, moving, &mut |_, some| {
+            term.kernel.compute_moving(&task, moving, &mut |_, some| {
                 vectors.extend_from_slice(some);
                 Ok(())
             })?;

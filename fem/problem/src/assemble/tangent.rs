@@ -18,7 +18,6 @@ use crate::assemble::scatter::group_nodes::{GroupNodes, Reading, seen_places};
 use crate::contract::{Form, Function};
 use crate::field::{Field, FieldView, views};
 use crate::instantiate::instantiate;
-use crate::lanes::InstructionSet;
 use crate::linear_algebra::{BlockMatrix, CsrMatrix, LinearAlgebraError};
 use crate::mesh::Facet;
 use crate::quadrature::Quadrature;
@@ -107,7 +106,10 @@ impl<const D: usize> Assembler<D> {
         let (values, zeros) = matrix.values_and_zero_rows();
         let target =
             Target::Matrix { pattern, values: &mut *values, zeros: &mut *zeros, written: &mut written };
-        let done = self.integrate_tangent(form, unknowns, tests, parts, target);
+        let mut integrals = TangentIntegrals::new(self, form, (unknowns, tests), target)?;
+        let mut asked = form.tangent().iter().filter(|term| parts.contain(term.integral.dependence));
+        let done = asked.try_for_each(|term| integrals.add(term));
+        let done = done.and_then(|()| integrals.add_products_of_means(form, parts));
         if done.is_err() {
             // Some thread may have left its rows as they were.
             zeros.fill(false);
@@ -134,43 +136,12 @@ impl<const D: usize> Assembler<D> {
         unknowns: &[&Field<D>],
         tests: &[&Arc<Space<D>>],
     ) -> Result<Vec<ElementMatrix>, AssemblyError> {
-        let mut found = Vec::new();
-        self.integrate_tangent(form, &views(unknowns), tests, Parts::ALL, Target::Elements(&mut found))?;
+        let (mut found, unknowns) = (Vec::new(), views(unknowns));
+        let arguments = (&unknowns[..], tests);
+        let mut integrals = TangentIntegrals::new(self, form, arguments, Target::Elements(&mut found))?;
+        form.tangent().iter().try_for_each(|term| integrals.add(term))?;
+        integrals.add_products_of_means(form, Parts::ALL)?;
         Ok(found)
-    }
-
-    #[inline(never)]
-    fn integrate_tangent(
-        &self,
-        form: &Function<D>,
-        unknowns: &[FieldView<D>],
-        tests: &[&Arc<Space<D>>],
-        parts: Parts,
-        target: Target<D>,
-    ) -> Result<(), AssemblyError> {
-        let mut binding = self.bind(form, unknowns)?;
-        binding.check_tests(tests, &self.mesh)?;
-        let test_elements = tests.iter().map(|space| binding.element(space)).collect();
-        let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|view| view.space).collect();
-        let trial_elements = trials.iter().map(|space| binding.element(space)).collect();
-        let degrees = binding.degrees(tests);
-        let (binding, quadrature) = (&binding, &self.quadrature);
-        let mut tangent = TangentIntegrals {
-            binding,
-            quadrature,
-            threads: self.threads,
-            degrees,
-            tests,
-            trials,
-            test_elements,
-            trial_elements,
-            target,
-            set: self.instructions,
-            facets: SharedFacetGroups::default(),
-        };
-        let mut asked = form.tangent().iter().filter(|term| parts.contain(term.integral.dependence));
-        asked.try_for_each(|term| tangent.integrate(term))?;
-        tangent.add_products_of_means(form, parts)
     }
 }
 
@@ -218,7 +189,7 @@ pub(super) enum Target<'a, const D: usize> {
 
 /// The integrals of a tangent on their way to a target.
 pub(super) struct TangentIntegrals<'a, const D: usize> {
-    pub binding: &'a Binding<'a, D>,
+    pub binding: Binding<'a, D>,
     pub quadrature: &'a Quadrature<D>,
     pub threads: Threads,
     pub degrees: Vec<usize>,
@@ -227,14 +198,42 @@ pub(super) struct TangentIntegrals<'a, const D: usize> {
     pub test_elements: Vec<usize>,
     pub trial_elements: Vec<usize>,
     pub target: Target<'a, D>,
-    pub set: InstructionSet,
     facets: SharedFacetGroups<D>,
 }
 
-impl<const D: usize> TangentIntegrals<'_, D> {
+impl<'a, const D: usize> TangentIntegrals<'a, D> {
     #[inline(never)]
-    fn integrate(&mut self, term: &Term<MatrixKernel<D>>) -> Result<(), AssemblyError> {
-        let (integral, constants, set) = (term.integral, term.kernel.constants(), self.set);
+    fn new(
+        assembler: &'a Assembler<D>,
+        form: &'a Function<D>,
+        (unknowns, tests): (&[FieldView<'a, D>], &'a [&'a Arc<Space<D>>]),
+        target: Target<'a, D>,
+    ) -> Result<Self, AssemblyError> {
+        let mut binding = assembler.bind(form, unknowns)?;
+        binding.check_tests(tests, &assembler.mesh)?;
+        let test_elements = tests.iter().map(|space| binding.element(space)).collect();
+        let trials: Vec<&Arc<Space<D>>> = unknowns.iter().map(|view| view.space).collect();
+        let trial_elements = trials.iter().map(|space| binding.element(space)).collect();
+        let degrees = binding.degrees(tests);
+        Ok(TangentIntegrals {
+            binding,
+            quadrature: &assembler.quadrature,
+            threads: assembler.threads,
+            degrees,
+            tests,
+            trials,
+            test_elements,
+            trial_elements,
+            target,
+            facets: SharedFacetGroups::default(),
+        })
+    }
+
+    /// Adds the integral of a term, group by group.
+    #[inline(never)]
+    fn add(&mut self, term: &Term<MatrixKernel<D>>) -> Result<(), AssemblyError> {
+        let (integral, constants) = (term.integral, term.kernel.constants());
+        let set = self.binding.instructions;
         let [height, width] = constants.components;
         let (test, trial) = (self.tests[integral.test], self.trials[integral.trial]);
         let form = self.binding.name;
@@ -247,7 +246,7 @@ impl<const D: usize> TangentIntegrals<'_, D> {
         let same_nodes = Arc::ptr_eq(test, trial) && integral.test_side == integral.trial_side;
         let arguments = [(Role::Test(integral.test), &**test), (Role::Unknown(integral.trial), &**trial)];
         let groups = self.facets.groups(
-            self.binding,
+            &self.binding,
             integral,
             self.quadrature,
             &self.degrees,
@@ -272,7 +271,7 @@ impl<const D: usize> TangentIntegrals<'_, D> {
                 Target::Elements(_) => [None, None],
             };
             let task = ElementMatrices {
-                binding: self.binding,
+                binding: &self.binding,
                 group,
                 cells: Cells::Mesh(self.binding.mesh),
                 sides,
@@ -284,7 +283,7 @@ impl<const D: usize> TangentIntegrals<'_, D> {
             let size = nodes[0] * nodes[1] * height * width;
             match &mut self.target {
                 Target::Elements(found) => {
-                    term.kernel.compute(&task, set, 0..group.entities(), &mut |first, matrices| {
+                    term.kernel.compute(&task, 0..group.entities(), &mut |first, matrices| {
                         for (number, matrix) in matrices.chunks_exact(size).enumerate() {
                             found.push(element_matrix(
                                 integral,
@@ -333,7 +332,7 @@ impl<const D: usize> TangentIntegrals<'_, D> {
                     let parts = scatter.parts(&partition, (&mut *values, &mut *zeros), *written);
                     let missing = || AssemblyError::Pattern { form, test: names[0], trial: names[1] };
                     let done = self.threads.run(parts, |(entities, mut part)| {
-                        term.kernel.compute(&task, set, entities, &mut |first, matrices| {
+                        term.kernel.compute(&task, entities, &mut |first, matrices| {
                             scatter.add(set, first, matrices, &mut part).ok_or_else(missing)
                         })?;
                         Ok(scatter.finish(part))
@@ -382,7 +381,7 @@ fn element_matrix<const D: usize>(
 }
 
 instantiate!(
-    tangent: TangentIntegrals::<D>::integrate,
+    tangent: TangentIntegrals::<D>::new,
+    TangentIntegrals::<D>::add,
     Assembler::<D>::write_tangent,
-    Assembler::<D>::integrate_tangent,
 );

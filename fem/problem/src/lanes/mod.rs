@@ -1,13 +1,14 @@
 //! Instruction sets: how many cells a kernel computes at once, chosen when the program starts.
 //!
-//! Kernels are generic over [`Lane`]. `Checked::run` enters a function that was compiled for the set
-//! and hands it the lane type; everything below that function is inlined into it, so that the compiler may use
+//! Kernels are generic over [`Lane`]. `with_lanes!` chooses the lane type of a set, and `SimdLane::call` enters a function that was
+//! compiled for the set; everything below that function is inlined into it, so that the compiler may use
 //! the set's instructions. What is not inlined would still be right, only slow.
 
 #![allow(unsafe_code)]
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
 #![allow(clippy::needless_range_loop)]
 
+mod instruction_set;
 #[cfg(target_arch = "x86_64")]
 mod logarithm;
 mod moving;
@@ -18,11 +19,10 @@ mod placed;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-use std::fmt;
-use std::sync::OnceLock;
-
 use forms_core::contract::Lane;
 
+pub use self::instruction_set::InstructionSet;
+pub(crate) use self::instruction_set::{Checked, with_lanes};
 pub(crate) use self::moving::Moving;
 #[cfg(target_arch = "aarch64")]
 pub(crate) use self::neon::Neon;
@@ -30,29 +30,11 @@ pub(crate) use self::ordered::{Order, Ordered};
 pub(crate) use self::placed::{PairPlaces, PlacedBlocks};
 #[cfg(all(target_arch = "x86_64", not(without_avx2)))]
 pub(crate) use self::x86::Avx2;
-// Its unit tests name it only where programs' instances are made, which tests leave out.
 #[cfg(all(target_arch = "x86_64", not(without_avx512)))]
-#[cfg_attr(test, allow(unused_imports))]
 pub(crate) use self::x86::Avx512;
 
 /// No lane type of any instruction set has more lanes.
 pub(crate) const WIDEST: usize = 8;
-
-/// A set of instructions that kernels are compiled for.
-///
-/// Results differ between sets in the last bits, because sums of products are rounded once where the hardware
-/// has fused multiply-add. Within one set they are the same on every machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum InstructionSet {
-    /// One cell at a time, on any machine.
-    Plain,
-    /// Four cells at a time: NEON (AArch64).
-    Neon,
-    /// Four cells at a time: AVX2 with fused multiply-add (x86-64).
-    Avx2,
-    /// Eight cells at a time: AVX-512 F, DQ and VL (x86-64).
-    Avx512,
-}
 
 /// Work that can be run with any lane type.
 pub(crate) trait LaneWork {
@@ -336,120 +318,6 @@ impl SimdLane for f64 {
     #[inline(never)]
     fn call<W: SharedWork<Self>>(work: W) -> W::Output {
         work.run()
-    }
-}
-
-impl InstructionSet {
-    const ALL: [InstructionSet; 4] =
-        [InstructionSet::Plain, InstructionSet::Neon, InstructionSet::Avx2, InstructionSet::Avx512];
-
-    /// The best set that this machine has and that was compiled; found once. The plain one where there is none: forms are
-    /// refused then ([`InstructionSet::is_available`]).
-    pub fn best() -> Self {
-        static BEST: OnceLock<InstructionSet> = OnceLock::new();
-        *BEST.get_or_init(|| Self::available().into_iter().next_back().unwrap_or(InstructionSet::Plain))
-    }
-
-    /// The instruction sets of this machine that were compiled, from the plain one to the best.
-    pub fn available() -> Vec<Self> {
-        Self::ALL.into_iter().filter(|set| set.is_available()).collect()
-    }
-
-    /// The instruction sets that were compiled: the best of the machine of the build, all of the target where `FORMS_ALL_INSTRUCTION_SETS` is
-    /// set in the environment of the build.
-    pub fn compiled() -> Vec<Self> {
-        Self::ALL.into_iter().filter(|set| set.is_compiled()).collect()
-    }
-
-    /// Whether this machine has it and it was compiled.
-    pub fn is_available(self) -> bool {
-        self.is_compiled() && self.is_of_machine()
-    }
-
-    fn is_compiled(self) -> bool {
-        match self {
-            InstructionSet::Plain => cfg!(not(without_plain)),
-            InstructionSet::Neon => cfg!(target_arch = "aarch64"),
-            InstructionSet::Avx2 => cfg!(all(target_arch = "x86_64", not(without_avx2))),
-            InstructionSet::Avx512 => cfg!(all(target_arch = "x86_64", not(without_avx512))),
-        }
-    }
-
-    fn is_of_machine(self) -> bool {
-        match self {
-            InstructionSet::Plain => true,
-            InstructionSet::Neon => cfg!(target_arch = "aarch64"),
-            #[cfg(target_arch = "x86_64")]
-            InstructionSet::Avx2 => x86::has_avx2(),
-            #[cfg(target_arch = "x86_64")]
-            InstructionSet::Avx512 => x86::has_avx512(),
-            #[cfg(not(target_arch = "x86_64"))]
-            InstructionSet::Avx2 | InstructionSet::Avx512 => false,
-        }
-    }
-
-    /// Number of cells at a time.
-    pub fn width(self) -> usize {
-        match self {
-            InstructionSet::Plain => 1,
-            InstructionSet::Neon | InstructionSet::Avx2 => 4,
-            InstructionSet::Avx512 => 8,
-        }
-    }
-
-    /// This set if it is available, else the best that is.
-    pub(crate) fn checked(self) -> Checked {
-        Checked(if self.is_available() { self } else { InstructionSet::best() })
-    }
-}
-
-/// A set that is available, or the plain one.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Checked(InstructionSet);
-
-impl Checked {
-    /// Number of cells at a time.
-    pub(crate) fn width(self) -> usize {
-        self.0.width()
-    }
-
-    /// Runs the work of a kernel, compiled for the set.
-    #[inline]
-    pub(crate) fn run<W: LaneWork>(self, work: W) -> W::Output {
-        match self.0 {
-            // SAFETY: a checked set is one that the machine has.
-            #[cfg(all(target_arch = "x86_64", not(without_avx512)))]
-            InstructionSet::Avx512 => unsafe { x86::run_avx512(work) },
-            // SAFETY: as above.
-            #[cfg(all(target_arch = "x86_64", not(without_avx2)))]
-            InstructionSet::Avx2 => unsafe { x86::run_avx2(work) },
-            #[cfg(target_arch = "aarch64")]
-            InstructionSet::Neon => neon::run_neon(work),
-            #[cfg(not(without_plain))]
-            _ => work.run::<f64>(),
-            #[cfg(without_plain)]
-            _ => unreachable!("a form is refused where no instructions of its kernels are available"),
-        }
-    }
-
-    /// Runs work of this crate alone, which is compiled for the plain set in any build.
-    #[inline]
-    pub(crate) fn run_without_kernel<W: LaneWork>(self, work: W) -> W::Output {
-        match self.0 {
-            InstructionSet::Plain => work.run::<f64>(),
-            _ => self.run(work),
-        }
-    }
-}
-
-impl fmt::Display for InstructionSet {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            InstructionSet::Plain => "plain",
-            InstructionSet::Neon => "NEON",
-            InstructionSet::Avx2 => "AVX2",
-            InstructionSet::Avx512 => "AVX-512",
-        })
     }
 }
 

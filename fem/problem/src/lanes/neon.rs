@@ -8,12 +8,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 use forms_core::contract::Lane;
 
-use super::{LaneWork, SharedWork, SimdLane, WIDEST, power};
-
-/// Runs some work in NEON.
-pub(super) fn run_neon<W: LaneWork>(work: W) -> W::Output {
-    work.run::<Neon>()
-}
+use super::{SharedWork, SimdLane, WIDEST, power};
 
 /// Four doubles.
 #[derive(Clone, Copy)]

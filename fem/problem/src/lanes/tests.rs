@@ -3,6 +3,7 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
 #![allow(clippy::needless_range_loop)]
 
+use super::instruction_set::InLanes;
 use super::*;
 
 /// The sets of this machine, those that kernels are not compiled for in this profile included.
@@ -13,12 +14,10 @@ fn of_machine() -> Vec<InstructionSet> {
 /// Some work in the lanes of a set of this machine.
 fn run_in<W: LaneWork>(set: InstructionSet, work: W) -> W::Output {
     match set {
-        // SAFETY: the sets asked for are those of the machine.
         #[cfg(target_arch = "x86_64")]
-        InstructionSet::Avx512 if set.is_of_machine() => unsafe { x86::run_avx512(work) },
-        // SAFETY: as above.
+        InstructionSet::Avx512 if set.is_of_machine() => x86::Avx512::call(InLanes(work)),
         #[cfg(target_arch = "x86_64")]
-        InstructionSet::Avx2 if set.is_of_machine() => unsafe { x86::run_avx2(work) },
+        InstructionSet::Avx2 if set.is_of_machine() => x86::Avx2::call(InLanes(work)),
         set => set.checked().run_without_kernel(work),
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! The unsafe code of lanes is here, in `avx2_memory` and in `avx512_memory` (and in `ordered`, for what those read). It has one reason: an intrinsic may run only where
 //! the processor has its instructions. The two lane types are private to the package and reach other code only
-//! through [`run_avx2`] and [`run_avx512`], which check that first.
+//! through `with_lanes!`, whose sets are checked.
 
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
 #![allow(clippy::needless_range_loop)]
@@ -20,7 +20,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 use forms_core::contract::{Lane, Parts};
 
 use super::logarithm::{self, Split};
-use super::{LaneWork, WIDEST, power};
+use super::{WIDEST, power};
 
 pub(super) fn has_avx2() -> bool {
     is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
@@ -33,24 +33,6 @@ pub(super) fn has_avx512() -> bool {
         && has_avx2()
 }
 
-/// Runs some work in AVX2.
-///
-/// # Safety
-/// The machine has it: [`has_avx2`].
-#[target_feature(enable = "avx2,fma")]
-pub(super) fn run_avx2<W: LaneWork>(work: W) -> W::Output {
-    work.run::<Avx2>()
-}
-
-/// Runs some work in AVX-512.
-///
-/// # Safety
-/// The machine has it: [`has_avx512`].
-#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
-pub(super) fn run_avx512<W: LaneWork>(work: W) -> W::Output {
-    work.run::<Avx512>()
-}
-
 /// Four doubles.
 #[derive(Clone, Copy)]
 pub(crate) struct Avx2(__m256d);
@@ -59,7 +41,7 @@ pub(crate) struct Avx2(__m256d);
 #[derive(Clone, Copy)]
 pub(crate) struct Avx512(__m512d);
 
-/// A value of a lane type exists only below [`run_avx2`] or [`run_avx512`], where the features are there.
+/// A value of a lane type exists only where the set was checked, and the features are there.
 macro_rules! simd {
     ($e:expr) => {
         // SAFETY: lane types are only used where the processor has their instructions; see the head of the

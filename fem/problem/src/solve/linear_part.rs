@@ -45,15 +45,30 @@ pub(super) struct Assembled {
     /// Whether there are linear integrals.
     linear: bool,
     /// The tangent of the linear integrals; if `iterate` is known, also that of the others there.
-    matrix: BlockMatrix,
+    pub matrix: BlockMatrix,
     /// The iterate of the last update.
-    iterate: Option<Vec<f64>>,
+    pub iterate: Option<Vec<f64>>,
     /// The entries that the nonlinear integrals touch, and the linear ones' values there (none without linear integrals).
-    touched: TouchedEntries,
+    pub touched: TouchedEntries,
     linear_values: Vec<f64>,
 }
 
 impl Assembled {
+    /// Whether the matrix is the tangent at u.
+    pub fn is_at(&self, u: &[f64]) -> bool {
+        self.iterate.as_deref() == Some(u)
+    }
+
+    /// The values to which the tangent at an iterate is written: those of the linear integrals, or none if all are overwritten.
+    pub fn before_update(&mut self) -> ValuesBefore {
+        if !self.linear && self.changes_everywhere() {
+            self.iterate = None;
+            return ValuesBefore::Vanish;
+        }
+        self.restore();
+        ValuesBefore::Count
+    }
+
     /// Takes the nonlinear integrals out of the matrix, in a time proportional to what they touch.
     fn restore(&mut self) {
         if self.iterate.take().is_none() {
@@ -77,16 +92,6 @@ impl Assembled {
         self.iterate.is_some()
     }
 
-    /// The matrix as memory.
-    pub fn into_matrix(self) -> BlockMatrix {
-        self.matrix
-    }
-
-    /// The matrix as it is.
-    pub fn matrix(&self) -> &BlockMatrix {
-        &self.matrix
-    }
-
     /// The tangent of the linear integrals, where it serves to know it apart from the whole.
     pub fn linear_part(&mut self) -> Option<&BlockMatrix> {
         self.restore();
@@ -96,11 +101,6 @@ impl Assembled {
     /// The places where the whole differs from the linear part, if it does not differ everywhere.
     pub fn changed(&self) -> Option<&[Range<usize>]> {
         (self.linear && !self.changes_everywhere()).then_some(&self.touched.places)
-    }
-
-    /// The places that nonlinear integrals touch.
-    pub fn touched(&self) -> &[Range<usize>] {
-        &self.touched.places
     }
 
     fn changes_everywhere(&self) -> bool {
@@ -201,8 +201,11 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         })
     }
 
-    /// Who assembles the nonlinear integrals at u.
-    fn assembler_at(&self, u: &[f64]) -> Result<Cow<'_, Assembler<D>>, AssemblyError> {
+    /// The assembler of the nonlinear integrals at u.
+    ///
+    /// # Errors
+    /// [`AssemblyError`] of the function that chooses it.
+    pub fn assembler_at(&self, u: &[f64]) -> Result<Cow<'_, Assembler<D>>, AssemblyError> {
         match &self.assembler_at {
             // Of several processes each has its cells, whichever facets are split.
             Some(choose) => Ok(Cow::Owned(choose(&self.fields(u))?.on_cells_of(&self.assembler))),
@@ -349,40 +352,5 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         let mut sizes = self.assembler_at(u)?.sizes_of_contributions(&self.form, &views, &spaces, terms)?;
         self.for_each_load(|unknown, force| sizes[unknown] += force.abs())?;
         Ok(sizes)
-    }
-
-    /// The tangent at u, in a time proportional to the number of entries that nonlinear integrals touch.
-    ///
-    /// # Errors
-    /// [`AssemblyError::NotFinite`] where u is not finite at an unknown that nonlinear integrals read; otherwise those of the integrals.
-    pub fn update(&self, assembled: &mut Assembled, u: &[f64]) -> Result<(), AssemblyError> {
-        let mut views = self.views(u)?;
-        // A judgement of the iterate may have asked for it before the next step does.
-        if assembled.iterate.as_deref() == Some(u) {
-            return Ok(());
-        }
-        // Nothing else is read: a pass over all values would cost more than the update.
-        for (number, (view, touched)) in views.iter_mut().zip(&assembled.touched.unknowns).enumerate() {
-            let finite =
-                |unknowns: &Range<usize>| view.values[unknowns.clone()].iter().all(|u| u.is_finite());
-            if !touched.iter().all(finite) {
-                let (form, field) = (self.form.name(), self.unknown_name(number));
-                return Err(AssemblyError::NotFinite { form, field, position: None });
-            }
-            view.finite = true;
-        }
-        let (assembler, spaces) = (self.assembler_at(u)?, self.spaces.each_ref());
-        let overwrites = !assembled.linear && assembled.changes_everywhere();
-        if !overwrites {
-            assembled.restore();
-        }
-        assembled.iterate = None;
-        let before = if overwrites { ValuesBefore::Vanish } else { ValuesBefore::Count };
-        let (arguments, pattern) = ((&views[..], &spaces[..]), self.pattern()?);
-        let matrix = &mut assembled.matrix;
-        let written =
-            assembler.write_tangent(&self.form, arguments, Parts::NONLINEAR, pattern, matrix, before);
-        assembled.iterate = Some(u.to_vec());
-        written
     }
 }

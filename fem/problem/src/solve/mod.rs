@@ -8,7 +8,6 @@
 //! The solver keeps its factor, so that adjoint problems with the tangent or its transpose reuse it.
 
 pub mod communicator;
-mod condensation;
 pub mod condensed_solver;
 pub mod continuation;
 #[cfg(test)]

@@ -1,13 +1,14 @@
-//! Semismooth Newton on the free unknowns: undamped, or with a line search on the potential or on the residual.
+//! Semismooth Newton on the free unknowns: undamped, or with a line search on the potential or on the residual. Its loop is
+//! `iterate`: judge the last iterate, find a change of it, take the change.
 
 mod active_points;
-pub(super) mod bounded;
-pub(super) mod convergence;
+mod bounded;
+mod condensation;
+mod convergence;
 mod cycles;
-pub(super) mod equations;
-pub(super) mod free_equations;
+mod free_equations;
 mod imposed;
-pub(super) mod iterates;
+mod iterates;
 mod judgement;
 mod line_search;
 mod nonlinear_problem;
@@ -20,11 +21,11 @@ use std::collections::BTreeMap;
 
 pub use self::active_points::ActivePoints;
 pub use self::bounded::{BoundFailure, HeldUnknown, UnknownBounds};
-use super::condensation;
 use super::divided::Together;
 use super::elimination::Elimination;
 use super::linear_solver::LinearSolver;
 use bounded::ActiveSet;
+use condensation::WithLinearPart;
 pub use convergence::FieldUnknowns;
 use convergence::{Fields, Norms};
 use free_equations::{FreeEquations, Residuals};
@@ -121,7 +122,12 @@ pub fn newton_bounded(
     let iterates = Iterates::new(u, fields, options, progress);
     let mut equations = FreeEquations::new(problem, elimination, solver, iterates);
     equations.bounds = set;
-    let found = condensation::solve(&mut equations, guess, &expected);
+    let found = condensation::begin(&mut equations).and_then(|linear_part| match linear_part {
+        Some(linear_part) => {
+            WithLinearPart { free: &mut equations, linear_part }.iterate_from(guess, &expected)
+        }
+        None => iterate(&mut equations),
+    });
     let found = found.and_then(|()| equations.unknowns_at_bounds());
     let (Iterates { u, history, .. }, residual, worst) = equations.into_parts();
     // A judgement without an exchange is none.
@@ -129,6 +135,68 @@ pub fn newton_bounded(
         Ok(held) => Ok(NewtonSolution { u, residual, history, held }),
         Err(why) => Err(NewtonError { history, u, worst: worst.map(Box::new), ..why.into() }),
     }
+}
+
+/// Newton's method: K δ = −R is solved, and the step or a part of it is taken, until an iterate is the solution.
+///
+/// # Errors
+/// [`NewtonFailure`].
+fn iterate(equations: &mut dyn Equations) -> Result<(), NewtonFailure> {
+    loop {
+        let change = match equations.judge()? {
+            Verdict::Solution => return Ok(()),
+            Verdict::Correct(values) => Change { values, origin: Origin::Judgement },
+            Verdict::GoOn => equations.newton_change()?,
+        };
+        equations.take(change)?;
+    }
+}
+
+/// The outcome of a judgement.
+pub(in crate::solve) enum Verdict {
+    /// The last iterate is the solution.
+    Solution,
+    /// It is to be changed by this, on all unknowns, and judged again.
+    Correct(Vec<f64>),
+    /// It is not the solution.
+    GoOn,
+}
+
+/// A change of the unknowns of some equations.
+pub(in crate::solve) struct Change {
+    /// One entry per unknown of the equations.
+    pub values: Vec<f64>,
+    pub origin: Origin,
+}
+
+/// The origin of a change.
+#[derive(Clone, Copy)]
+pub(in crate::solve) enum Origin {
+    /// −K⁻¹R with the tangent at the last iterate.
+    Tangent { linear_iterations: usize, condensed_unknowns: Option<usize> },
+    /// A correction from the judgement of the last iterate. It says nothing of the progress of Newton's method.
+    Judgement,
+}
+
+/// Equations on which Newton's loop iterates: those of all free unknowns, or fewer. They keep their iterates.
+pub(in crate::solve) trait Equations {
+    /// Whether the last iterate is the solution, or what to do.
+    ///
+    /// # Errors
+    /// If there is no sense in going on.
+    fn judge(&mut self) -> Result<Verdict, NewtonFailure>;
+
+    /// −K⁻¹R at the last iterate.
+    ///
+    /// # Errors
+    /// If assembly or the linear solver fails.
+    fn newton_change(&mut self) -> Result<Change, NewtonFailure>;
+
+    /// Takes a change, or a part of it, and enters the next iterate into the history.
+    ///
+    /// # Errors
+    /// If assembly fails, or no part of the change serves.
+    fn take(&mut self, change: Change) -> Result<(), NewtonFailure>;
 }
 
 #[cfg(test)]

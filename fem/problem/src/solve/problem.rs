@@ -369,7 +369,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     /// # Errors
     /// If assembly fails.
     pub fn changed_places(&mut self) -> Result<&[Range<usize>], AssemblyError> {
-        Ok(self.ready()?.1.touched())
+        Ok(&self.ready()?.1.touched.places)
     }
 }
 
@@ -439,7 +439,7 @@ fn solve_on<const D: usize, const N: usize>(
     problem.memory = std::mem::take(memory);
     let solved = problem.solve();
     let pattern = problem.system.pattern.take();
-    let matrix = problem.assembled.take().map(Assembled::into_matrix);
+    let matrix = problem.assembled.take().map(|assembled| assembled.matrix);
     *memory = StepMemory { matrix, ..problem.memory };
     let Solved { fields, residual, history, .. } = solved?;
     Ok(SolvedForm { fields: fields.into(), pattern, residual, history })

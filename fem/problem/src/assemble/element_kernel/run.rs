@@ -7,13 +7,13 @@ use forms_core::contract::{BilinearConstants, BilinearKernel, LinearConstants, L
 use super::ElementCells;
 use super::tables::ElementTables;
 use crate::assemble::AssemblyError;
-use crate::assemble::element_loops::matrices::{ElementMatrices, MatrixBuffers};
+use crate::assemble::element_loops::matrices::{self, ElementMatrices, MatrixBuffers};
 use crate::assemble::element_loops::sink::Direct;
-use crate::assemble::element_loops::vectors::{ElementVectors, VectorBuffers};
+use crate::assemble::element_loops::vectors::{self, ElementVectors, VectorBuffers};
 use crate::assemble::element_loops::{BilinearCalls, Factors, LinearCalls};
 use crate::assemble::groups::Group;
 use crate::contract::Form;
-use crate::lanes::{LaneWork, Order, SimdLane};
+use crate::lanes::{SimdLane, with_lanes};
 
 /// Memory of the loops, whose types are known inside them.
 pub(super) type Kept = Option<Box<dyn Any + Send>>;
@@ -44,8 +44,16 @@ pub(super) fn run_matrices<K: BilinearKernel<D>, const D: usize>(
         symmetric: K::SYMMETRIC,
     };
     let order = &tables.orders[usize::from(K::SYMMETRIC)];
-    let (task, sink) = (&task, &mut sink);
-    tables.instructions.run(Matrices { task, kernel, order, count: cells.count, memory, sink })
+    let constants = const { &BilinearConstants::of::<K, D>() };
+    let (task, range, sink) = (&task, 0..cells.count, &mut sink);
+    with_lanes!(tables.instructions, L => {
+        let mut known = recall::<(MatrixBuffers<L, D>, Factors<K, L, D>)>(memory);
+        let (buffers, factors) = &mut *known;
+        let (buffers, calls) = (Some(buffers), &mut BilinearCalls::new(kernel, factors));
+        let done = L::call(matrices::Loops { task, kernel: constants, calls, order, range, buffers, sink });
+        *memory = Some(known);
+        done
+    })
 }
 
 /// Element vectors.
@@ -56,60 +64,18 @@ pub(super) fn run_vectors<K: LinearKernel<D>, const D: usize>(
     let Counted { form, tables, group, cells, memory, mut sink } = call;
     let binding = tables.bind(form)?;
     let task = ElementVectors { binding: &binding, group, cells: tables.cells(cells), side: 0, element: 0 };
-    let (task, order, sink) = (&task, &tables.orders[2], &mut sink);
-    tables.instructions.run(Vectors { task, kernel, order, count: cells.count, memory, sink })
-}
-
-struct Matrices<'a, 'r, K, const D: usize> {
-    task: &'a ElementMatrices<'a, D>,
-    kernel: &'a K,
-    order: &'a Order,
-    count: usize,
-    memory: &'a mut Kept,
-    sink: &'a mut Direct<'r>,
+    let constants = const { &LinearConstants::of::<K, D>() };
+    let (task, order, range, sink) = (&task, Some(&tables.orders[2]), 0..cells.count, &mut sink);
+    with_lanes!(tables.instructions, L => {
+        let mut known = recall::<VectorBuffers<L, D>>(memory);
+        let (buffers, calls) = (Some(&mut *known), &mut LinearCalls::<K, L, D>::new(kernel));
+        let done = L::call(vectors::Loops { task, kernel: constants, calls, order, range, buffers, sink });
+        *memory = Some(known);
+        done
+    })
 }
 
 /// The memory of a run before, if it was of the same type, or new memory; to be put back after the run.
 fn recall<T: Send + Default + 'static>(memory: &mut Kept) -> Box<T> {
     memory.take().and_then(|known| known.downcast().ok()).unwrap_or_default()
-}
-
-impl<K: BilinearKernel<D>, const D: usize> LaneWork for Matrices<'_, '_, K, D> {
-    type Output = Result<(), AssemblyError>;
-
-    #[inline(always)]
-    fn run<L: SimdLane>(self) -> Self::Output {
-        let mut memory = recall::<(MatrixBuffers<L, D>, Factors<K, L, D>)>(self.memory);
-        let (buffers, factors) = &mut *memory;
-        let calls = &mut BilinearCalls::new(self.kernel, factors);
-        let constants = const { &BilinearConstants::of::<K, D>() };
-        let range = 0..self.count;
-        let done = self.task.compute_in_lanes::<L>(constants, calls, self.order, range, buffers, self.sink);
-        *self.memory = Some(memory);
-        done
-    }
-}
-
-struct Vectors<'a, 'r, K, const D: usize> {
-    task: &'a ElementVectors<'a, D>,
-    kernel: &'a K,
-    order: &'a Order,
-    count: usize,
-    memory: &'a mut Kept,
-    sink: &'a mut Direct<'r>,
-}
-
-impl<K: LinearKernel<D>, const D: usize> LaneWork for Vectors<'_, '_, K, D> {
-    type Output = Result<(), AssemblyError>;
-
-    #[inline(always)]
-    fn run<L: SimdLane>(self) -> Self::Output {
-        let mut buffers = recall::<VectorBuffers<L, D>>(self.memory);
-        let (range, order) = (0..self.count, Some(self.order));
-        let calls = &mut LinearCalls::<K, L, D>::new(self.kernel);
-        let constants = const { &LinearConstants::of::<K, D>() };
-        let done = self.task.compute_in_lanes::<L>(constants, calls, order, range, &mut buffers, self.sink);
-        *self.memory = Some(buffers);
-        done
-    }
 }

@@ -7,21 +7,21 @@
 
 use std::ops::Range;
 
-use forms_core::contract::{Basis, BilinearConstants, BilinearKernel, Further};
+use forms_core::contract::{Basis, BilinearConstants, Further};
 
-use super::bilinear_calls::{BilinearCalls, Factors, Functions, MatrixCall, MatrixCalls};
+use super::bilinear_calls::{Functions, MatrixCall, MatrixCalls};
 use crate::assemble::AssemblyError;
 use crate::assemble::batch::{ArgumentBasis, Batch, BatchBuffers, Cells};
 use crate::assemble::binding::Binding;
 use crate::assemble::element_loops::reference_tensor::ReferenceTensor;
-use crate::assemble::element_loops::sink::{Buffered, Deliver, Sink};
+use crate::assemble::element_loops::sink::Sink;
 use crate::assemble::element_loops::sum_factorisation::{
     Derivatives, MatrixStages, Moments, PairSums, ProductTables, matrix_operations, unit,
 };
 use crate::assemble::groups::Group;
 use crate::assemble::scatter::group_nodes::Reading;
 use crate::instantiate::instantiate;
-use crate::lanes::{InstructionSet, LaneWork, Order, Ordered, SharedWork, SimdLane, Transposition};
+use crate::lanes::{Order, Ordered, SharedWork, SimdLane, Transposition};
 
 /// Inputs of the element matrices of a group, besides the kernel.
 pub(in crate::assemble) struct ElementMatrices<'a, const D: usize> {
@@ -83,55 +83,6 @@ impl<const D: usize> ElementMatrices<'_, D> {
         [nodes(0), nodes(1)]
     }
 
-    /// The element matrices of the group's entities in a range, handed over in their order:
-    /// `deliver(first, matrices)` gets whole element matrices, that of entity `first` first, each as
-    /// `[test node][trial node][row component][column component]`.
-    ///
-    /// # Errors
-    /// Errors of the form's data, or of `deliver`.
-    pub fn compute<K: BilinearKernel<D>>(
-        &self,
-        (kernel, constants): (&K, &BilinearConstants),
-        set: InstructionSet,
-        range: Range<usize>,
-        deliver: Deliver,
-    ) -> Result<(), AssemblyError> {
-        set.checked().run(Compute { task: self, kernel, constants, range, deliver })
-    }
-
-    /// The loops, with memory of their own.
-    #[inline(never)]
-    fn compute_in_order<L: SimdLane>(
-        &self,
-        kernel: &BilinearConstants,
-        calls: &mut dyn MatrixCalls<L, D>,
-        range: Range<usize>,
-        deliver: Deliver,
-    ) -> Result<(), AssemblyError> {
-        let places = block_order(self.nodes(), kernel.components, self.symmetric);
-        let order = &Order::new(places, L::WIDTH);
-        let (buffers, sink) = (&mut MatrixBuffers::default(), &mut Buffered::new(deliver));
-        self.compute_in_lanes(kernel, calls, order, range, buffers, sink)
-    }
-
-    /// The loops. The entries of an element matrix come out in the order that [`block_order`] gives to
-    /// the computed blocks, or any other.
-    ///
-    /// # Errors
-    /// Errors of the form's data, or of the sink.
-    #[inline(never)]
-    pub fn compute_in_lanes<L: SimdLane>(
-        &self,
-        kernel: &BilinearConstants,
-        calls: &mut dyn MatrixCalls<L, D>,
-        order: &Order,
-        range: Range<usize>,
-        buffers: &mut MatrixBuffers<L, D>,
-        sink: &mut dyn Sink,
-    ) -> Result<(), AssemblyError> {
-        L::call(Loops { task: self, kernel, calls, order, range, buffers, sink })
-    }
-
     /// The functions of an argument at a point, test (0) or trial (1).
     #[inline(always)]
     fn functions<'b, L: SimdLane>(&'b self, argument: usize, batch: &'b Batch<L, D>) -> Functions<'b, L, D> {
@@ -150,15 +101,17 @@ impl<const D: usize> ElementMatrices<'_, D> {
     }
 }
 
-/// The loops over the batches of a range.
-struct Loops<'a, 'd, L, const D: usize> {
-    task: &'a ElementMatrices<'d, D>,
-    kernel: &'a BilinearConstants,
-    calls: &'a mut dyn MatrixCalls<L, D>,
-    order: &'a Order,
-    range: Range<usize>,
-    buffers: &'a mut MatrixBuffers<L, D>,
-    sink: &'a mut dyn Sink,
+/// The loops over the batches of a range: element matrices of its entities, in their order.
+pub(in crate::assemble) struct Loops<'a, 'd, L, const D: usize> {
+    pub task: &'a ElementMatrices<'d, D>,
+    pub kernel: &'a BilinearConstants,
+    pub calls: &'a mut dyn MatrixCalls<L, D>,
+    /// Entries of a matrix by those of the computed blocks: [`block_order`], or any other.
+    pub order: &'a Order,
+    pub range: Range<usize>,
+    /// Memory that is kept; without it the loops have their own.
+    pub buffers: Option<&'a mut MatrixBuffers<L, D>>,
+    pub sink: &'a mut dyn Sink,
 }
 
 impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
@@ -169,6 +122,14 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
         let Loops { task, kernel, calls, order, range, buffers, sink } = self;
         let ElementMatrices { group, symmetric, .. } = *task;
         let ([rows, columns], points) = (task.nodes(), group.points());
+        let mut own;
+        let buffers = match buffers {
+            Some(kept) => kept,
+            None => {
+                own = MatrixBuffers::default();
+                &mut own
+            }
+        };
         let MatrixBuffers { batch, blocks, directions, stages, tensor, moments, numbers, room } = buffers;
         if tensor.is_none() && !range.is_empty() {
             let side = &group.sides[task.sides[0]];
@@ -335,25 +296,6 @@ pub(in crate::assemble) fn by_moments<const D: usize>(
         .then_some(moments)
 }
 
-struct Compute<'a, 'd, K, const D: usize> {
-    task: &'a ElementMatrices<'a, D>,
-    kernel: &'a K,
-    constants: &'a BilinearConstants,
-    range: Range<usize>,
-    deliver: Deliver<'d>,
-}
-
-impl<K: BilinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
-    type Output = Result<(), AssemblyError>;
-
-    #[inline(always)]
-    fn run<L: SimdLane>(self) -> Self::Output {
-        let mut factors = Factors::<K, L, D>::default();
-        let calls = &mut BilinearCalls::new(self.kernel, &mut factors);
-        self.task.compute_in_order::<L>(self.constants, calls, self.range, self.deliver)
-    }
-}
-
 /// Places in the computed blocks of an element matrix's entries, for the entries block after block. Of a
 /// symmetric matrix only the blocks of pairs i ≤ j are computed.
 pub(in crate::assemble) fn block_order(
@@ -393,6 +335,5 @@ instantiate!(
     element_matrices in lanes:
     Moments::sum::<L, D>,
     by_moments::<D>,
-    ElementMatrices::<D>::compute_in_order::<L>,
-    ElementMatrices::<D>::compute_in_lanes::<L>,
+    L::call::<Loops<L, D>>,
 );

@@ -12,16 +12,16 @@
 
 use std::ops::Range;
 
-use forms_core::contract::{Basis, Further, Lane, LinearConstants, LinearKernel};
+use forms_core::contract::{Basis, Further, Lane, LinearConstants};
 
-use super::linear_calls::{LinearCalls, VectorCall, VectorCalls};
+use super::linear_calls::{VectorCall, VectorCalls};
 use super::sink::Deliver;
 use super::vectors::ElementVectors;
 use crate::assemble::AssemblyError;
 use crate::assemble::batch::{ArgumentBasis, Batch, BatchBuffers};
 use crate::assemble::scatter::group_nodes::Reading;
 use crate::instantiate::instantiate;
-use crate::lanes::{InstructionSet, LaneWork, Moving, SharedWork, SimdLane, Transposition, WIDEST};
+use crate::lanes::{Moving, SharedWork, SimdLane, Transposition, WIDEST};
 
 /// The motion of a group's points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,60 +34,14 @@ pub enum PointMotion {
     OfIntegrand,
 }
 
-impl<const D: usize> ElementVectors<'_, D> {
-    /// The derivatives of the element vectors of a group whose points move, as [`ElementVectors::compute`] hands over vectors.
-    ///
-    /// # Errors
-    /// Errors of the form's data, or of `deliver`.
-    pub fn compute_moving<K: LinearKernel<D>>(
-        &self,
-        (kernel, constants): (&K, &LinearConstants),
-        set: InstructionSet,
-        (motion, range): (PointMotion, Range<usize>),
-        deliver: Deliver,
-    ) -> Result<(), AssemblyError> {
-        set.checked().run(Compute { task: self, kernel, constants, motion, range, deliver })
-    }
-
-    #[inline(never)]
-    fn moving_in_lanes<L: SimdLane>(
-        &self,
-        kernel: &LinearConstants,
-        calls: &mut dyn VectorCalls<Moving<L>, D>,
-        (motion, range): (PointMotion, Range<usize>),
-        deliver: Deliver,
-    ) -> Result<(), AssemblyError> {
-        L::call(Loops { task: self, kernel, calls, motion, range, deliver })
-    }
-}
-
-struct Compute<'a, 'd, K, const D: usize> {
-    task: &'a ElementVectors<'a, D>,
-    kernel: &'a K,
-    constants: &'a LinearConstants,
-    motion: PointMotion,
-    range: Range<usize>,
-    deliver: Deliver<'d>,
-}
-
-impl<K: LinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
-    type Output = Result<(), AssemblyError>;
-
-    #[inline(always)]
-    fn run<L: SimdLane>(self) -> Self::Output {
-        let calls = &mut LinearCalls::<K, Moving<L>, D>::new(self.kernel);
-        self.task.moving_in_lanes::<L>(self.constants, calls, (self.motion, self.range), self.deliver)
-    }
-}
-
-/// The loops over the batches of a range.
-struct Loops<'a, 'd, 'c, L, const D: usize> {
-    task: &'a ElementVectors<'d, D>,
-    kernel: &'a LinearConstants,
-    calls: &'a mut dyn VectorCalls<Moving<L>, D>,
-    motion: PointMotion,
-    range: Range<usize>,
-    deliver: Deliver<'c>,
+/// The loops over the batches of a range: derivatives of the element vectors of its entities, in their order.
+pub(in crate::assemble) struct Loops<'a, 'd, 'c, L, const D: usize> {
+    pub task: &'a ElementVectors<'d, D>,
+    pub kernel: &'a LinearConstants,
+    pub calls: &'a mut dyn VectorCalls<Moving<L>, D>,
+    pub motion: PointMotion,
+    pub range: Range<usize>,
+    pub deliver: Deliver<'c>,
 }
 
 impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
@@ -174,4 +128,4 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
     }
 }
 
-instantiate!(moving_points in lanes: ElementVectors::<D>::moving_in_lanes::<L>);
+instantiate!(moving_points in lanes: L::call::<Loops<L, D>>);

@@ -9,7 +9,7 @@ use crate::assemble::AssemblyError;
 use crate::assemble::batch::{Batch, BatchBuffers, Cells};
 use crate::assemble::binding::Binding;
 use crate::assemble::groups::Group;
-use crate::lanes::{InstructionSet, LaneWork, SharedWork, SimdLane, Transposition};
+use crate::lanes::{SharedWork, SimdLane, Transposition};
 
 /// Takes the value, weight and position of a quadrature point.
 pub(in crate::assemble) type ReceivePoint<'a, const D: usize> =
@@ -53,42 +53,13 @@ impl PointBuffers {
     }
 }
 
-impl<const D: usize> PointValues<'_, D> {
-    /// The values at every quadrature point of some of the group's entities: `receive(value, weight, position)` is called with each in turn.
-    ///
-    /// # Errors
-    /// Errors of the form's data, or of `receive`.
-    pub fn compute<K: ExpressionKernel<D>>(
-        &self,
-        kernel: &K,
-        set: InstructionSet,
-        buffers: &mut PointBuffers,
-        range: Range<usize>,
-        receive: &mut ReceivePoint<D>,
-    ) -> Result<(), AssemblyError> {
-        set.checked().run(Compute { task: self, kernel, buffers, range, receive })
-    }
-
-    #[inline(never)]
-    pub(super) fn compute_in_lanes<L: SimdLane>(
-        &self,
-        calls: &mut dyn ValueCalls<L, D>,
-        buffers: &mut PointBuffers,
-        range: Range<usize>,
-        receive: &mut ReceivePoint<D>,
-    ) -> Result<(), AssemblyError> {
-        let Some(buffers) = buffers.in_lanes::<L, D>() else { return Ok(()) };
-        L::call(Loops { task: self, calls, buffers, range, receive })
-    }
-}
-
-/// The loops over the batches of a range.
-struct Loops<'a, 'd, 'r, L, const D: usize> {
-    task: &'a PointValues<'d, D>,
-    calls: &'a mut dyn ValueCalls<L, D>,
-    buffers: &'a mut BuffersInLanes<L, D>,
-    range: Range<usize>,
-    receive: &'a mut ReceivePoint<'r, D>,
+/// The loops over the batches of a range: values at every quadrature point of its entities, in their order.
+pub(in crate::assemble) struct Loops<'a, 'd, 'r, L, const D: usize> {
+    pub task: &'a PointValues<'d, D>,
+    pub calls: &'a mut dyn ValueCalls<L, D>,
+    pub buffers: &'a mut PointBuffers,
+    pub range: Range<usize>,
+    pub receive: &'a mut ReceivePoint<'r, D>,
 }
 
 impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
@@ -98,6 +69,7 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
     fn run(self) -> Self::Output {
         let Loops { task, calls, buffers, range, receive } = self;
         let PointValues { binding, group, requirements, components } = *task;
+        let Some(buffers) = buffers.in_lanes::<L, D>() else { return Ok(()) };
         let BuffersInLanes { batch, found, of_cells } = buffers;
         let of_point = components + 1 + D;
         let of_cell = group.points() * of_point;
@@ -132,7 +104,7 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
 }
 
 /// A call for the cells of a batch.
-pub(super) enum ValueCall<'a, L, const D: usize> {
+pub(in crate::assemble) enum ValueCall<'a, L, const D: usize> {
     /// Quantities that are constant on the cells, before the first point.
     Cell(&'a CellGeometry<L>),
     /// The value at a point.
@@ -140,14 +112,21 @@ pub(super) enum ValueCall<'a, L, const D: usize> {
 }
 
 /// A kernel whose type is forgotten, and what it knows of the cells at hand.
-pub(super) trait ValueCalls<L, const D: usize> {
+pub(in crate::assemble) trait ValueCalls<L, const D: usize> {
     fn call(&mut self, call: &mut ValueCall<L, D>);
 }
 
 /// The calls of a kernel of a known type.
-struct ExpressionCalls<'a, K: ExpressionKernel<D>, L: SimdLane, const D: usize> {
+pub(in crate::assemble) struct ExpressionCalls<'a, K: ExpressionKernel<D>, L: SimdLane, const D: usize> {
     kernel: &'a K,
     cell: Option<K::Cell<L>>,
+}
+
+impl<'a, K: ExpressionKernel<D>, L: SimdLane, const D: usize> ExpressionCalls<'a, K, L, D> {
+    #[inline(always)]
+    pub fn new(kernel: &'a K) -> Self {
+        ExpressionCalls { kernel, cell: None }
+    }
 }
 
 impl<K: ExpressionKernel<D>, L: SimdLane, const D: usize> ValueCalls<L, D> for ExpressionCalls<'_, K, L, D> {
@@ -178,24 +157,5 @@ impl<K: ExpressionKernel<D>, L: SimdLane, const D: usize> SharedWork<L>
                 target.copy_from_slice(&value.as_ref()[..target.len()]);
             }
         }
-    }
-}
-
-struct Compute<'a, 'd, 'r, K, const D: usize> {
-    task: &'a PointValues<'d, D>,
-    kernel: &'a K,
-    buffers: &'a mut PointBuffers,
-    range: Range<usize>,
-    receive: &'a mut ReceivePoint<'r, D>,
-}
-
-impl<K: ExpressionKernel<D>, const D: usize> LaneWork for Compute<'_, '_, '_, K, D> {
-    type Output = Result<(), AssemblyError>;
-
-    #[inline(always)]
-    fn run<L: SimdLane>(self) -> Self::Output {
-        let Compute { task, kernel, buffers, range, receive } = self;
-        let mut calls = ExpressionCalls::<K, L, D> { kernel, cell: None };
-        task.compute_in_lanes::<L>(&mut calls, buffers, range, receive)
     }
 }

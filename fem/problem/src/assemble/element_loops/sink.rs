@@ -16,8 +16,9 @@ pub(in crate::assemble) type Deliver<'a> = &'a mut dyn FnMut(usize, &[f64]) -> R
 /// Numbers in a line of the first cache.
 const LINE: usize = 8;
 
-/// Hands over each batch from a buffer.
+/// Hands over each batch from a buffer, times a factor.
 pub(in crate::assemble) struct Buffered<'a> {
+    factor: f64,
     buffer: Vec<f64>,
     /// The first number that begins a line of the cache: vectors that lie across two lines are written at half of the speed.
     start: usize,
@@ -25,8 +26,8 @@ pub(in crate::assemble) struct Buffered<'a> {
 }
 
 impl<'a> Buffered<'a> {
-    pub fn new(deliver: Deliver<'a>) -> Self {
-        Buffered { buffer: vec![], start: 0, deliver }
+    pub fn new(factor: f64, deliver: Deliver<'a>) -> Self {
+        Buffered { factor, buffer: vec![], start: 0, deliver }
     }
 }
 
@@ -42,7 +43,11 @@ impl Sink for Buffered<'_> {
 
     #[inline]
     fn filled(&mut self, first: usize, count: usize, size: usize) -> Result<(), AssemblyError> {
-        (self.deliver)(first, &self.buffer[self.start..][..count * size])
+        let filled = &mut self.buffer[self.start..][..count * size];
+        if self.factor != 1.0 {
+            filled.iter_mut().for_each(|value| *value *= self.factor);
+        }
+        (self.deliver)(first, filled)
     }
 }
 

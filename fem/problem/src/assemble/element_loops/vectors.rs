@@ -5,22 +5,22 @@
 
 use std::ops::Range;
 
-use forms_core::contract::{Basis, Further, LinearConstants, LinearKernel};
+use forms_core::contract::{Basis, Further, LinearConstants};
 
-use super::linear_calls::{LinearCalls, VectorCall, VectorCalls};
+use super::linear_calls::{VectorCall, VectorCalls};
 #[cfg(not(test))]
-use super::point_values::PointValues;
+use super::point_values;
 use crate::assemble::AssemblyError;
 use crate::assemble::batch::{ArgumentBasis, Batch, BatchBuffers, Cells};
 use crate::assemble::binding::Binding;
-use crate::assemble::element_loops::sink::{Buffered, Deliver, Sink};
+use crate::assemble::element_loops::sink::Sink;
 use crate::assemble::element_loops::sum_factorisation::{
     Derivatives, Integration, ProductTables, Stages, axis_operations, unit,
 };
 use crate::assemble::groups::Group;
 use crate::assemble::scatter::group_nodes::Reading;
 use crate::instantiate::instantiate;
-use crate::lanes::{InstructionSet, LaneWork, Order, Ordered, SharedWork, SimdLane, Transposition};
+use crate::lanes::{Order, Ordered, SharedWork, SimdLane, Transposition};
 
 /// Inputs of the element vectors of a group, besides the kernel.
 pub(in crate::assemble) struct ElementVectors<'a, const D: usize> {
@@ -60,53 +60,6 @@ impl<const D: usize> ElementVectors<'_, D> {
         self.group.sides[self.side].elements[self.element].nodes
     }
 
-    /// The element vectors of the group's entities in a range, handed over in their order:
-    /// `deliver(first, vectors)` gets whole element vectors, that of entity `first` first, each as
-    /// `[node][component]`.
-    ///
-    /// # Errors
-    /// Errors of the form's data, or of `deliver`.
-    pub fn compute<K: LinearKernel<D>>(
-        &self,
-        (kernel, constants): (&K, &LinearConstants),
-        set: InstructionSet,
-        range: Range<usize>,
-        deliver: Deliver,
-    ) -> Result<(), AssemblyError> {
-        set.checked().run(Compute { task: self, kernel, constants, range, deliver })
-    }
-
-    /// The loops, with memory of their own.
-    #[inline(never)]
-    fn compute_in_order<L: SimdLane>(
-        &self,
-        kernel: &LinearConstants,
-        calls: &mut dyn VectorCalls<L, D>,
-        range: Range<usize>,
-        deliver: Deliver,
-    ) -> Result<(), AssemblyError> {
-        let (buffers, sink) = (&mut VectorBuffers::default(), &mut Buffered::new(deliver));
-        self.compute_in_lanes(kernel, calls, None, range, buffers, sink)
-    }
-
-    /// The loops. Where sums go along the axes, the kernel is asked at each point for the functions whose value, or whose
-    /// derivative along one axis of the reference cell, is one. With an `order`, entry k of a vector is the `order[k]`-th of `[node][component]`.
-    ///
-    /// # Errors
-    /// Errors of the form's data, or of the sink.
-    #[inline(never)]
-    pub fn compute_in_lanes<L: SimdLane>(
-        &self,
-        kernel: &LinearConstants,
-        calls: &mut dyn VectorCalls<L, D>,
-        order: Option<&Order>,
-        range: Range<usize>,
-        buffers: &mut VectorBuffers<L, D>,
-        sink: &mut dyn Sink,
-    ) -> Result<(), AssemblyError> {
-        L::call(Loops { task: self, kernel, calls, order, range, buffers, sink })
-    }
-
     /// The tables, if sum factorisation takes fewer operations than sums over the nodes at each point.
     fn factorised(&self, kernel: &LinearConstants) -> Option<&ProductTables> {
         let tables = self.group.sides[self.side].products[self.element].as_ref()?;
@@ -124,15 +77,18 @@ impl<const D: usize> ElementVectors<'_, D> {
     }
 }
 
-/// The loops over the batches of a range.
-struct Loops<'a, 'd, L, const D: usize> {
-    task: &'a ElementVectors<'d, D>,
-    kernel: &'a LinearConstants,
-    calls: &'a mut dyn VectorCalls<L, D>,
-    order: Option<&'a Order>,
-    range: Range<usize>,
-    buffers: &'a mut VectorBuffers<L, D>,
-    sink: &'a mut dyn Sink,
+/// The loops over the batches of a range: element vectors of its entities, in their order. Where sums go along the axes, the kernel is
+/// asked at each point for the functions whose value, or whose derivative along one axis of the reference cell, is one.
+pub(in crate::assemble) struct Loops<'a, 'd, L, const D: usize> {
+    pub task: &'a ElementVectors<'d, D>,
+    pub kernel: &'a LinearConstants,
+    pub calls: &'a mut dyn VectorCalls<L, D>,
+    /// With it entry k of a vector is the `order[k]`-th of `[node][component]`.
+    pub order: Option<&'a Order>,
+    pub range: Range<usize>,
+    /// Memory that is kept; without it the loops have their own.
+    pub buffers: Option<&'a mut VectorBuffers<L, D>>,
+    pub sink: &'a mut dyn Sink,
 }
 
 impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
@@ -145,13 +101,20 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
         let (components, nodes) = (kernel.components, task.nodes());
         let size = nodes * components;
         let zero = L::splat(0.0);
-        let VectorBuffers { batch, sums, at_points, stages } = buffers;
+        let mut own;
+        let VectorBuffers { batch, sums, at_points, stages } = match buffers {
+            Some(kept) => kept,
+            None => {
+                own = VectorBuffers::default();
+                &mut own
+            }
+        };
         let factorised = task.factorised(kernel);
         let requirements = *kernel.requirements;
         let [reading, _] = Reading::of_arguments(&requirements);
         let mean = kernel.requirements.test_mean;
-        let own = [ArgumentBasis { side, element, reading, mean }];
-        let arguments: &[ArgumentBasis] = if factorised.is_some() { &[] } else { &own };
+        let basis = [ArgumentBasis { side, element, reading, mean }];
+        let arguments: &[ArgumentBasis] = if factorised.is_some() { &[] } else { &basis };
         let mut batch = Batch::<L, D>::new(task.binding, group, task.cells, requirements, arguments, batch)?;
         sums.resize(size, zero);
         let derivatives = Derivatives::of_arguments(&requirements);
@@ -204,27 +167,8 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
     }
 }
 
-struct Compute<'a, 'd, K, const D: usize> {
-    task: &'a ElementVectors<'a, D>,
-    kernel: &'a K,
-    constants: &'a LinearConstants,
-    range: Range<usize>,
-    deliver: Deliver<'d>,
-}
-
-impl<K: LinearKernel<D>, const D: usize> LaneWork for Compute<'_, '_, K, D> {
-    type Output = Result<(), AssemblyError>;
-
-    #[inline(always)]
-    fn run<L: SimdLane>(self) -> Self::Output {
-        let calls = &mut LinearCalls::<K, L, D>::new(self.kernel);
-        self.task.compute_in_order::<L>(self.constants, calls, self.range, self.deliver)
-    }
-}
-
 instantiate!(
     element_vectors in lanes:
-    ElementVectors::<D>::compute_in_order::<L>,
-    ElementVectors::<D>::compute_in_lanes::<L>,
-    PointValues::<D>::compute_in_lanes::<L>,
+    L::call::<Loops<L, D>>,
+    L::call::<point_values::Loops<L, D>>,
 );

@@ -150,7 +150,7 @@ pub(in crate::assemble) fn facet_means<const D: usize>(
             element: binding.constant_element()?,
         };
         // One after the other, in the order of the units: the sums do not depend on threads.
-        term.kernel.compute(&task, binding.instructions, 0..group.entities(), &mut |first, vectors| {
+        term.kernel.compute(&task, 0..group.entities(), &mut |first, vectors| {
             for (unit, vector) in vectors.chunks_exact(length).enumerate() {
                 let facet = facets[&pairs.group.facets[first + unit][0]];
                 let sums = &mut values[(facet * weights + means.weight) * length..][..length];

@@ -1,12 +1,11 @@
 //! Equations on all free unknowns: residual Cᵀ R, tangent Cᵀ K C, and steps that a line search may shorten.
 
 use super::bounded::{ActiveSet, Moved};
-use super::equations::{Change, Equations, Origin, Verdict};
 use super::judgement::{LastChange, Refinement};
 use super::line_search::{Forced, Taken, check_potential};
 use super::{
-    Iterates, LineSearch, NewtonFailure, NonlinearProblem, Norms, PrescribedValues, Products, Step, Tangent,
-    WorstEquation,
+    Change, Equations, Iterates, NewtonFailure, NonlinearProblem, Norms, Origin, PrescribedValues, Products,
+    Step, Verdict, WorstEquation,
 };
 use crate::linear_algebra::vector::add_scaled;
 use crate::solve::elimination::Elimination;
@@ -29,19 +28,6 @@ impl Residuals {
         let reduced = elimination.reduce(&full)?;
         Ok(Residuals { full, reduced })
     }
-}
-
-/// The tangent at the last iterate, which a line search on the potential wants to be symmetric.
-pub(in crate::solve) fn checked_tangent<'p>(
-    problem: &'p mut dyn NonlinearProblem,
-    elimination: &mut Elimination,
-    iterates: &Iterates<'_>,
-) -> Result<Tangent<'p>, NewtonFailure> {
-    let tangent = problem.tangent(&iterates.u)?;
-    if iterates.options.line_search == LineSearch::OnPotential {
-        check_potential(elimination, &tangent.matrix)?;
-    }
-    Ok(tangent)
 }
 
 /// A nonlinear problem on its free unknowns, with the solver of its linear systems and the state of the iteration.
@@ -170,7 +156,8 @@ impl<'a> FreeEquations<'a> {
     /// If assembly or the linear solver fails.
     pub fn set_tangent(&mut self) -> Result<(), NewtonFailure> {
         self.products_are_old = false;
-        let tangent = checked_tangent(self.problem, &mut self.elimination, &self.iterates)?;
+        let tangent = self.problem.tangent(&self.iterates.u)?;
+        check_potential(self.iterates.options.line_search, &mut self.elimination, &tangent.matrix)?;
         let mut reduced = self.elimination.reduce_matrix(&tangent.matrix)?;
         drop(tangent);
         if let Some(bounds) = &mut self.bounds {

@@ -19,8 +19,7 @@ mod rounding;
 mod rows;
 mod vanishing;
 
-use super::equations::{Origin, Verdict};
-use super::{FreeEquations, NewtonFailure};
+use super::{FreeEquations, NewtonFailure, Origin, Verdict};
 use crate::linear_algebra::vector::largest;
 use refinement::Reason;
 pub(super) use refinement::{LastChange, Refinement};

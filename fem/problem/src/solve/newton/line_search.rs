@@ -82,11 +82,15 @@ impl Iterates<'_> {
     }
 }
 
-/// An error if the reduced tangent is not symmetric.
+/// An error if a line search is on the potential, and the reduced tangent is not symmetric.
 pub(super) fn check_potential(
+    line_search: LineSearch,
     elimination: &mut Elimination,
     tangent: &BlockMatrix,
 ) -> Result<(), NewtonFailure> {
+    if line_search != LineSearch::OnPotential {
+        return Ok(());
+    }
     let reduced = elimination.reduce_matrix(tangent)?;
     let asymmetry = reduced.asymmetry()?;
     // NaN is named by the solver.

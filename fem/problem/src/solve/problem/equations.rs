@@ -2,6 +2,7 @@
 //! once, and sums over processes where there are several.
 
 use std::borrow::Cow;
+use std::ops::Range;
 use std::rc::Rc;
 use std::sync::Arc;
 use std::time::Instant;
@@ -38,15 +39,39 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
         Processes::new(self.communicator, self.divided.clone()).added_up(form, own)
     }
 
+    /// Brings the matrix to the tangent at u, in a time proportional to the number of entries that nonlinear integrals touch.
+    ///
+    /// # Errors
+    /// [`AssemblyError::NotFinite`] where u is not finite at an unknown that nonlinear integrals read; otherwise those of the integrals.
     fn update(&mut self, u: &[f64]) -> Result<(), AssemblyError> {
         if self.system.slides() && self.system.follow(u)? {
             self.assembled = None;
         }
         let (system, assembled) = self.ready()?;
         let start = Instant::now();
-        system.update(assembled, u)?;
+        let mut views = system.views(u)?;
+        // A judgement of the iterate may have asked for it before the next step does.
+        if assembled.is_at(u) {
+            return Ok(());
+        }
+        // Nothing else is read: a pass over all values would cost more than the update.
+        for (number, (view, touched)) in views.iter_mut().zip(&assembled.touched.unknowns).enumerate() {
+            let finite =
+                |unknowns: &Range<usize>| view.values[unknowns.clone()].iter().all(|u| u.is_finite());
+            if !touched.iter().all(finite) {
+                let (form, field) = (system.form.name(), system.unknown_name(number));
+                return Err(AssemblyError::NotFinite { form, field, position: None });
+            }
+            view.finite = true;
+        }
+        let (assembler, spaces) = (system.assembler_at(u)?, system.spaces.each_ref());
+        let (arguments, pattern) = ((&views[..], &spaces[..]), system.pattern()?);
+        let (before, matrix) = (assembled.before_update(), &mut assembled.matrix);
+        let written =
+            assembler.write_tangent(&system.form, arguments, Parts::NONLINEAR, pattern, matrix, before);
+        assembled.iterate = Some(u.to_vec());
         self.seconds += start.elapsed().as_secs_f64();
-        Ok(())
+        written
     }
 
     fn own_active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {
@@ -76,7 +101,7 @@ impl<const D: usize, const N: usize> NonlinearProblem for Problem<'_, D, N> {
         let alone = self.communicator.is_none() && !self.system.slides();
         let (_, assembled) = self.ready()?;
         let changed = assembled.changed().filter(|_| alone);
-        Ok(Tangent { matrix: Cow::Borrowed(assembled.matrix()), changed })
+        Ok(Tangent { matrix: Cow::Borrowed(&assembled.matrix), changed })
     }
 
     fn divided(&self) -> Option<Rc<dyn DividedVectors>> {
@@ -114,9 +139,9 @@ impl<const D: usize, const N: usize> NonlinearProblem for Problem<'_, D, N> {
         // The last tangent serves, where it was not taken apart for a residual.
         let kept = self.assembled.as_ref().filter(|assembled| assembled.is_tangent());
         let own = match kept {
-            Some(assembled) => Ok(Tangent::lent(assembled.matrix()).products(x)),
+            Some(assembled) => Ok(Tangent::lent(&assembled.matrix).products(x)),
             // Other processes may know their parts of the tangent, and are at the sum already.
-            None => self.update(u).and_then(|()| Ok(Tangent::lent(self.ready()?.1.matrix()).products(x))),
+            None => self.update(u).and_then(|()| Ok(Tangent::lent(&self.ready()?.1.matrix).products(x))),
         };
         // All processes must come to the same judgement of convergence.
         let (sums, sizes) = match own {

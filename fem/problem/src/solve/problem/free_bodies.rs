@@ -72,7 +72,7 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
             return Floating::Nothing;
         };
         let offset = spaces[..number].iter().map(|space| space.unknowns()).sum();
-        let (matrix, positions) = (assembled.matrix(), space.positions());
+        let (matrix, positions) = (&assembled.matrix, space.positions());
         // What cannot be said is left out: the error is reported in any case.
         let residual = |motion: &[f64], forces: &[f64]| elimination.null_space_residual(motion, forces);
         let body = body_of(space, node).filter(|nodes| nodes.len() < space.node_count());

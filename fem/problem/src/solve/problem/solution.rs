@@ -122,7 +122,14 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
             self.leave_memory_to(solver);
             return found;
         }
-        self.iterate_from_starts(elimination, constraints, solver)
+        let before = self.state_before_prediction();
+        let again = before.map(|_| elimination.again());
+        let found = self.iterate(elimination, constraints, self.start, solver);
+        match (found, again) {
+            // Nothing of the failure is kept but the solver's memory.
+            (Err(_), Some(again)) => self.iterate(again, constraints, before, solver),
+            (found, _) => found,
+        }
     }
 
     /// Takes what an earlier problem has left to the solver, where this one has no memory of its own.
@@ -137,13 +144,13 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     /// Leaves the matrix and the map to the reduced one to the next problem with this solver.
     fn leave_memory_to(&mut self, solver: &mut dyn LinearSolver) {
         if let Some(memory) = solver.memory() {
-            let matrix = self.assembled.take().map(Assembled::into_matrix);
+            let matrix = self.assembled.take().map(|assembled| assembled.matrix);
             *memory = StepMemory { matrix, restriction: self.memory.restriction.take() };
         }
     }
 
-    /// Semismooth Newton from a start.
-    pub(super) fn iterate(
+    /// Semismooth Newton from a start, and in a load step the motion followed to what it finds.
+    fn iterate(
         &mut self,
         elimination: Elimination,
         constraints: [&Constraints<D>; N],
@@ -197,6 +204,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         })?;
         self.held = found.held;
         self.refuse_known(&found.u)?;
+        self.follow_from_last_state(&found.u)?;
         Ok((found.u, found.residual, found.history))
     }
 

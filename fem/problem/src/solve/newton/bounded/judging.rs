@@ -2,7 +2,7 @@
 
 use super::{ActiveSet, Way};
 use crate::linear_algebra::vector::norm;
-use crate::solve::newton::equations::Verdict;
+use crate::solve::newton::Verdict;
 use crate::solve::newton::line_search::SYMMETRIC;
 use crate::solve::newton::{FreeEquations, NewtonFailure};
 

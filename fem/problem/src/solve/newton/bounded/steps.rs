@@ -3,9 +3,9 @@
 use super::{ActiveSet, Way};
 use crate::bounds::Side;
 use crate::linear_algebra::vector::{dot, norm};
-use crate::solve::newton::equations::{Change, Origin};
 use crate::solve::newton::free_equations::FreeEquations;
 use crate::solve::newton::line_search::{FALL, FLAT, FORCED, Forced, HALVINGS, Taken};
+use crate::solve::newton::{Change, Origin};
 use crate::solve::newton::{NewtonFailure, Residuals};
 
 /// The next iterate.

@@ -1,6 +1,6 @@
 //! Iterative refinement of iterates whose rows hold: the corrections that were made, and whether they become shorter.
 
-use crate::solve::newton::equations::Origin;
+use crate::solve::newton::Origin;
 
 /// Corrections that become shorter by less than this factor do not converge any more.
 const SHORTER: f64 = 0.5;

@@ -8,29 +8,21 @@ use std::sync::Arc;
 
 use self::changes::{Reduced, differences, nonlinear_changes};
 use self::few_unknowns::FewUnknowns;
-use super::LinearSolver;
-use super::newton::equations::{Change, Equations, Verdict, iterate};
-use super::newton::free_equations::{FreeEquations, checked_tangent};
-use super::newton::{LineSearch, NewtonFailure};
+use super::free_equations::FreeEquations;
+use super::line_search::check_potential;
+use super::{Change, Equations, LineSearch, LinearSolver, NewtonFailure, Verdict, iterate};
 
-/// Iterates from the start to the solution. Without a solver that condenses, all iterates are on all free unknowns.
+/// Enters the start as the first iterate. The linear part on the free unknowns, if a condensing solver has it now.
 ///
 /// # Errors
 /// [`NewtonFailure`].
-pub(super) fn solve(
-    free: &mut FreeEquations<'_>,
-    guess: Option<Vec<f64>>,
-    expected: &[usize],
-) -> Result<(), NewtonFailure> {
+pub(super) fn begin(free: &mut FreeEquations<'_>) -> Result<Option<Reduced>, NewtonFailure> {
     let given = free.impose()?;
     // A problem that can be taken apart computes its residuals by parts from here on.
     // Held rows and columns are taken out of the whole tangent.
     let linear_part = if free.bounds.is_some() { None } else { share_linear_part(free)? };
     free.enter_start(&given)?;
-    match linear_part {
-        Some(linear_part) => WithLinearPart { free, linear_part }.solve(guess, expected),
-        None => iterate(free),
-    }
+    Ok(linear_part)
 }
 
 /// Gives a condensing solver the part that all tangents share, reduced; none where there is no such solver or part.
@@ -54,15 +46,18 @@ fn share_linear_part(free: &mut FreeEquations<'_>) -> Result<Option<Reduced>, Ne
 }
 
 /// Equations on the free unknowns whose tangents share a linear part K. A condensing solver knows it.
-struct WithLinearPart<'f, 'a> {
-    free: &'f mut FreeEquations<'a>,
+pub(super) struct WithLinearPart<'f, 'a> {
+    pub free: &'f mut FreeEquations<'a>,
     /// K, reduced.
-    linear_part: Reduced,
+    pub linear_part: Reduced,
 }
 
 impl WithLinearPart<'_, '_> {
     /// Iterates from the first iterate to the solution.
-    fn solve(mut self, guess: Option<Vec<f64>>, expected: &[usize]) -> Result<(), NewtonFailure> {
+    ///
+    /// # Errors
+    /// [`NewtonFailure`].
+    pub fn iterate_from(mut self, guess: Option<Vec<f64>>, expected: &[usize]) -> Result<(), NewtonFailure> {
         if let Verdict::GoOn = self.judge()? {
             self.iterate_on_few(guess, expected)?;
         }
@@ -113,7 +108,8 @@ impl WithLinearPart<'_, '_> {
         {
             return Ok(solver.set_added(&self.linear_part.matrix, changes.additions, &changes.near)?);
         }
-        let tangent = checked_tangent(*problem, elimination, iterates)?;
+        let tangent = problem.tangent(&iterates.u)?;
+        check_potential(iterates.options.line_search, elimination, &tangent.matrix)?;
         if let (Some(changed), Some(solver)) = (tangent.changed, solver.as_condensed()) {
             if self.linear_part.full.is_some() {
                 let additions = differences(elimination, &self.linear_part, &tangent.matrix, changed)?;

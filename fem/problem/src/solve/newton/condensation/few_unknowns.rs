@@ -8,9 +8,8 @@ use crate::solve::condensed_solver::{CondensedSolver, CondensedSystem};
 use crate::solve::elimination::Elimination;
 use crate::solve::linear_solver::SolverError;
 use crate::solve::newton::convergence::{Norms, mark};
-use crate::solve::newton::equations::{Change, Equations, Origin, Verdict};
 use crate::solve::newton::iterates::{Iterates, Step};
-use crate::solve::newton::{NewtonFailure, PartlyLinear};
+use crate::solve::newton::{Change, Equations, NewtonFailure, Origin, PartlyLinear, Verdict};
 
 /// The equations R(u₀ + x) = K x + N(u₀ + x) − b = 0 on the unknowns that N touches, which may become more on the way. The other
 /// rows hold for every x_c.

@@ -18,7 +18,7 @@ pub(super) struct Changes {
 }
 
 /// The linear part on the free unknowns.
-pub(super) struct Reduced {
+pub(in crate::solve::newton) struct Reduced {
     pub matrix: Arc<CsrMatrix>,
     /// All rows and columns, where free unknowns give others: entries of tangents are then sums over several places.
     pub full: Option<BlockMatrix>,
