@@ -153,7 +153,8 @@ pub fn usual_gamma0(mu: f64) -> f64 {
     20.0 * mu
 }
 
-/// The line search of laws with this bound of friction: whole steps go back and forth between stick and slip, and need fewer iterates without.
+/// The line search of laws with this bound of friction: whole steps go back and forth between stick and slip. Without friction they serve, and
+/// with u and p the search on the residual would leave them whole.
 pub(crate) fn line_search(slip_stress: f64, friction: f64) -> LineSearch {
     if slip_stress == 0.0 && friction == 0.0 { LineSearch::Off } else { LineSearch::OnResidual }
 }

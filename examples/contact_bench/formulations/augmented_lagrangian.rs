@@ -86,8 +86,10 @@ mod drawn {
     }
 }
 
+/// A multiplier on the own surface, with semismooth steps.
 pub struct AugmentedLagrangian;
 
+/// The one variant.
 pub fn all() -> Vec<AugmentedLagrangian> {
     vec![AugmentedLagrangian]
 }

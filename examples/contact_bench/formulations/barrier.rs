@@ -54,6 +54,7 @@ pub struct Barrier {
     tenths: i32,
 }
 
+/// ĝ at the end of a tenth and a hundredth of the change of the gap.
 pub fn all() -> Vec<Barrier> {
     [1, 2].map(|tenths| Barrier { tenths }).into()
 }

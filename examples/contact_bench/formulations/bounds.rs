@@ -4,8 +4,10 @@ use contact_bench::outcome::not_defined;
 use contact_bench::{Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, body};
 use forms_fem::prelude::*;
 
+/// Bounds at nodes.
 pub struct NodalBounds;
 
+/// The one variant.
 pub fn all() -> Vec<NodalBounds> {
     vec![NodalBounds]
 }

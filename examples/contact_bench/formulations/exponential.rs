@@ -70,6 +70,7 @@ pub struct Exponential {
     part: f64,
 }
 
+/// The one variant.
 pub fn all() -> Vec<Exponential> {
     vec![Exponential { part: 0.01 }]
 }

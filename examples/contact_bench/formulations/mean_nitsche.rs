@@ -39,8 +39,10 @@ mod drawn {
     }
 }
 
+/// Nitsche's method with means of gaps.
 pub struct MeanNitsche;
 
+/// The one variant.
 pub fn all() -> Vec<MeanNitsche> {
     vec![MeanNitsche]
 }

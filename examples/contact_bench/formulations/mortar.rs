@@ -99,11 +99,13 @@ mod stacked {
     }
 }
 
+/// Multipliers with a condition per function.
 pub struct Mortar {
     /// Of the multipliers.
     degree: usize,
 }
 
+/// Multipliers of degree 1 and 2.
 pub fn all() -> Vec<Mortar> {
     vec![Mortar { degree: 1 }, Mortar { degree: 2 }]
 }

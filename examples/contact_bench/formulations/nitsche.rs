@@ -110,11 +110,13 @@ mod drawn {
     }
 }
 
+/// Nitsche's method with a θ, over one surface or both.
 pub struct Nitsche {
     theta: f64,
     sides: Sides,
 }
 
+/// θ = −1, 0 and 1 over the own surface and both, and θ = 0 at points of whole facets.
 pub fn all() -> Vec<Nitsche> {
     let thetas = [-1.0, 0.0, 1.0].into_iter();
     let mut all: Vec<Nitsche> =

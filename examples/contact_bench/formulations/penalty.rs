@@ -86,10 +86,12 @@ mod drawn {
     }
 }
 
+/// Springs whose stiffness is a multiple of E/h.
 pub struct Penalty {
     factor: f64,
 }
 
+/// Springs of 10, 100 and 10⁴ E/h.
 pub fn all() -> Vec<Penalty> {
     [10.0, 100.0, 1e4].map(|factor| Penalty { factor }).into()
 }

@@ -66,6 +66,7 @@ enum Inner {
     OneOfConstant,
 }
 
+/// Proximal Galerkin with a space of ψ and steps of α.
 #[derive(Clone, Copy)]
 pub struct ProximalGalerkin {
     latent: Latent,
@@ -74,6 +75,7 @@ pub struct ProximalGalerkin {
     first: f64,
 }
 
+/// Spaces of ψ with ways to choose α.
 pub fn all() -> Vec<ProximalGalerkin> {
     let inner = [(Inner::Whole, 10.0), (Inner::Whole, 1.0), (Inner::One, 4.0), (Inner::OneOfConstant, 4.0)];
     let of = |latent| inner.map(|(inner, first)| ProximalGalerkin { latent, inner, first });

@@ -28,6 +28,7 @@ pub struct ThirdMedium {
     softness: f64,
 }
 
+/// Three softnesses, the usual one in front.
 pub fn all() -> Vec<ThirdMedium> {
     [5e-6, 5e-5, 1e-6].map(|softness| ThirdMedium { softness }).into()
 }

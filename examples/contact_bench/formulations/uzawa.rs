@@ -46,8 +46,10 @@ mod volume {
 const TOLERANCE: f64 = 1e-8;
 const MOST: usize = 200;
 
+/// Uzawa's iteration.
 pub struct Uzawa;
 
+/// The one variant.
 pub fn all() -> Vec<Uzawa> {
     vec![Uzawa]
 }
