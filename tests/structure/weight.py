@@ -17,7 +17,7 @@ COUNTS = [
     ("#[inline(never)]", r"#\[inline\(never\)\]", False, 280),
     ("instantiate! blocks", r"^\s*instantiate!\(", False, 97),
 ]
-LINES = [("lines of Rust without tests", False, 178_800), ("lines of Rust", True, 250_000)]
+LINES = [("lines of Rust without tests", False, 179_700), ("lines of Rust", True, 251_200)]
 
 
 def sources():

@@ -103,9 +103,14 @@ impl LuSolver {
         }
     }
 
+    /// Whether a matrix is large enough, and has no zeros on its diagonal.
+    pub(super) fn may_be_unpivoted(matrix: &CsrMatrix) -> bool {
+        matrix.rows() >= SMALL && !matrix.diagonal().contains(&0.0)
+    }
+
     /// Factors a matrix without exchanges of rows. False: it is small, or has zeros on its diagonal, or the factor is not accurate.
     pub(super) fn factor_unpivoted(&mut self, matrix: &CsrMatrix) -> bool {
-        if matrix.rows() < SMALL || matrix.diagonal().contains(&0.0) {
+        if !Self::may_be_unpivoted(matrix) {
             return false;
         }
         let is_unpivoted = self.is_unpivoted();

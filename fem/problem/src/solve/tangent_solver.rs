@@ -338,7 +338,6 @@ impl LinearSolver for TangentSolver {
         let asymmetry = matrix.asymmetry()?;
         (self.symmetric, self.equals_transposed) =
             (asymmetry <= self.options.symmetry_tolerance, asymmetry == 0.0);
-        let fits = self.factor.as_ref().is_some_and(|factor| factor.analysis().size() == matrix.rows());
         let known = self.lu_size == Some(matrix.rows());
         let diagonal = matrix.diagonal();
         let saddle = diagonal.contains(&0.0);
@@ -359,6 +358,7 @@ impl LinearSolver for TangentSolver {
             self.matrix = Some(matrix);
             return Ok(());
         }
+        let fits = self.factor.as_ref().is_some_and(|factor| factor.analysis().size() == matrix.rows());
         // LU scales by itself.
         let scales = !known && !saddle;
         let scaling = if scales { Equilibration::of(&matrix) } else { None };

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use super::TangentSolver;
 use crate::linear_algebra::CsrMatrix;
+use crate::solve::lu_solver::LuSolver;
 
 /// Cost of the checks of an LU factor and of its refined solution \[iterations of GMRES\].
 const CHECKED: usize = 5;
@@ -42,7 +43,9 @@ impl TangentSolver {
 
     /// Factors a matrix by LU where that is preferred. False: GMRES is next.
     pub(super) fn factor_unpivoted(&mut self, matrix: &CsrMatrix) -> bool {
-        let is_tried = |known: &UnpivotedFactors| known.size == matrix.rows() && known.failures < FAILURES;
+        let is_tried = |known: &UnpivotedFactors| {
+            known.size == matrix.rows() && known.failures < FAILURES && LuSolver::may_be_unpivoted(matrix)
+        };
         let Some(known) = self.unpivoted.filter(is_tried) else { return false };
         // Two triangles take the place of one.
         self.factor = None;
