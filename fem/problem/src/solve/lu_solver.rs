@@ -73,7 +73,7 @@ pub struct LuSolver {
 #[derive(Debug)]
 enum Factor {
     Unpivoted(UnpivotedLu),
-    Pivoted(LuFactor),
+    Pivoted(Box<LuFactor>),
 }
 
 impl Factor {
@@ -154,9 +154,9 @@ impl LuSolver {
             Some((known, Factor::Pivoted(factor))) if known.same_pattern(&matrix) => Some(factor),
             _ => None,
         };
-        let factor = LuFactor::new(&matrix, earlier.as_ref())?;
+        let factor = LuFactor::new(&matrix, earlier.as_deref())?;
         self.factorisations += 1;
-        self.system = Some((matrix, Factor::Pivoted(factor)));
+        self.system = Some((matrix, Factor::Pivoted(Box::new(factor))));
         Ok(())
     }
 
