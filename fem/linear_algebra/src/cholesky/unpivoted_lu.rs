@@ -2,8 +2,8 @@
 //!
 //! Without exchanges the structure of the factor is known before its values, and each entry is computed by the same operations on any
 //! number of threads. The factorisation is stable where the symmetric part of the matrix is positive definite and the rest is not
-//! much larger (Golub and Van Loan 1979, Mathias 1992): so are tangents of bodies with friction, or with Nitsche's method for θ ≠ 1. Whether it
-//! was is measured.
+//! much larger (Golub and Van Loan 1979, Mathias 1992). Tangents of bodies with friction are of this kind, and those of Nitsche's method with
+//! θ ≠ 1. Each factor is checked.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -81,8 +81,8 @@ impl UnpivotedLu {
         Ok(factor)
     }
 
-    /// Two steps of inverse iteration with the matrix scaled by its diagonal, from a vector without structure: an estimate of its inverse, and
-    /// how well a solution satisfies its equations that has a part in each direction.
+    /// Refuses an inaccurate factor. Two steps of inverse iteration, with the matrix scaled by its diagonal, start from a vector without
+    /// structure. They estimate the norm of the inverse, and their last solution shows the backward error of the factor.
     fn check(&self, matrix: &CsrMatrix) -> Result<(), LinearAlgebraError> {
         let sizes: Vec<f64> = matrix.diagonal().iter().map(|value| value.abs().sqrt()).collect();
         if let Some(unknown) = sizes.iter().position(|size| *size == 0.0) {
