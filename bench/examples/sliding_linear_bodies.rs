@@ -92,11 +92,11 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     out.line("| way | step | Newton steps | s | s per Newton step | assembly, s | factors so far | most Krylov iterations | condensed unknowns |");
     out.line("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     let one = slide(out, "condensed", &space, width, &mut CondensedSolver::default())?;
-    let other = slide(out, "GMRES, symmetrised Cholesky", &space, width, &mut TangentSolver::default())?;
-    let last = match count > 150 {
-        true => other.clone(),
-        false => slide(out, "LU", &space, width, &mut LuSolver::default())?,
-    };
+    let options = TangentSolverOptions { lu_after: Some(usize::MAX), ..Default::default() };
+    let gmres = &mut TangentSolver::new(options);
+    let other = slide(out, "GMRES, symmetrised Cholesky", &space, width, gmres)?;
+    slide(out, "GMRES, then LU", &space, width, &mut TangentSolver::default())?;
+    let last = slide(out, "LU", &space, width, &mut LuSolver::default())?;
     let size = |a: &Field<2>, b: &Field<2>| {
         let pairs = a.values().iter().zip(b.values());
         pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)

@@ -138,6 +138,27 @@ fn only_rows_of_cells_at_the_contact_facets_change() {
     assert_eq!(counts, [expected(6), expected(12)]);
 }
 
+/// A tangent is made again after a change of any unknown that it reads, also of one that only a switch reads.
+#[test]
+fn a_change_of_one_unknown_is_followed() {
+    let mesh = mesh(3);
+    let space = Space::vector(&mesh, 2).unwrap();
+    let form = resting::body(&data(), &resting::Omega::on("all"), &resting::Floor::on("bottom"));
+    let mut problem = Problem::new(&form, &space);
+    let mut u = wave(&space, 0.0).values().to_vec();
+    let mut before = problem.tangent(&u).unwrap().matrix.into_owned();
+    let mut changes = 0;
+    for unknown in 0..u.len() {
+        u[unknown] -= 0.3;
+        let updated = problem.tangent(&u).unwrap().matrix.into_owned();
+        let anew = Problem::new(&form, &space).tangent(&u).unwrap().matrix.into_owned();
+        assert_eq!(updated.values(), anew.values(), "unknown {unknown}");
+        changes += usize::from(updated.values() != before.values());
+        before = updated;
+    }
+    assert!(changes > 0 && changes < u.len(), "{changes}");
+}
+
 #[test]
 fn an_iterate_that_is_not_finite_is_an_error_where_it_is_read() {
     let mesh = mesh(4);

@@ -27,7 +27,7 @@ CLAIMS = [
     ("docs/capabilities.md", "In 3D all cells of a mesh have one shape", "fem/mesh/src/mesh/mod.rs", r"All cells have one shape, or, in the", "needs"),
     ("docs/capabilities.md", "Histories at quadrature points", "fem/src/inverse/error.rs", r"what a step writes at quadrature points has no adjoint here", "needs"),
     ("docs/capabilities.md", "pairs that slide in time", "fem/src/inverse/error.rs", r"adjoints of such motions are not available", "needs"),
-    ("docs/capabilities.md", "LU, with their solves, run on one thread", "fem/linear_algebra/src/lu.rs", r"rayon|Par::[Rr]ayon", "refutes"),
+    ("docs/capabilities.md", "LU with pivoting, run on one thread with their solves", "fem/linear_algebra/src/lu.rs", r"rayon|Par::[Rr]ayon", "refutes"),
     ("docs/capabilities.md", "Pictures are two-dimensional", "fem/problem/src/output/picture/*.rs", r"(?:Field|Mesh)<3>", "refutes"),
     ("docs/inverse_problems.md", "`MotionHistory` refuses them by name", "fem/src/inverse/motion_history.rs", r"is_on_displaced_surfaces", "needs"),
     ("docs/capabilities.md", "Lagrange of degree 1 to 4", "fem/mesh/src/element/lagrange.rs", r"the degrees are 1 to 4", "needs"),

@@ -17,7 +17,7 @@ COUNTS = [
     ("#[inline(never)]", r"#\[inline\(never\)\]", False, 274),
     ("instantiate! blocks", r"^\s*instantiate!\(", False, 97),
 ]
-LINES = [("lines of Rust without tests", False, 178_560), ("lines of Rust", True, 249_760)]
+LINES = [("lines of Rust without tests", False, 179_500), ("lines of Rust", True, 251_000)]
 
 
 def sources():

@@ -58,17 +58,22 @@ fn condensed_is_plain() {
 
 #[test]
 fn each_way_is_named() {
-    let options = TangentSolverOptions::default;
-    let cases = [(1.0, 10.0, SolverPath::Cholesky), (-1.0, 10.0, SolverPath::Gmres)];
-    for (theta, gamma0, path) in cases {
-        let problem = cylinder(theta, gamma0);
+    let cases = [
+        (1.0, usize::MAX, SolverPath::Cholesky),
+        (-1.0, usize::MAX, SolverPath::Gmres),
+        (-1.0, 0, SolverPath::Lu),
+    ];
+    for (theta, lu_after, path) in cases {
+        let problem = cylinder(theta, 10.0);
         let (expected, _) = direct(&problem, &mut LuSolver::default());
-        let mut solver = TangentSolver::new(options());
+        let options = TangentSolverOptions { lu_after: Some(lu_after), ..Default::default() };
+        let mut solver = TangentSolver::new(options);
         let (found, history) = direct(&problem, &mut solver);
         assert_eq!(solver.report().path, Some(path));
         assert!(difference(&found, &expected) < SAME);
-        let krylov = history.iter().filter_map(|step| step.linear_iterations).sum::<usize>();
-        assert_eq!(krylov > 0, path == SolverPath::Gmres);
+        let krylov: Vec<usize> = history.iter().filter_map(|step| step.linear_iterations).collect();
+        assert_eq!(krylov.iter().sum::<usize>() > 0, path != SolverPath::Cholesky);
+        assert_eq!(krylov.last() == Some(&0), path != SolverPath::Gmres);
     }
     // Below the threshold the linear part is indefinite: condensing gives way to Bunch and Kaufman.
     let problem = cylinder(1.0, 5.0);

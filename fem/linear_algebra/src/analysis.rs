@@ -13,6 +13,7 @@ use super::ordering::{Candidate, Chosen, Ordering, inverse};
 use super::pattern::SparsityPattern;
 use super::symbolic::{Fill, Runs};
 use super::task_graph::SharedWork;
+use super::threads::Threads;
 
 /// The lower triangle of the reordered matrix by columns, and where each of its values comes from.
 #[derive(Debug)]
@@ -38,6 +39,8 @@ pub struct Analysis {
     pub(super) is_like_last: Vec<bool>,
     /// For LBLᵀ, from the first one on.
     lower: OnceLock<LowerTriangle>,
+    /// Position of (j, i) for each entry (i, j), for LU, from the first one on.
+    partners: OnceLock<Vec<u32>>,
     pub(super) supernodes: SymbolicSupernodalCholesky<u32>,
     /// The tasks of factorisations and solves, from the first one on.
     elimination: OnceLock<Elimination>,
@@ -55,22 +58,24 @@ impl Analysis {
         matrix: &CsrMatrix,
         ordering: &Ordering,
     ) -> Result<(Self, Option<CsrMatrix>), LinearAlgebraError> {
-        Self::of_symmetric_with_last(matrix, ordering, &[])
+        Self::of_symmetric_on(Threads::all(), matrix, ordering, &[])
     }
 
-    /// The analysis with an order that ends with some unknowns, as [`Ordering::choose_with_last`] has it.
+    /// The analysis on some threads, the same for any number of them, with an order that ends with some unknowns, as
+    /// [`Ordering::choose_with_last`] has it.
     ///
     /// # Errors
     /// As there, and as [`Analysis::of_symmetric`].
-    pub fn of_symmetric_with_last(
+    pub fn of_symmetric_on(
+        threads: Threads,
         matrix: &CsrMatrix,
         ordering: &Ordering,
         last: &[u32],
     ) -> Result<(Self, Option<CsrMatrix>), LinearAlgebraError> {
-        match Self::with_last(matrix.pattern(), ordering, last) {
+        match Self::with_last(threads, matrix.pattern(), ordering, last) {
             Err(LinearAlgebraError::PatternMismatch { .. }) => {
                 let completed = matrix.symmetric_part()?;
-                Ok((Self::with_last(completed.pattern(), ordering, last)?, Some(completed)))
+                Ok((Self::with_last(threads, completed.pattern(), ordering, last)?, Some(completed)))
             }
             found => Ok((found?, None)),
         }
@@ -82,10 +87,11 @@ impl Analysis {
     /// If the pattern is not square or not symmetric, the order is not a permutation, the factor passes 32-bit indices, or
     /// memory is too small.
     pub fn new(pattern: &Arc<SparsityPattern>, ordering: &Ordering) -> Result<Self, LinearAlgebraError> {
-        Self::with_last(pattern, ordering, &[])
+        Self::with_last(Threads::all(), pattern, ordering, &[])
     }
 
     fn with_last(
+        threads: Threads,
         pattern: &Arc<SparsityPattern>,
         ordering: &Ordering,
         last: &[u32],
@@ -96,11 +102,11 @@ impl Analysis {
         if u32::try_from(pattern.entries()).is_err() {
             return Err(LinearAlgebraError::TooLarge { what: "the matrix" });
         }
-        let graph = BlockGraph::new(pattern)?;
+        let graph = BlockGraph::new(threads, pattern)?;
         if !graph.is_of_symmetric(pattern) {
             return Err(LinearAlgebraError::PatternMismatch { what: "a symmetric analysis" });
         }
-        let (Chosen { order, candidates }, runs) = ordering.choose_on(&graph, pattern, last)?;
+        let (Chosen { order, candidates }, runs) = ordering.choose_on(threads, &graph, pattern, last)?;
         let places = Some(inverse(&order)?);
         let (runs, is_like_last) = (Runs::of_unknowns(&graph, &order, runs), graph.likeness());
         drop(graph);
@@ -112,6 +118,7 @@ impl Analysis {
             places,
             is_like_last,
             lower: OnceLock::new(),
+            partners: OnceLock::new(),
             supernodes,
             elimination: OnceLock::new(),
             fill,
@@ -171,7 +178,7 @@ impl Analysis {
         if let Some(known) = self.elimination.take() {
             let _ = elimination.set(known.for_solves());
         }
-        Self { places: None, lower: OnceLock::new(), elimination, ..self }
+        Self { places: None, lower: OnceLock::new(), partners: OnceLock::new(), elimination, ..self }
     }
 
     /// The tasks of factorisations and solves.
@@ -179,7 +186,8 @@ impl Analysis {
         self.elimination.get_or_init(|| Elimination::new(&self.supernodes))
     }
 
-    /// Counted work of a factorisation LLᵀ or LSLᵀ, in multiplications with what moves their results, and how far threads can share it.
+    /// Counted work of a factorisation LLᵀ or LSLᵀ, in multiplications with what moves their results, and how far threads can share it. Of an
+    /// [`UnpivotedLu`](crate::UnpivotedLu) each task has twice the work: the speed-ups are the same.
     pub fn factorisation_work(&self) -> SharedWork {
         self.elimination().factorisation.shared_work()
     }
@@ -194,6 +202,20 @@ impl Analysis {
     pub(super) fn places(&self, matrix: &CsrMatrix) -> Result<&[u32], LinearAlgebraError> {
         let fitting = self.places.as_deref().filter(|_| self.fits(matrix));
         fitting.ok_or(LinearAlgebraError::PatternMismatch { what: "factoring on an earlier analysis" })
+    }
+
+    /// The position of (j, i) for each entry (i, j) of the pattern.
+    pub(super) fn partners(&self) -> &[u32] {
+        self.partners.get_or_init(|| {
+            // Rows come in ascending order, and so do the entries of each column.
+            let mut next: Vec<u32> = self.pattern.row_pointers().iter().map(|start| *start as u32).collect();
+            let mut partner = |column: &u32| {
+                let next = &mut next[*column as usize];
+                *next += 1;
+                *next - 1
+            };
+            self.pattern.column_indices().iter().map(&mut partner).collect()
+        })
     }
 
     /// The lower triangle of the reordered matrix.

@@ -1,7 +1,10 @@
 //! The graph of blocks of a symmetric pattern.
 
+use std::ops::Range;
+
 use super::error::LinearAlgebraError;
 use super::pattern::SparsityPattern;
+use super::threads::Threads;
 
 /// Blocks of consecutive unknowns whose rows have the same pattern, and which of them are coupled. Rows of the graph
 /// are ascending and hold the block itself.
@@ -15,31 +18,48 @@ pub(super) struct BlockGraph {
 }
 
 impl BlockGraph {
-    pub(super) fn new(pattern: &SparsityPattern) -> Result<Self, LinearAlgebraError> {
+    /// The graph, the same on any number of threads.
+    pub(super) fn new(threads: Threads, pattern: &SparsityPattern) -> Result<Self, LinearAlgebraError> {
         let size = pattern.rows();
-        let mut begins: Vec<usize> =
-            (0..size).filter(|&row| row == 0 || pattern.row(row) != pattern.row(row - 1)).collect();
+        let parts = threads.for_work(pattern.entries());
+        let is_first = |row: &usize| *row == 0 || pattern.row(*row) != pattern.row(*row - 1);
+        let begins = threads.run(pieces(size, parts), |rows| rows.filter(is_first).collect::<Vec<usize>>());
+        let mut begins = begins.concat();
         begins.push(size);
         let blocks = begins.len() - 1;
         let mut block_of = vec![0_u32; pattern.columns()];
         for block in 0..blocks {
             block_of[begins[block]..begins[block + 1]].fill(block as u32);
         }
+        // The neighbours of some blocks, and where those of each end.
+        let found = threads.run(pieces(blocks, parts), |blocks| {
+            let (mut ends, mut neighbours) = (Vec::with_capacity(blocks.len()), Vec::<u32>::new());
+            for &begin in &begins[blocks] {
+                let first = neighbours.len();
+                for &column in pattern.row(begin) {
+                    let block = block_of[column as usize];
+                    // Columns ascend, and so do their blocks: a repeated block repeats at once.
+                    if neighbours.len() == first || neighbours.last() != Some(&block) {
+                        neighbours.push(block);
+                    }
+                }
+                ends.push(neighbours.len());
+            }
+            (ends, neighbours)
+        });
         let mut pointers = Vec::with_capacity(blocks + 1);
         pointers.push(0_u32);
-        let mut neighbours: Vec<u32> = Vec::new();
-        for &begin in &begins[..blocks] {
-            let first = neighbours.len();
-            for &column in pattern.row(begin) {
-                let block = block_of[column as usize];
-                // Columns ascend, and so do their blocks: a repeated block repeats at once.
-                if neighbours.len() == first || neighbours.last() != Some(&block) {
-                    neighbours.push(block);
-                }
+        let mut before = 0;
+        for (ends, neighbours) in &found {
+            if u32::try_from(before + neighbours.len()).is_err() {
+                return Err(LinearAlgebraError::TooLarge { what: "the graph to order" });
             }
-            let end = u32::try_from(neighbours.len());
-            pointers.push(end.map_err(|_| LinearAlgebraError::TooLarge { what: "the graph to order" })?);
+            pointers.extend(ends.iter().map(|end| (before + end) as u32));
+            before += neighbours.len();
         }
+        let mut lists = found.into_iter().map(|(_, neighbours)| neighbours);
+        let mut neighbours = lists.next().unwrap_or_default();
+        lists.for_each(|others| neighbours.extend(others));
         Ok(BlockGraph { begins, pointers, neighbours })
     }
 
@@ -109,4 +129,10 @@ impl BlockGraph {
             .flat_map(|&block| self.begins[block as usize] as u32..self.begins[block as usize + 1] as u32)
             .collect()
     }
+}
+
+/// Ranges of nearly equal length of the numbers below a count.
+fn pieces(count: usize, parts: usize) -> Vec<Range<usize>> {
+    let length = count.div_ceil(parts).max(1);
+    (0..count).step_by(length).map(|first| first..count.min(first + length)).collect()
 }

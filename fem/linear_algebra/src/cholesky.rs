@@ -1,11 +1,12 @@
 //! Sparse factorisation of symmetric matrices: LLᵀ of a positive definite one, LSLᵀ with signs S of a saddle point, LBLᵀ of any
-//! other indefinite one.
+//! other indefinite one; and LU without exchanges of rows on the same supernodes.
 
 mod numeric;
 mod signed;
 mod solve;
 mod tree_solves;
 mod triangular;
+mod unpivoted_lu;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -25,6 +26,7 @@ use super::threads::Threads;
 use super::vector::largest;
 pub use signed::Remainder;
 pub use solve::Refined;
+pub use unpivoted_lu::UnpivotedLu;
 
 /// A factor of a symmetric matrix, on a shared [`Analysis`].
 #[derive(Debug)]
@@ -92,7 +94,7 @@ impl SymmetricFactor {
         let start = Instant::now();
         matrix.check_finite()?;
         let numeric = Numeric::new(Positive, analysis, matrix)?;
-        let mut values = room(analysis, storage)?;
+        let mut values = room(analysis.factor_entries(), storage)?;
         let supernodes = &analysis.supernodes;
         numeric.factorise(threads, &mut values).map_err(|place| LinearAlgebraError::NotPositiveDefinite {
             unknown: analysis.order[place] as usize,
@@ -134,7 +136,7 @@ impl SymmetricFactor {
         matrix.check_finite()?;
         let lower = analysis.lower(matrix)?;
         let lower_values = lower.values(matrix.values());
-        let mut values = room(analysis, storage)?;
+        let mut values = room(analysis.factor_entries(), storage)?;
         let supernodes = &analysis.supernodes;
         let size = analysis.size();
         let params = Spec::default();
@@ -287,9 +289,8 @@ impl SymmetricFactor {
 
 const NO_MEMORY: LinearAlgebraError = LinearAlgebraError::OutOfMemory { what: "the factor" };
 
-/// Numbers for the factor, as they are in a storage of the same size, else zero.
-fn room(analysis: &Analysis, storage: Vec<f64>) -> Result<Vec<f64>, LinearAlgebraError> {
-    let count = analysis.factor_entries();
+/// Numbers for a factor, as they are in a storage of the same size, else zero.
+fn room(count: usize, storage: Vec<f64>) -> Result<Vec<f64>, LinearAlgebraError> {
     if storage.len() == count {
         return Ok(storage);
     }

@@ -3,8 +3,8 @@
 //! [`BlockMatrix`] is what assembly writes: blocks of node pairs on a shared [`BlockSparsity`]. [`CsrMatrix`] is
 //! what solvers read: values on a shared [`SparsityPattern`]; a [`Restriction`] takes the free rows and columns out
 //! of either. [`Analysis`] orders a symmetric pattern once, [`SymmetricFactor`] is a
-//! Cholesky factor on it, with signs where the matrix is a saddle point, or a Bunch–Kaufman factor; [`LuFactor`] is a factor with partial pivoting of any square
-//! matrix, and [`gmres()`] solves what is nearly symmetric. [`cg()`] and [`minres()`] solve with any [`LinearOperator`] and
+//! Cholesky factor on it, with signs where the matrix is a saddle point, or a Bunch–Kaufman factor; [`UnpivotedLu`] is a factor of an
+//! unsymmetric matrix on the same analysis, [`LuFactor`] one with partial pivoting of any square matrix, and [`gmres()`] solves what is nearly symmetric. [`cg()`] and [`minres()`] solve with any [`LinearOperator`] and
 //! [`Preconditioner`]; [`Multigrid`] is the one for large systems in 3D.
 
 mod ahead;
@@ -66,7 +66,7 @@ pub use block_matrix::BlockMatrix;
 pub use block_sparsity::{BlockRows, BlockSparsity, NodeSet};
 pub use cells::Cells;
 pub use cg::cg;
-pub use cholesky::{Refined, Remainder, SymmetricFactor};
+pub use cholesky::{Refined, Remainder, SymmetricFactor, UnpivotedLu};
 pub use condensation::{Condensation, CondensedSide, DenseFactor};
 pub use condition::{ConditionEstimate, condition_estimate};
 pub use csr::{CsrMatrix, Entry};

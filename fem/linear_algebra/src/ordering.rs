@@ -100,12 +100,15 @@ impl Ordering {
         pattern: &SparsityPattern,
         last: &[u32],
     ) -> Result<Chosen, LinearAlgebraError> {
-        Ok(self.choose_on(&BlockGraph::new(pattern)?, pattern, last)?.0)
+        let threads = Threads::all();
+        Ok(self.choose_on(threads, &BlockGraph::new(threads, pattern)?, pattern, last)?.0)
     }
 
-    /// The same with the graph of the pattern, and with the runs of the whole blocks that the order begins with, where they are known.
+    /// The same on some threads with the graph of the pattern, and with the runs of the whole blocks that the order begins with, where they
+    /// are known.
     pub(super) fn choose_on(
         &self,
+        threads: Threads,
         graph: &BlockGraph,
         pattern: &SparsityPattern,
         last: &[u32],
@@ -136,7 +139,7 @@ impl Ordering {
             restricted = graph.restricted(&kept);
             &restricted
         };
-        let (order, runs, candidates) = self.of_blocks(ordered, cells.as_ref())?;
+        let (order, runs, candidates) = self.of_blocks(threads, ordered, cells.as_ref())?;
         let order: Vec<u32> = order.into_iter().map(|place| kept[place as usize]).collect();
         let mut unknowns = graph.unknowns_in(&order);
         for block in (0..graph.blocks()).filter(mixed) {
@@ -150,11 +153,12 @@ impl Ordering {
     /// An order of the blocks of a graph, with its runs.
     fn of_blocks(
         &self,
+        threads: Threads,
         graph: &BlockGraph,
         cells: Option<&CellBlocks>,
     ) -> Result<(Vec<u32>, Runs, Vec<Candidate>), LinearAlgebraError> {
         let measured = |name, order: Vec<u32>| -> Result<_, LinearAlgebraError> {
-            let runs = Runs::of_blocks(graph, &order, &inverse(&order)?);
+            let runs = Runs::of_blocks(graph, &order, &inverse(&order)?, threads);
             Ok((Candidate { name, fill: Some(runs.fill()) }, order, runs))
         };
         let mut found = Vec::new();
@@ -162,12 +166,12 @@ impl Ordering {
         // Minimum degree is better where cells are small or lie in no order.
         let mut cells_are_enough = false;
         if let Some(cells) = cells {
-            let order = dissect(graph, cells, Threads::all());
-            let (dissection, is_better) = Threads::all().both(
+            let order = dissect(graph, cells, threads);
+            let (dissection, is_better) = threads.both(
                 || measured("dissection of cells", order.clone()),
                 || match self {
                     Self::CellDissection => Ok(true),
-                    _ => is_better_in_samples(graph, &order),
+                    _ => is_better_in_samples(threads, graph, &order),
                 },
             );
             found.push(dissection?);
@@ -196,12 +200,16 @@ impl Ordering {
 }
 
 /// Whether an order of a large graph leads to less fill than minimum degree in parts of it, each a run of the order by itself.
-fn is_better_in_samples(graph: &BlockGraph, order: &[u32]) -> Result<bool, LinearAlgebraError> {
+fn is_better_in_samples(
+    threads: Threads,
+    graph: &BlockGraph,
+    order: &[u32],
+) -> Result<bool, LinearAlgebraError> {
     if order.len() < SAMPLED {
         return Ok(false);
     }
     let multiplications = |part: &BlockGraph, order: &[u32]| -> Result<f64, LinearAlgebraError> {
-        Ok(Runs::of_blocks(part, order, &inverse(order)?).fill().multiplications)
+        Ok(Runs::of_blocks(part, order, &inverse(order)?, Threads::ONE).fill().multiplications)
     };
     let of_sample = |first: usize| -> Result<[f64; 2], LinearAlgebraError> {
         let sample = &order[first..order.len().min(first + SAMPLE)];
@@ -213,8 +221,7 @@ fn is_better_in_samples(graph: &BlockGraph, order: &[u32]) -> Result<bool, Linea
         Ok([multiplications(&part, &numbers)?, multiplications(&part, &minimum_degree(&part)?)?])
     };
     let samples = (0..order.len()).step_by(order.len().div_ceil(SAMPLES)).collect();
-    let found: Vec<[f64; 2]> =
-        Threads::all().run(samples, of_sample).into_iter().collect::<Result<_, _>>()?;
+    let found: Vec<[f64; 2]> = threads.run(samples, of_sample).into_iter().collect::<Result<_, _>>()?;
     let [own, by_degree] = [0, 1].map(|k| found.iter().map(|costs| costs[k]).sum::<f64>());
     Ok(own < NEARLY * by_degree)
 }
@@ -293,7 +300,7 @@ mod tests {
     #[test]
     fn the_centre_of_a_star_goes_last_and_nodes_stay_together() {
         let matrix = star(10);
-        assert_eq!(BlockGraph::new(matrix.pattern()).unwrap().blocks(), 11);
+        assert_eq!(BlockGraph::new(Threads::ONE, matrix.pattern()).unwrap().blocks(), 11);
         let order = Ordering::MinimumDegree.elimination_order(matrix.pattern()).unwrap();
         inverse(&order).unwrap();
         for pair in order.chunks(2) {

@@ -11,6 +11,7 @@ use faer::sparse::linalg::cholesky::supernodal::{self, SymbolicSupernodalCholesk
 
 use super::block_graph::BlockGraph;
 use super::error::LinearAlgebraError;
+use super::threads::Threads;
 
 const NO_MEMORY: LinearAlgebraError = LinearAlgebraError::OutOfMemory { what: "the symbolic analysis" };
 const TOO_LARGE: LinearAlgebraError = LinearAlgebraError::TooLarge { what: "the factor" };
@@ -36,6 +37,10 @@ impl Fill {
 
 /// Marks that there is no run.
 const NONE: u32 = u32::MAX;
+/// Rows of the factor that a thread counts one after the other: neighbours climb the tree along the same path.
+const ROWS: usize = 64;
+/// Most threads that count, each in memory of its own.
+const MOST_PARTS: usize = 16;
 
 /// Runs of unknowns of one block each that follow each other in an order of elimination, with their elimination tree.
 pub(super) struct Runs {
@@ -68,14 +73,83 @@ impl Runs {
         Runs { begins, pointers, earlier, tree: Vec::with_capacity(graph.blocks()) }
     }
 
-    /// Runs of whole blocks in the given order.
-    pub(super) fn of_blocks(graph: &BlockGraph, order: &[u32], place: &[u32]) -> Self {
+    /// Runs of whole blocks in the given order, the same on any number of threads.
+    pub(super) fn of_blocks(graph: &BlockGraph, order: &[u32], place: &[u32], threads: Threads) -> Self {
         let mut runs = Runs::with_room(graph);
-        for (run, &block) in (0..).zip(order) {
+        let near = |run: u32, block: u32| {
             let near = graph.row(block as usize).iter().map(|other| place[*other as usize]);
-            runs.add(graph.size(block as usize) as u32, near.filter(|other| *other < run));
+            near.filter(move |other| *other < run)
+        };
+        if threads.for_work(graph.neighbours.len()) == 1 {
+            for (run, &block) in (0..).zip(order) {
+                runs.add(graph.size(block as usize) as u32, near(run, block));
+            }
+            return runs;
         }
+        for (run, &block) in (0..).zip(order) {
+            runs.earlier.extend(near(run, block));
+            runs.pointers.push(runs.earlier.len() as u32);
+            runs.begins.push(runs.begins[run as usize] + graph.size(block as usize) as u32);
+        }
+        let parents = runs.parents();
+        let counts = runs.counts(&parents, threads);
+        runs.tree.extend(parents.into_iter().zip(counts).map(|(parent, count)| Node {
+            parent,
+            seen: NONE,
+            count,
+        }));
         runs
+    }
+
+    /// The parent of each run in the elimination tree, by paths to roots that are shortened on the way (Liu 1990).
+    fn parents(&self) -> Vec<u32> {
+        let count = self.pointers.len() - 1;
+        let (mut parents, mut ancestors) = (vec![NONE; count], vec![NONE; count]);
+        for run in 0..count {
+            for near in self.earlier(run) {
+                let mut node = *near as usize;
+                while node != run {
+                    let next = std::mem::replace(&mut ancestors[node], run as u32);
+                    if next == NONE {
+                        parents[node] = run as u32;
+                        break;
+                    }
+                    node = next as usize;
+                }
+            }
+        }
+        parents
+    }
+
+    /// Entries of each run's first column. Runs are rows of the factor, which threads share: each climbs the tree from the earlier runs that its
+    /// rows are coupled with, up to the row.
+    fn counts(&self, parents: &[u32], threads: Threads) -> Vec<u32> {
+        let (count, parts) = (parents.len(), threads.count().min(MOST_PARTS));
+        let width = |run: usize| self.begins[run + 1] - self.begins[run];
+        let of_part = |part: usize| {
+            let (mut counts, mut seen) = (vec![0_u32; count], vec![NONE; count]);
+            for first in (part * ROWS..count).step_by(parts * ROWS) {
+                for run in first..count.min(first + ROWS) {
+                    seen[run] = run as u32;
+                    counts[run] += width(run);
+                    for near in self.earlier(run) {
+                        let mut node = *near as usize;
+                        while seen[node] != run as u32 {
+                            seen[node] = run as u32;
+                            counts[node] += width(run);
+                            node = parents[node] as usize;
+                        }
+                    }
+                }
+            }
+            counts
+        };
+        let mut found = threads.run((0..parts).collect(), of_part).into_iter();
+        let mut counts = found.next().unwrap_or_default();
+        for other in found {
+            counts.iter_mut().zip(other).for_each(|(sum, count)| *sum += count);
+        }
+        counts
     }
 
     /// Unknowns in some order. Runs of whole blocks that it begins with may be known.
@@ -281,6 +355,34 @@ mod tests {
                     assert!(columns[column as usize].iter().all(held));
                 }
             }
+        }
+    }
+
+    #[test]
+    fn tree_and_counts_are_the_same_on_any_number_of_threads() {
+        // Nine-point stencils on a strip and a patch that are not coupled, in an odd order.
+        let (mut triplets, size) = (vec![], 9000_usize);
+        let widths = [(0, 4000, 10), (4000, size, 100)];
+        for (begin, end, width) in widths {
+            for node in begin..end {
+                for step in [0, 1, width - 1, width, width + 1].into_iter().filter(|step| node + step < end) {
+                    triplets.extend([(node, node + step, 1.0), (node + step, node, 1.0)]);
+                }
+            }
+        }
+        let matrix = CsrMatrix::from_triplets(size, size, &triplets).unwrap();
+        let order: Vec<u32> = (0..size as u32).map(|k| (k * 4001 + 17) % size as u32).collect();
+        let place = crate::ordering::inverse(&order).unwrap();
+        let found = |threads: Threads| {
+            let graph = BlockGraph::new(threads, matrix.pattern()).unwrap();
+            let runs = Runs::of_blocks(&graph, &order, &place, threads);
+            let tree: Vec<_> = runs.tree.iter().map(|node| (node.parent, node.count)).collect();
+            (graph.begins, graph.pointers, graph.neighbours, runs.begins, runs.pointers, runs.earlier, tree)
+        };
+        let one = found(Threads::ONE);
+        assert!(one.2.len() > 1 << 15 && one.6.iter().any(|(parent, _)| *parent == NONE));
+        for threads in [2, 3, 7, 16, 100] {
+            assert!(found(Threads::new(threads)) == one, "{threads} threads");
         }
     }
 }

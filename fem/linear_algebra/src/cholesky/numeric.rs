@@ -1,4 +1,4 @@
-//! LLᵀ, or LSLᵀ with signs S, on given supernodes, looking left: a supernode takes from its columns the products of the rows that earlier supernodes
+//! LLᵀ, LSLᵀ with signs S, or LU without exchanges of rows, on given supernodes, looking left: a supernode takes from its columns the products of the rows that earlier supernodes
 //! have in it, one earlier supernode after the other, and is factored then.
 //!
 //! Columns are cut into panels, and the rows of wide supernodes into tiles, that do not depend on the number of threads, and each entry
@@ -10,6 +10,7 @@ mod panels;
 mod pivots;
 mod rooms;
 mod tasks;
+mod triangles;
 
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -18,10 +19,10 @@ use faer::linalg::matmul::matmul;
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::{Accum, MatMut, MatRef, Par};
 
-use self::dense::{Factor, Rows, Subtract, run};
-use self::pivots::Pivots;
-pub(super) use self::pivots::{Positive, Signed};
+use self::dense::{Rows, Subtract, run};
+pub(super) use self::pivots::{Positive, Signed, Unpivoted};
 use self::tasks::Source;
+use self::triangles::{Columns, Triangles};
 use crate::analysis::Analysis;
 use crate::csr::CsrMatrix;
 use crate::elimination::{Elimination, PANEL};
@@ -45,6 +46,8 @@ pub(super) struct Numeric<'a, P> {
     places: &'a [u32],
     /// Whether the row of each unknown has the pattern of the row before it.
     is_like_last: &'a [bool],
+    /// Position of (j, i) for each entry (i, j) of an unsymmetric matrix.
+    partners: &'a [u32],
     elimination: &'a Elimination,
 }
 
@@ -85,7 +88,7 @@ struct Panel {
     signed: Vec<f64>,
 }
 
-impl<'a, P: Pivots> Numeric<'a, P> {
+impl<'a, P: Triangles> Numeric<'a, P> {
     /// The factorisation of a matrix, which must have the pattern that was analysed.
     pub(super) fn new(
         pivots: P,
@@ -95,7 +98,8 @@ impl<'a, P: Pivots> Numeric<'a, P> {
         let (places, symbolic) = (analysis.places(matrix)?, &analysis.supernodes);
         let (order, is_like_last) = (&analysis.order[..], &analysis.is_like_last[..]);
         let elimination = analysis.elimination();
-        Ok(Self { pivots, symbolic, matrix, order, places, is_like_last, elimination })
+        let partners = if P::COUNT > 1 { analysis.partners() } else { &[] };
+        Ok(Self { pivots, symbolic, matrix, order, places, is_like_last, partners, elimination })
     }
 
     fn columns(&self, supernode: usize) -> Range<usize> {
@@ -106,7 +110,12 @@ impl<'a, P: Pivots> Numeric<'a, P> {
     /// Positions of the values of some supernodes.
     fn values(&self, supernodes: Range<usize>) -> Range<usize> {
         let starts = self.symbolic.col_ptr_for_val();
-        starts[supernodes.start] as usize..starts[supernodes.end] as usize
+        P::COUNT * starts[supernodes.start] as usize..P::COUNT * starts[supernodes.end] as usize
+    }
+
+    /// Number of values of a panel of a supernode whose columns have the given height.
+    fn panel_length(height: usize) -> usize {
+        P::COUNT * PANEL * height
     }
 
     /// Notes the row of a supernode for each row of the matrix that it has.
@@ -130,22 +139,22 @@ impl<'a, P: Pivots> Numeric<'a, P> {
         scratch: &mut Scratch,
     ) -> Result<(), usize> {
         let columns = self.columns(supernode);
-        let height = block.len() / columns.len();
+        let height = block.len() / (P::COUNT * columns.len());
+        let length = Self::panel_length(height);
         self.place_rows(supernode, scratch);
         let Scratch { places, own, .. } = scratch;
-        for (first, panel) in columns.clone().step_by(PANEL).zip(block.chunks_mut(PANEL * height)) {
+        for (first, panel) in columns.clone().step_by(PANEL).zip(block.chunks_mut(length)) {
             self.gather(supernode, first, source, (panel, height), places, own);
         }
         if columns.len() <= PANEL {
-            let (pivots, place) = (self.pivots, columns.start);
-            let factor = Factor { pivots, place, columns: block, height, first: 0, end: height };
-            return run(factor).map_err(|column| columns.start + column);
+            let all = Columns { place: columns.start, values: block, height, first: 0, end: height };
+            return self.pivots.factor(all).map_err(|column| columns.start + column);
         }
-        for first in (0..columns.len()).step_by(PANEL) {
-            let (known, rest) = block.split_at_mut(first * height);
-            let length = rest.len().min(PANEL * height);
-            let panel = &mut rest[..length];
-            for (earlier, known) in known.chunks(PANEL * height).enumerate() {
+        for number in 0..columns.len().div_ceil(PANEL) {
+            let (known, rest) = block.split_at_mut(number * length);
+            let next = rest.len().min(length);
+            let (panel, first) = (&mut rest[..next], number * PANEL);
+            for (earlier, known) in known.chunks(length).enumerate() {
                 panels::take::<P>((known, earlier * PANEL), (panel, height), first, own);
             }
             let place = columns.start + first;
@@ -166,8 +175,17 @@ impl<'a, P: Pivots> Numeric<'a, P> {
         scratch: &mut Panel,
     ) {
         panel.fill(0.0);
-        let columns = first..first + panel.len() / height;
-        self.copy_entries(columns.clone(), panel, places);
+        let columns = first..first + panel.len() / (P::COUNT * height);
+        let values = self.matrix.values();
+        if P::COUNT == 1 {
+            self.copy_entries(columns.clone(), panel, places, |entry| values[entry]);
+        } else {
+            // Rows of the matrix are columns of Uᵀ.
+            let (lower, upper) = panel.split_at_mut(columns.len() * height);
+            let of_column = |entry: usize| values[self.partners[entry] as usize];
+            self.copy_entries(columns.clone(), lower, places, of_column);
+            self.copy_entries(columns.clone(), upper, places, |entry| values[entry]);
+        }
         let target_first = places[first] as usize;
         let is_whole = columns == self.columns(supernode);
         for update in self.elimination.updates.of(supernode) {
@@ -188,14 +206,17 @@ impl<'a, P: Pivots> Numeric<'a, P> {
             scratch.targets.clear();
             scratch.targets.extend(rows.iter().map(|row| places[*row as usize]));
             let place = self.values(earlier..earlier + 1);
+            let earlier_height = place.len() / (P::COUNT * width);
+            let products = Products { height: earlier_height, above, count, target_first };
+            // One triangle by itself is not cut into panels.
+            let length = if P::COUNT == 1 { place.len() } else { Self::panel_length(earlier_height) };
             if earlier >= source.first {
                 let block = &source.own[place.start - source.start..place.end - source.start];
-                let products = Products { height: block.len() / width, above, count, target_first };
-                products.subtract::<P>(std::iter::once(block), width, (panel, height), scratch);
+                products.subtract::<P>(block.chunks(length), width, (panel, height), scratch);
             } else {
                 let room = &source.rooms[self.elimination.unit_of[earlier] as usize];
-                let products = Products { height: place.len() / width, above, count, target_first };
-                products.subtract::<P>(room.blocks(place), width, (panel, height), scratch);
+                let blocks = room.blocks(place).flat_map(|block| block.chunks(length));
+                products.subtract::<P>(blocks, width, (panel, height), scratch);
             }
         }
     }
@@ -216,7 +237,7 @@ struct Products {
 impl Products {
     /// Takes the products of columns that come in one block or panel by panel, of the given width in all. Their targets are in the scratch.
     /// The diagonal of a panel begins in the row with the number of its first column.
-    fn subtract<'b, P: Pivots>(
+    fn subtract<'b, P: Triangles>(
         &self,
         blocks: impl Iterator<Item = &'b [f64]>,
         width: usize,
@@ -225,43 +246,52 @@ impl Products {
     ) {
         let Products { height: block_height, above, count, target_first } = *self;
         let Panel { targets, products, signs, signed } = scratch;
+        let length = panel.len() / P::COUNT;
         if width.min(count) < WIDE || targets.len() * width * count < LARGE {
             for (number, block) in blocks.enumerate() {
                 P::read_signs(&block[number * PANEL..], block_height, signs);
-                let rows = Rows { block, height: block_height, first: above };
-                run(Subtract::<P> {
-                    rows,
-                    signs,
-                    rule: PhantomData,
-                    columns: count,
-                    targets,
-                    target: panel,
-                    target_height: height,
-                    target_first,
-                });
+                for (triangle, target) in panel.chunks_exact_mut(length).enumerate() {
+                    let (block, factors) = P::with_factors(block, triangle);
+                    run(Subtract::<P> {
+                        rows: Rows { block, factors, height: block_height, first: above },
+                        signs,
+                        rule: PhantomData,
+                        columns: count,
+                        targets,
+                        target,
+                        target_height: height,
+                        target_first,
+                    });
+                }
             }
             return;
         }
-        let (mut done, blocks) = (0, blocks.collect::<Vec<_>>());
-        while done < targets.len() {
-            let tile = TILE.min(targets.len() - done);
-            products.resize(TILE * PANEL, 0.0);
-            let products = &mut products[..tile * count];
-            let mut accumulate = Accum::Replace;
-            for (number, block) in blocks.iter().enumerate() {
-                P::read_signs(&block[number * PANEL..], block_height, signs);
-                let block = MatRef::from_column_major_slice(block, block_height, block.len() / block_height);
-                let others = with_signs(block.subrows(above, count), signs, signed).transpose();
-                let sums = MatMut::from_column_major_slice_mut(products, tile, count);
-                matmul(sums, accumulate, block.subrows(above + done, tile), others, 1.0, Par::Seq);
-                accumulate = Accum::Add;
+        let blocks = blocks.collect::<Vec<_>>();
+        for (triangle, panel) in panel.chunks_exact_mut(length).enumerate() {
+            let mut done = 0;
+            while done < targets.len() {
+                let tile = TILE.min(targets.len() - done);
+                products.resize(TILE * PANEL, 0.0);
+                let products = &mut products[..tile * count];
+                let mut accumulate = Accum::Replace;
+                for (number, block) in blocks.iter().enumerate() {
+                    P::read_signs(&block[number * PANEL..], block_height, signs);
+                    let (block, factors) = P::with_factors(block, triangle);
+                    let [block, factors] = [block, factors].map(|part| {
+                        MatRef::from_column_major_slice(part, block_height, part.len() / block_height)
+                    });
+                    let others = with_signs(factors.subrows(above, count), signs, signed).transpose();
+                    let sums = MatMut::from_column_major_slice_mut(products, tile, count);
+                    matmul(sums, accumulate, block.subrows(above + done, tile), others, 1.0, Par::Seq);
+                    accumulate = Accum::Add;
+                }
+                for (k, products) in products.chunks_exact(tile).enumerate() {
+                    let column = &mut panel[(targets[k] as usize - target_first) * height..][..height];
+                    let skipped = k.saturating_sub(done).min(tile);
+                    subtract(column, &targets[done + skipped..done + tile], &products[skipped..]);
+                }
+                done += tile;
             }
-            for (k, products) in products.chunks_exact(tile).enumerate() {
-                let column = &mut panel[(targets[k] as usize - target_first) * height..][..height];
-                let skipped = k.saturating_sub(done).min(tile);
-                subtract(column, &targets[done + skipped..done + tile], &products[skipped..]);
-            }
-            done += tile;
         }
     }
 }

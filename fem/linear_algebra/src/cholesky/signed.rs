@@ -66,7 +66,7 @@ impl SymmetricFactor {
             return Err(LinearAlgebraError::Singular { unknown, ratio: 0.0 });
         }
         let numeric = Numeric::new(Signed { substitutes: &substitutes }, analysis, matrix)?;
-        let mut values = room(analysis, storage)?;
+        let mut values = room(analysis.factor_entries(), storage)?;
         numeric.factorise(threads, &mut values).map_err(|place| LinearAlgebraError::Singular {
             unknown: analysis.order[place] as usize,
             ratio: f64::NAN,

@@ -8,7 +8,7 @@ use crate::{Ordering, PartialBackSubstitution, SharedWork};
 
 /// The block matrix (five-point Laplacian on an m × m grid) ⊗ B, and one of its closed-form solutions:
 /// B w at the nodes times the eigenvector sin(kπx) sin(lπy), whose eigenvalue is known.
-fn grid(m: usize, block: [[f64; 2]; 2], shift: f64) -> CsrMatrix {
+pub(super) fn grid(m: usize, block: [[f64; 2]; 2], shift: f64) -> CsrMatrix {
     let mut triplets = Vec::new();
     let mut couple = |a: usize, b: usize, value: f64| {
         for (i, row) in block.iter().enumerate() {
@@ -35,7 +35,7 @@ fn grid(m: usize, block: [[f64; 2]; 2], shift: f64) -> CsrMatrix {
     CsrMatrix::from_triplets(2 * m * m, 2 * m * m, &triplets).unwrap()
 }
 
-fn mode(m: usize, k: usize, l: usize, w: [f64; 2]) -> (Vec<f64>, f64) {
+pub(super) fn mode(m: usize, k: usize, l: usize, w: [f64; 2]) -> (Vec<f64>, f64) {
     let angle = PI / (m as f64 + 1.0);
     let values = (0..m * m)
         .flat_map(|node| {
@@ -46,7 +46,7 @@ fn mode(m: usize, k: usize, l: usize, w: [f64; 2]) -> (Vec<f64>, f64) {
     (values, 4.0 - 2.0 * (k as f64 * angle).cos() - 2.0 * (l as f64 * angle).cos())
 }
 
-fn error(found: &[f64], expected: &[f64]) -> f64 {
+pub(super) fn error(found: &[f64], expected: &[f64]) -> f64 {
     let difference: Vec<f64> = found.iter().zip(expected).map(|(a, b)| a - b).collect();
     norm(&difference) / norm(expected)
 }
@@ -217,7 +217,7 @@ fn of_groups(size: usize, coupled: &[&[usize]], change: Option<(usize, f64)>) ->
 
 /// Matrices with narrow and with wide supernodes, with products of rows of all sizes, deep trees and those with many branches, and
 /// orderings for them.
-fn of_all_shapes() -> Vec<(CsrMatrix, Ordering)> {
+pub(super) fn of_all_shapes() -> Vec<(CsrMatrix, Ordering)> {
     let block = [[3.0, 1.0], [1.0, 2.0]];
     let backwards = |size: u32| Ordering::Given((0..size).rev().collect());
     let forwards = |size: u32| Ordering::Given((0..size).collect());

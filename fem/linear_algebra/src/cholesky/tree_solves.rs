@@ -6,7 +6,21 @@
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::SymmetricFactor;
+use crate::analysis::Analysis;
 use crate::elimination::Unit;
+use crate::threads::Threads;
+
+/// One of the lower triangles that a factor stores: L, or L and Uᵀ.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Triangle<'a> {
+    pub(super) analysis: &'a Analysis,
+    /// Of all triangles.
+    pub(super) values: &'a [f64],
+    /// Number of triangles, and which of them this one is.
+    pub(super) count: usize,
+    pub(super) number: usize,
+    pub(super) threads: Threads,
+}
 
 /// Values of all unknowns in elimination order for each right-hand side, cut into those of units. A task changes those of its unit, and
 /// publishes them then.
@@ -58,8 +72,31 @@ fn begin(memory: &mut Vec<Outside>, count: usize, size: usize) {
 }
 
 impl SymmetricFactor {
+    fn triangle(&self) -> Triangle<'_> {
+        let (analysis, values, threads) = (&*self.analysis, &self.values[..], self.threads);
+        Triangle { analysis, values, count: 1, number: 0, threads }
+    }
+
     /// Replaces each x, in elimination order, by L⁻¹ x: with the bits that it has by itself.
     pub(crate) fn solve_with_lower(&self, sides: &mut [&mut [f64]]) {
+        self.triangle().solve_with_lower(sides);
+    }
+
+    /// Replaces each y, in elimination order, by L⁻ᵀ y: with the bits that it has by itself.
+    pub(crate) fn solve_with_upper(&self, sides: &mut [&mut [f64]]) {
+        self.triangle().solve_with_upper(sides);
+    }
+
+    /// The part of [`SymmetricFactor::solve_with_upper`] in some supernodes, ascending, with all above them in the elimination tree. Nothing
+    /// else is read or replaced.
+    pub(crate) fn solve_with_upper_at(&self, supernodes: &[u32], sides: &mut [&mut [f64]]) {
+        self.triangle().solve_with_upper_at(supernodes, sides);
+    }
+}
+
+impl Triangle<'_> {
+    /// Replaces each x, in elimination order, by the inverse of the triangle times x.
+    pub(super) fn solve_with_lower(&self, sides: &mut [&mut [f64]]) {
         let (elimination, size, count) = (self.analysis.elimination(), self.analysis.size(), sides.len());
         if let [only] = &elimination.units[..] {
             let mut memory = vec![];
@@ -97,15 +134,14 @@ impl SymmetricFactor {
         });
     }
 
-    /// Replaces each y, in elimination order, by L⁻ᵀ y: with the bits that it has by itself.
-    pub(crate) fn solve_with_upper(&self, sides: &mut [&mut [f64]]) {
+    /// Replaces each y, in elimination order, by the inverse of the transposed triangle times y.
+    pub(super) fn solve_with_upper(&self, sides: &mut [&mut [f64]]) {
         let all: Vec<u32> = (0..self.analysis.supernodes.n_supernodes() as u32).collect();
         self.solve_with_upper_at(&all, sides);
     }
 
-    /// The part of [`SymmetricFactor::solve_with_upper`] in some supernodes, ascending, with all above them in the elimination tree. Nothing
-    /// else is read or replaced.
-    pub(crate) fn solve_with_upper_at(&self, supernodes: &[u32], sides: &mut [&mut [f64]]) {
+    /// The part of [`Triangle::solve_with_upper`] in some supernodes, ascending, with all above them in the elimination tree.
+    fn solve_with_upper_at(&self, supernodes: &[u32], sides: &mut [&mut [f64]]) {
         let (elimination, size, sides_count) =
             (self.analysis.elimination(), self.analysis.size(), sides.len());
         let count = elimination.units.len();

@@ -1,13 +1,12 @@
-//! Solves with the triangles of an LLᵀ factor for a few right-hand sides, supernode by supernode of a unit.
+//! Solves with the triangles of a factor for a few right-hand sides, supernode by supernode of a unit.
 //!
 //! faer's solves are made for many right-hand sides: each product with a supernode's block is a call of its general kernels, which
 //! takes longer than the product where supernodes are small. Here each right-hand side is treated as it would be by itself, with the same
 //! bits, while the columns of the factor that all of them read are at hand.
 
-use super::SymmetricFactor;
-use super::tree_solves::Outside;
+use super::tree_solves::{Outside, Triangle};
 use crate::ahead::ask_for;
-use crate::elimination::Unit;
+use crate::elimination::{PANEL, Unit};
 
 /// Columns that are taken at once, so that what is below them is read and written once.
 const AT_ONCE: usize = 4;
@@ -19,8 +18,10 @@ const AHEAD: usize = 1 << 11;
 
 /// The columns of a supernode, with the rows of its triangle and those below.
 struct Supernode<'a> {
-    /// Column by column.
+    /// Column by column of each panel of each triangle.
     block: &'a [f64],
+    /// Which of the triangles in the block it is, and their number.
+    triangle: (usize, usize),
     first: usize,
     width: usize,
     /// The rows below, ascending.
@@ -28,9 +29,13 @@ struct Supernode<'a> {
 }
 
 impl<'a> Supernode<'a> {
+    /// Columns of one panel.
     fn columns<const N: usize>(&self, from: usize) -> [&'a [f64]; N] {
         let height = self.width + self.rows.len();
-        std::array::from_fn(|k| &self.block[(from + k) * height..][..height])
+        let (triangle, count) = self.triangle;
+        let panel = from / PANEL * PANEL;
+        let before = count * panel + triangle * PANEL.min(self.width - panel) + from - panel;
+        std::array::from_fn(|k| &self.block[(before + k) * height..][..height])
     }
 
     /// Solves with some columns, and takes them out of the rows that follow: those of the triangle in `own`, those below in `below`.
@@ -91,17 +96,19 @@ fn products<const N: usize>(columns: [&[f64]; N], x: &[f64]) -> [f64; N] {
     })
 }
 
-impl SymmetricFactor {
+impl Triangle<'_> {
     fn supernode(&self, number: usize) -> Supernode<'_> {
         let symbolic = &self.analysis.supernodes;
         let first = symbolic.supernode_begin()[number] as usize;
         let width = symbolic.supernode_end()[number] as usize - first;
         let values = &symbolic.col_ptr_for_val()[number..number + 2];
-        let block = &self.values[values[0] as usize..values[1] as usize];
-        Supernode { block, first, width, rows: symbolic.supernode(number).pattern() }
+        let [start, end] = [values[0], values[1]].map(|value| self.count * value as usize);
+        let triangle = (self.number, self.count);
+        let block = &self.values[start..end];
+        Supernode { block, triangle, first, width, rows: symbolic.supernode(number).pattern() }
     }
 
-    /// Solves with L in the supernodes of a unit, whose unknowns are given for each right-hand side with the place of the first one. What they
+    /// Solves with the triangle in the supernodes of a unit, whose unknowns are given for each right-hand side with the place of the first one. What they
     /// take from later ones is added to the values outside, by rows of the matrix.
     pub(super) fn forward(
         &self,
@@ -153,7 +160,7 @@ impl SymmetricFactor {
         }
     }
 
-    /// Solves with Lᵀ in some supernodes, ascending, whose unknowns are given for each right-hand side with the place of the first one. The
+    /// Solves with the transposed triangle in some supernodes, ascending, whose unknowns are given for each right-hand side with the place of the first one. The
     /// values of later ones are those outside, by rows of the matrix.
     pub(super) fn backward(
         &self,
@@ -194,8 +201,7 @@ impl SymmetricFactor {
 mod tests {
     use std::sync::Arc;
 
-    use super::*;
-    use crate::{Analysis, CsrMatrix, Ordering};
+    use crate::{Analysis, CsrMatrix, Ordering, SymmetricFactor};
 
     /// The nine-point stencil on m × m nodes, two unknowns each, with other numbers everywhere.
     fn grid(m: usize) -> CsrMatrix {

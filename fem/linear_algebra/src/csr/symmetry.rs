@@ -1,8 +1,11 @@
 //! Symmetry of a matrix: its symmetric part, and how far it is from that.
 
+use std::sync::Arc;
+
 use super::CsrMatrix;
 use crate::asymmetry::{Asymmetry, sizes_of_unknowns};
 use crate::error::{LinearAlgebraError, check_size};
+use crate::pattern::SparsityPattern;
 
 impl CsrMatrix {
     /// (A + Aᵀ) / 2, on the same shared pattern if that is symmetric.
@@ -28,6 +31,26 @@ impl CsrMatrix {
             }
         }
         Self::from_triplets(self.rows(), self.columns(), &triplets)
+    }
+
+    /// The matrix on a shared pattern that has all of its entries.
+    ///
+    /// # Errors
+    /// If an entry is missing there.
+    #[doc(hidden)]
+    pub fn on_pattern(&self, pattern: &Arc<SparsityPattern>) -> Result<Self, LinearAlgebraError> {
+        if Arc::ptr_eq(&self.pattern, pattern) {
+            return Ok(self.clone());
+        }
+        let mut larger = Self::zero(pattern);
+        for row in 0..self.rows() {
+            let (columns, values) = self.row(row);
+            for (column, value) in columns.iter().zip(values) {
+                let place = larger.find_stored(row as u32, *column)?;
+                larger.values[place] = *value;
+            }
+        }
+        Ok(larger)
     }
 
     /// Largest |a_ij − a_ji| relative to the size of the entry, which is the largest of |a_ij|, |a_ji| and √|a_ii a_jj|: each

@@ -75,7 +75,7 @@ fn laplacian(pattern: &Arc<SparsityPattern>) -> CsrMatrix {
 }
 
 fn parts(pattern: &SparsityPattern) -> (BlockGraph, Vec<Part>) {
-    let graph = BlockGraph::new(pattern).unwrap();
+    let graph = BlockGraph::new(Threads::ONE, pattern).unwrap();
     let numbers: Vec<u32> = (0..graph.blocks() as u32).collect();
     let blocks = CellBlocks::new(pattern.cells().unwrap(), &graph, &numbers);
     let parts = parts_of_blocks(&graph, &blocks, Threads::ONE);
@@ -105,7 +105,7 @@ fn parts_lie_in_each_other_as_halves_do() {
 #[test]
 fn jagged_cuts_are_smoothed() {
     let (cells, size) = biquadratic(12, 8, false);
-    let graph = BlockGraph::new(&pattern(&cells, size, &[])).unwrap();
+    let graph = BlockGraph::new(Threads::ONE, &pattern(&cells, size, &[])).unwrap();
     let numbers: Vec<u32> = (0..graph.blocks() as u32).collect();
     let blocks = CellBlocks::new(&cells, &graph, &numbers);
     let in_common = |part: &[u32], lower: usize| {
@@ -142,7 +142,7 @@ fn halves_of_a_square_are_no_wedges() {
         let third = if upper == 1 { corner + n + 1 } else { corner + 1 };
         cells.add([x, y, 0.0], [corner, third, corner + n + 2].map(|node| node as u32));
     }
-    let graph = BlockGraph::new(&pattern(&cells, (n + 1) * (n + 1), &[])).unwrap();
+    let graph = BlockGraph::new(Threads::ONE, &pattern(&cells, (n + 1) * (n + 1), &[])).unwrap();
     let numbers: Vec<u32> = (0..graph.blocks() as u32).collect();
     let parts = Halves::of_all(&CellBlocks::new(&cells, &graph, &numbers), graph.blocks(), Threads::ONE);
     let is_between = |k: usize| {
@@ -160,7 +160,7 @@ fn halves_of_a_square_are_no_wedges() {
 #[test]
 fn parts_are_the_same_on_any_number_of_threads() {
     for (name, (cells, size)) in [("ring", biquadratic(320, 40, true)), ("cube", cubes(24))] {
-        let graph = BlockGraph::new(&pattern(&cells, size, &[])).unwrap();
+        let graph = BlockGraph::new(Threads::ONE, &pattern(&cells, size, &[])).unwrap();
         let numbers: Vec<u32> = (0..graph.blocks() as u32).collect();
         let blocks = CellBlocks::new(&cells, &graph, &numbers);
         let on_threads = |count| parts_of_blocks(&graph, &blocks, Threads::new(count));

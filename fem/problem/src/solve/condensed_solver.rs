@@ -239,7 +239,7 @@ impl CondensedSolver {
         all.dedup();
         let start = Instant::now();
         let (analysis, completed) =
-            Analysis::of_symmetric_with_last(linear_part, &Ordering::default(), &all)?;
+            Analysis::of_symmetric_on(self.fallback.threads(), linear_part, &Ordering::default(), &all)?;
         self.report.orderings = analysis.candidates().to_vec();
         let (analysis, linear_part) = (Arc::new(analysis), completed.as_ref().unwrap_or(linear_part));
         self.report.analyses += 1;

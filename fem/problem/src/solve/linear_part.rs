@@ -46,8 +46,10 @@ pub(super) struct Assembled {
     linear: bool,
     /// The tangent of the linear integrals; if `iterate` is known, also that of the others there.
     pub matrix: BlockMatrix,
-    /// The iterate of the last update.
-    pub iterate: Option<Vec<f64>>,
+    /// The unknowns that the tangent depends on, as ascending ranges.
+    reads: Vec<Range<usize>>,
+    /// Their values at the last update.
+    iterate: Option<Vec<f64>>,
     /// The entries that the nonlinear integrals touch, and the linear ones' values there (none without linear integrals).
     pub touched: TouchedEntries,
     linear_values: Vec<f64>,
@@ -56,7 +58,19 @@ pub(super) struct Assembled {
 impl Assembled {
     /// Whether the matrix is the tangent at u.
     pub fn is_at(&self, u: &[f64]) -> bool {
-        self.iterate.as_deref() == Some(u)
+        let Some(mut known) = self.iterate.as_deref() else { return false };
+        self.reads.iter().all(|places| {
+            let (own, later) = known.split_at(places.len());
+            known = later;
+            *own == u[places.clone()]
+        })
+    }
+
+    /// Notes that the matrix is the tangent at u.
+    pub fn set_iterate(&mut self, u: &[f64]) {
+        let mut values = Vec::with_capacity(self.reads.iter().map(|places| places.len()).sum());
+        self.reads.iter().for_each(|places| values.extend_from_slice(&u[places.clone()]));
+        self.iterate = Some(values);
     }
 
     /// The values to which the tangent at an iterate is written: those of the linear integrals, or none if all are overwritten.
@@ -258,14 +272,20 @@ impl<const D: usize, const N: usize> System<'_, D, N> {
         let mut assembled = match earlier {
             Some(earlier) => Assembled { commits, load, ..earlier },
             None => {
-                let touched = pattern.touched(&Outline::of(form, Parts::NONLINEAR))?;
+                let nonlinear = Outline::of(form, Parts::NONLINEAR);
+                let touched = pattern.touched(&nonlinear)?;
+                let all = 0..self.unknowns();
+                let reads = match N == 1 && self.assembler_at.is_none() && nonlinear.sees_one_cell() {
+                    true => touched.unknowns[0].clone(),
+                    false => vec![all],
+                };
                 let linear = linear.has_tangent();
                 // All of it is written below where there are linear integrals.
                 let fits =
                     |matrix: &BlockMatrix| linear && Arc::ptr_eq(matrix.sparsity(), pattern.sparsity());
                 let zero = || BlockMatrix::zero(pattern.sparsity());
                 let (matrix, linear_values) = (memory.filter(fits).unwrap_or_else(zero), vec![]);
-                Assembled { commits, load, linear, matrix, iterate: None, touched, linear_values }
+                Assembled { commits, load, linear, matrix, reads, iterate: None, touched, linear_values }
             }
         };
         if assembled.linear {

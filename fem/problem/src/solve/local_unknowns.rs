@@ -13,7 +13,7 @@ pub use of_spaces::groups_of;
 pub(in crate::solve) use pencils::LeftPencil;
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
-use super::{CondensedSolver, SolverReport, StepMemory, TangentSolver};
+use super::{CondensedSolver, SolverReport, StepMemory, TangentSolver, TangentSolverOptions};
 use crate::linear_algebra::backward_error::Refinement;
 use crate::linear_algebra::equations::Side;
 use crate::linear_algebra::error::check_size;
@@ -77,6 +77,14 @@ pub struct LocalUnknowns<S = TangentSolver> {
 struct Current {
     matrix: CsrMatrix,
     blocks: Eliminated,
+}
+
+impl LocalUnknowns {
+    /// Elimination around a [`TangentSolver`] on some threads.
+    pub fn on(threads: Threads) -> Self {
+        let options = TangentSolverOptions { threads, ..TangentSolverOptions::default() };
+        LocalUnknowns::around(TangentSolver::new(options)).with_threads(threads)
+    }
 }
 
 impl<S: LinearSolver> LocalUnknowns<S> {

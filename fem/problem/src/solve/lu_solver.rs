@@ -1,4 +1,6 @@
-//! Direct solver for any square matrix: LU with partial pivoting and iterative refinement.
+//! Direct solver for any square matrix: LU with iterative refinement, with partial pivoting where the matrix asks for it.
+
+use std::sync::Arc;
 
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use crate::linear_algebra::Transpose;
@@ -6,7 +8,9 @@ use crate::linear_algebra::backward_error::{Refinement, Residual};
 use crate::linear_algebra::equations::{Equations, Side};
 use crate::linear_algebra::spectrum::irregular;
 use crate::linear_algebra::vector::{largest, norm};
-use crate::linear_algebra::{CsrMatrix, LinearAlgebraError, LuFactor};
+use crate::linear_algebra::{
+    Analysis, CsrMatrix, LinearAlgebraError, LuFactor, Ordering, SparsityPattern, UnpivotedLu,
+};
 use crate::threads::Threads;
 
 /// Backward error at which refinement has nothing left to gain.
@@ -21,11 +25,16 @@ const UNCERTAIN: f64 = 1e-6;
 /// Most steps of iterative refinement of the whole solution; with partial pivoting one nearly always suffices.
 const REFINEMENTS: usize = 2;
 
-/// A solver that factors each matrix by LU with partial pivoting, and refines each solution until every equation holds relative to the sizes
+/// Smaller matrices are factored with partial pivoting from the start.
+const SMALL: usize = 500;
+
+/// A solver that factors each matrix by LU, and refines each solution until every equation holds relative to the sizes
 /// of its own terms. It is what a [`super::TangentSolver`] turns to when a
 /// matrix has zeros on its diagonal, as saddle points have, or defeats its own factors.
 ///
-/// It takes any regular matrix, with about twice the memory and time of a symmetric factor. The last matrix and its factor are kept: for
+/// Large matrices without zeros on the diagonal get an [`UnpivotedLu`] on all threads, with twice the memory and time of a symmetric factor.
+/// Where that is not accurate, and for all other regular matrices, an [`LuFactor`] pivots on one thread. Solutions are the same on any
+/// number of threads. The last matrix and its factor are kept: for
 /// an adjoint problem with the same tangent, for solves with other right-hand sides, and to look at the matrix.
 ///
 /// ```
@@ -52,12 +61,105 @@ const REFINEMENTS: usize = 2;
 /// ```
 #[derive(Debug, Default)]
 pub struct LuSolver {
-    system: Option<(CsrMatrix, LuFactor)>,
+    threads: Threads,
+    system: Option<(CsrMatrix, Factor)>,
+    /// A pattern with the analysis of its symmetric completion.
+    analysis: Option<(Arc<SparsityPattern>, Arc<Analysis>)>,
     /// Numeric factorisations so far.
     factorisations: usize,
 }
 
+/// A factor of the current matrix.
+#[derive(Debug)]
+enum Factor {
+    Unpivoted(UnpivotedLu),
+    Pivoted(Box<LuFactor>),
+}
+
+impl Factor {
+    fn solve_in_place(&self, b: &mut [f64], transpose: Transpose) -> Result<(), LinearAlgebraError> {
+        match self {
+            Factor::Unpivoted(factor) => factor.solve_in_place(b, transpose),
+            Factor::Pivoted(factor) => factor.solve_in_place(b, transpose),
+        }
+    }
+}
+
 impl LuSolver {
+    /// A solver that uses some threads.
+    pub fn on(threads: Threads) -> Self {
+        LuSolver { threads, ..LuSolver::default() }
+    }
+
+    /// Whether the current factor was found without exchanges of rows.
+    pub fn is_unpivoted(&self) -> bool {
+        matches!(self.system, Some((_, Factor::Unpivoted(_))))
+    }
+
+    /// Takes an analysis of a pattern that the next matrix may have.
+    pub(super) fn share(&mut self, analysis: &Arc<Analysis>) {
+        if self.analysis.is_none() {
+            self.analysis = Some((analysis.pattern().clone(), analysis.clone()));
+        }
+    }
+
+    /// Whether a matrix is large enough, and has no zeros on its diagonal.
+    pub(super) fn may_be_unpivoted(matrix: &CsrMatrix) -> bool {
+        matrix.rows() >= SMALL && !matrix.diagonal().contains(&0.0)
+    }
+
+    /// Factors a matrix without exchanges of rows. False: it is small, or has zeros on its diagonal, or the factor is not accurate.
+    pub(super) fn factor_unpivoted(&mut self, matrix: &CsrMatrix) -> bool {
+        if !Self::may_be_unpivoted(matrix) {
+            return false;
+        }
+        let is_unpivoted = self.is_unpivoted();
+        let storage = match self.system.take_if(|_| is_unpivoted) {
+            Some((_, Factor::Unpivoted(factor))) => factor.into_storage(),
+            _ => vec![],
+        };
+        // Whatever the reason of a failure is, pivoting has a judgement of its own.
+        let Ok(factor) = self.unpivoted(matrix, storage) else { return false };
+        self.factorisations += 1;
+        self.system = Some((matrix.clone(), Factor::Unpivoted(factor)));
+        true
+    }
+
+    fn unpivoted(
+        &mut self,
+        matrix: &CsrMatrix,
+        storage: Vec<f64>,
+    ) -> Result<UnpivotedLu, LinearAlgebraError> {
+        let pattern = matrix.pattern();
+        let known = self.analysis.take().filter(|(known, _)| Arc::ptr_eq(known, pattern) || known == pattern);
+        let analysis = match known {
+            Some((_, analysis)) => analysis,
+            None => {
+                let found = Analysis::of_symmetric_on(self.threads, matrix, &Ordering::default(), &[])?;
+                Arc::new(found.0)
+            }
+        };
+        self.analysis = Some((pattern.clone(), analysis.clone()));
+        match analysis.fits(matrix) {
+            true => UnpivotedLu::new_on(self.threads, &analysis, matrix, storage),
+            false => {
+                let completed = matrix.on_pattern(analysis.pattern())?;
+                UnpivotedLu::new_on(self.threads, &analysis, &completed, storage)
+            }
+        }
+    }
+
+    fn factor_pivoted(&mut self, matrix: CsrMatrix) -> Result<(), SolverError> {
+        let earlier = match self.system.take() {
+            Some((known, Factor::Pivoted(factor))) if known.same_pattern(&matrix) => Some(factor),
+            _ => None,
+        };
+        let factor = LuFactor::new(&matrix, earlier.as_deref())?;
+        self.factorisations += 1;
+        self.system = Some((matrix, Factor::Pivoted(Box::new(factor))));
+        Ok(())
+    }
+
     /// Numeric factorisations so far.
     pub fn factorisations(&self) -> usize {
         self.factorisations
@@ -74,11 +176,10 @@ impl LinearSolver for LuSolver {
         if self.matrix() == Some(&matrix) {
             return Ok(()); // an adjoint problem with the tangent that is already factored
         }
-        let earlier = self.system.take().filter(|(known, _)| known.same_pattern(&matrix));
-        let factor = LuFactor::new(&matrix, earlier.as_ref().map(|(_, factor)| factor))?;
-        self.factorisations += 1;
-        self.system = Some((matrix, factor));
-        Ok(())
+        if self.factor_unpivoted(&matrix) {
+            return Ok(());
+        }
+        self.factor_pivoted(matrix)
     }
 
     fn judges_equations(&self) -> bool {
@@ -87,6 +188,26 @@ impl LinearSolver for LuSolver {
 
     fn solve_with(
         &mut self,
+        b: &[f64],
+        absolute_tolerance: f64,
+        transpose: Transpose,
+    ) -> Result<LinearSolution, SolverError> {
+        let found = self.refined(b, absolute_tolerance, transpose);
+        let is_for_pivots = found.as_ref().is_err_and(SolverError::is_for_lu) && self.is_unpivoted();
+        match self.system.take_if(|_| is_for_pivots) {
+            Some((matrix, _)) => {
+                self.factor_pivoted(matrix)?;
+                self.refined(b, absolute_tolerance, transpose)
+            }
+            None => found,
+        }
+    }
+}
+
+impl LuSolver {
+    /// A solution with the current factor.
+    fn refined(
+        &self,
         b: &[f64],
         absolute_tolerance: f64,
         transpose: Transpose,
@@ -102,7 +223,7 @@ impl LinearSolver for LuSolver {
         let solve = |change: &mut Vec<f64>| factor.solve_in_place(change, transpose);
         let mut x = b.to_vec();
         solve(&mut x)?;
-        let mut found = Refinement::new(&side, Threads::ONE, b, x)?;
+        let mut found = Refinement::new(&side, self.threads, b, x)?;
         let mut backward_error = whole(&found.x, &found.residual);
         // The first step also helps where the backward error is at rounding: rows of small entries, as those
         // of a constraint next to a stiffness, profit from it, unless they are at rounding themselves.
@@ -125,7 +246,9 @@ impl LinearSolver for LuSolver {
             _ => {}
         }
         let Refinement { x, residual, .. } = found;
-        if factor.smallest_ratio() <= ILL_CONDITIONED {
+        if let Factor::Pivoted(factor) = factor
+            && factor.smallest_ratio() <= ILL_CONDITIONED
+        {
             // Rounding of the entries, with signs that follow no pattern, as forces on the solution.
             let sizes = side.products(&x)?.1;
             let noise = sizes.iter().zip(irregular(x.len()));
@@ -142,3 +265,6 @@ impl LinearSolver for LuSolver {
         Ok(LinearSolution { solution: x, relative_residual, iterations: 0 })
     }
 }
+
+#[cfg(test)]
+mod tests;

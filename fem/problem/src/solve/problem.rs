@@ -28,8 +28,8 @@ use super::divided::DividedVectors;
 use super::linear_and_nonlinear::SplitSystem;
 use super::linear_part::{Assembled, System};
 use super::{
-    HeldUnknown, Increment, LinearSolver, NewtonError, NewtonOptions, NewtonStep, PerUnknown, RigidLoads,
-    Solved, StepMemory,
+    HeldUnknown, Increment, LinearSolver, LocalUnknowns, NewtonError, NewtonOptions, NewtonStep, PerUnknown,
+    RigidLoads, Solved, StepMemory,
 };
 use crate::assemble::{Assembler, AssemblyError, BlockPattern};
 use crate::bounds::Bounds;
@@ -199,9 +199,13 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         self
     }
 
-    /// The number of threads of assembly, in place of all. The linear solver has its own.
+    /// The number of threads in place of all: of assembly, and of the problem's own linear solver with its ordering. A solver that is given
+    /// has its own.
     pub fn threads(mut self, threads: Threads) -> Self {
         self.system.assembler = Cow::Owned(self.system.assembler.into_owned().with_threads(threads));
+        if let Solver::Own(solver) = &mut self.solver {
+            **solver = LocalUnknowns::on(threads);
+        }
         self
     }
 

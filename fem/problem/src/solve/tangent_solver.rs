@@ -2,11 +2,13 @@
 
 mod iterative;
 mod saddle_point;
+mod unsymmetric;
 
 use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::Instant;
 
+use self::unsymmetric::UnpivotedFactors;
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use super::lu_solver::LuSolver;
 use super::solver_report::{SolverPath, SolverReport};
@@ -44,10 +46,14 @@ pub struct TangentSolverOptions {
     /// iterations more than with a matrix's own factor. None: as many as a factorisation costs, estimated
     /// from the symbolic analysis.
     pub refresh_after: Option<usize>,
+    /// Unsymmetric matrices are factored by LU without pivoting, from the next one on, once a solve with a matrix's own symmetric factor takes
+    /// more than this number of iterations. None: as many as LU costs, estimated from the symbolic analysis. `usize::MAX`: never. LU takes
+    /// twice the memory.
+    pub lu_after: Option<usize>,
     /// Most steps of iterative refinement of a direct solution.
     pub refinement_steps: usize,
-    /// Threads for factors LLᵀ and LSLᵀ, and for products and dot products of GMRES; solutions are the same for each number of them. Factors
-    /// LBLᵀ, LU and triangular solves run on one.
+    /// Threads for factors LLᵀ, LSLᵀ and LU with their solves, and for products and dot products of GMRES; solutions are the same for each
+    /// number of them. Factors LBLᵀ, and LU with pivoting, run on one.
     pub threads: Threads,
 }
 
@@ -61,6 +67,7 @@ impl Default for TangentSolverOptions {
             restart: 60,
             max_iterations: 300,
             refresh_after: None,
+            lu_after: None,
             refinement_steps: 3,
             threads: Threads::all(),
         }
@@ -72,7 +79,8 @@ const DOUBTFUL: f64 = 1e-9;
 
 /// A symmetric matrix is factored (LLᵀ, or LBLᵀ if it is indefinite) and solved directly with refinement. An
 /// unsymmetric one is solved by GMRES, preconditioned with the factor of the symmetric part of itself or of an
-/// earlier matrix; its transpose too, with the same factor. Analysis and factor are kept between matrices.
+/// earlier matrix; its transpose too, with the same factor. Where that takes longer, the next ones are factored by LU without
+/// pivoting, on all threads. Analysis and factor are kept between matrices.
 ///
 /// A symmetric matrix with zeros or negative numbers on its diagonal, as a saddle point has, gets a Cholesky factor with signs,
 /// on all threads, and solutions are refined against the matrix. An unsymmetric saddle point is factored by LU with partial
@@ -105,13 +113,16 @@ pub struct TangentSolver {
     by_signs: bool,
     /// Matrices of this many unknowns defeated the other factors: LU from the start.
     lu_size: Option<usize>,
+    /// Whether the next unsymmetric matrix is factored by LU, where that is known.
+    unpivoted: Option<UnpivotedFactors>,
     report: SolverReport,
 }
 
 impl TangentSolver {
     /// A solver without a matrix yet.
     pub fn new(options: TangentSolverOptions) -> Self {
-        Self { options, ..Self::default() }
+        let lu = LuSolver::on(options.threads);
+        Self { options, lu, ..Self::default() }
     }
 
     /// A solver with the same options that knows no matrix.
@@ -182,7 +193,7 @@ impl TangentSolver {
         let analysis = match self.analysis.take() {
             Some(analysis) if analysis.fits(&part) => analysis,
             _ => {
-                let (analysis, completed) = analyse(&part, &self.options.ordering, &mut self.report)?;
+                let (analysis, completed) = analyse(&part, &self.options, &mut self.report)?;
                 self.fresh_iterations = None;
                 part = completed.map_or(part, Cow::Owned);
                 analysis
@@ -217,6 +228,7 @@ impl TangentSolver {
         let matrix = self.matrix.clone().ok_or(SolverError::NoMatrix)?;
         self.by_signs = false;
         (self.by_lu, self.scaled) = (true, None); // LU has a scaling of its own
+        self.share_analysis();
         let start = Instant::now();
         let result = self.lu.set_matrix(matrix);
         self.report.factorisation_seconds += start.elapsed().as_secs_f64();
@@ -301,10 +313,10 @@ impl TangentSolver {
 /// Analyses the pattern of a symmetric matrix, and completes the matrix where entries are stored on one side only.
 fn analyse(
     matrix: &CsrMatrix,
-    ordering: &Ordering,
+    options: &TangentSolverOptions,
     report: &mut SolverReport,
 ) -> Result<(Arc<Analysis>, Option<CsrMatrix>), SolverError> {
-    let (analysis, completed) = Analysis::of_symmetric(matrix, ordering)?;
+    let (analysis, completed) = Analysis::of_symmetric_on(options.threads, matrix, &options.ordering, &[])?;
     report.analyses += 1;
     report.analysis_seconds += analysis.seconds();
     report.factor_entries = analysis.factor_entries();
@@ -326,7 +338,6 @@ impl LinearSolver for TangentSolver {
         let asymmetry = matrix.asymmetry()?;
         (self.symmetric, self.equals_transposed) =
             (asymmetry <= self.options.symmetry_tolerance, asymmetry == 0.0);
-        let fits = self.factor.as_ref().is_some_and(|factor| factor.analysis().size() == matrix.rows());
         let known = self.lu_size == Some(matrix.rows());
         let diagonal = matrix.diagonal();
         let saddle = diagonal.contains(&0.0);
@@ -343,6 +354,11 @@ impl LinearSolver for TangentSolver {
                 Err(_) => {}
             }
         }
+        if !self.symmetric && !known && self.factor_unpivoted(&matrix) {
+            self.matrix = Some(matrix);
+            return Ok(());
+        }
+        let fits = self.factor.as_ref().is_some_and(|factor| factor.analysis().size() == matrix.rows());
         // LU scales by itself.
         let scales = !known && !saddle;
         let scaling = if scales { Equilibration::of(&matrix) } else { None };

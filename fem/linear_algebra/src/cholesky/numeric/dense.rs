@@ -2,10 +2,13 @@
 //!
 //! An entry is one sum over the columns in their order, whichever tile it is in: tiles may be cut as is best.
 
+mod lu;
+
 use std::marker::PhantomData;
 
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 
+pub(super) use self::lu::FactorLu;
 use super::pivots::Pivots;
 use crate::elimination::PANEL;
 
@@ -20,6 +23,8 @@ const TILE: usize = 8 * REGISTERS;
 #[derive(Clone, Copy)]
 pub(super) struct Rows<'a> {
     pub(super) block: &'a [f64],
+    /// The block whose rows they are multiplied by: the same one, or that of the other triangle.
+    pub(super) factors: &'a [f64],
     pub(super) height: usize,
     pub(super) first: usize,
 }
@@ -154,10 +159,11 @@ fn products<S: Simd, P: Pivots, const R: usize, const C: usize, const FULL: bool
 ) -> [[S::f64s; R]; C] {
     let mut sums = [[simd.splat_f64s(0.0); R]; C];
     let count = if FULL { R * S::F64_LANES } else { count };
-    for (number, column) in rows.block.chunks_exact(rows.height).enumerate() {
+    let columns = rows.block.chunks_exact(rows.height).zip(rows.factors.chunks_exact(rows.height));
+    for (number, (column, factors)) in columns.enumerate() {
         let sign = P::sign(signs, number);
         let column = &column[rows.first..];
-        let factors = &column[other..other + C];
+        let factors = &factors[rows.first + other..][..C];
         let left = load::<S, R, FULL>(simd, &column[row..row + count]);
         for k in 0..C {
             let factor = simd.splat_f64s(sign * factors[k]);
@@ -216,7 +222,7 @@ impl<P: Pivots> Factor<'_, P> {
         let height = self.height;
         let (known, rest) = self.columns.split_at_mut(from * height);
         let own = &mut rest[..C * height];
-        let rows = Rows { block: known, height, first: 0 };
+        let rows = Rows { block: known, factors: known, height, first: 0 };
         let (column, from) = (from, self.first + from);
         // The triangle on the diagonal.
         let mut triangle = [[0.0; C]; C];
@@ -250,31 +256,8 @@ impl<P: Pivots> Factor<'_, P> {
         for row in &mut triangle {
             row.iter_mut().zip(own_signs).for_each(|(value, sign)| *value *= sign);
         }
-        let signs = &signs[..];
         let solve = Solve { triangle, inverse, height };
-        let full = REGISTERS * S::F64_LANES;
-        let mut row = from + C;
-        while row + full <= self.end {
-            let sums = products::<S, P, REGISTERS, C, true>(simd, (rows, signs), row, from, full);
-            solve.apply::<S, REGISTERS, true>(simd, sums, own, row, full);
-            row += full;
-        }
-        let rest = self.end - row;
-        match rest.div_ceil(S::F64_LANES) {
-            3 => {
-                let sums = products::<S, P, 3, C, false>(simd, (rows, signs), row, from, rest);
-                solve.apply::<S, 3, false>(simd, sums, own, row, rest);
-            }
-            2 => {
-                let sums = products::<S, P, 2, C, false>(simd, (rows, signs), row, from, rest);
-                solve.apply::<S, 2, false>(simd, sums, own, row, rest);
-            }
-            1 => {
-                let sums = products::<S, P, 1, C, false>(simd, (rows, signs), row, from, rest);
-                solve.apply::<S, 1, false>(simd, sums, own, row, rest);
-            }
-            _ => {}
-        }
+        solve.rows_below::<S, P>(simd, (rows, &signs[..]), own, from, self.end);
         Ok(())
     }
 }
@@ -311,6 +294,41 @@ struct Solve<const C: usize> {
 }
 
 impl<const C: usize> Solve<C> {
+    /// Rows below the tile's triangle, which begins in the given row, as far as an end.
+    #[inline(always)]
+    fn rows_below<S: Simd, P: Pivots>(
+        &self,
+        simd: S,
+        (rows, signs): (Rows<'_>, &[f64]),
+        own: &mut [f64],
+        from: usize,
+        end: usize,
+    ) {
+        let full = REGISTERS * S::F64_LANES;
+        let mut row = from + C;
+        while row + full <= end {
+            let sums = products::<S, P, REGISTERS, C, true>(simd, (rows, signs), row, from, full);
+            self.apply::<S, REGISTERS, true>(simd, sums, own, row, full);
+            row += full;
+        }
+        let rest = end - row;
+        match rest.div_ceil(S::F64_LANES) {
+            3 => {
+                let sums = products::<S, P, 3, C, false>(simd, (rows, signs), row, from, rest);
+                self.apply::<S, 3, false>(simd, sums, own, row, rest);
+            }
+            2 => {
+                let sums = products::<S, P, 2, C, false>(simd, (rows, signs), row, from, rest);
+                self.apply::<S, 2, false>(simd, sums, own, row, rest);
+            }
+            1 => {
+                let sums = products::<S, P, 1, C, false>(simd, (rows, signs), row, from, rest);
+                self.apply::<S, 1, false>(simd, sums, own, row, rest);
+            }
+            _ => {}
+        }
+    }
+
     #[inline(always)]
     fn apply<S: Simd, const R: usize, const FULL: bool>(
         &self,

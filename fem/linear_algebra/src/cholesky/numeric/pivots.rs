@@ -60,3 +60,21 @@ impl Pivots for Signed<'_> {
         signs.extend(columns.map(|(k, column)| 1.0_f64.copysign(column[k])));
     }
 }
+
+/// Of L U, with ones on the diagonal of L: all but zero.
+#[derive(Clone, Copy)]
+pub(in crate::cholesky) struct Unpivoted;
+
+impl Pivots for Unpivoted {
+    #[inline(always)]
+    fn sign(_: &[f64], _: usize) -> f64 {
+        1.0
+    }
+
+    #[inline(always)]
+    fn diagonal(self, _: usize, pivot: f64) -> Option<f64> {
+        (pivot != 0.0 && pivot.is_finite()).then_some(pivot)
+    }
+
+    fn read_signs(_: &[f64], _: usize, _: &mut Vec<f64>) {}
+}

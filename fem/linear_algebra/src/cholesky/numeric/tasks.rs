@@ -2,13 +2,13 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::pivots::Pivots;
 use super::rooms::Room;
+use super::triangles::Triangles;
 use super::{Numeric, PANEL, Scratch, panels};
 use crate::elimination::Task;
 use crate::threads::Threads;
 
-impl<P: Pivots> Numeric<'_, P> {
+impl<P: Triangles> Numeric<'_, P> {
     /// Factors into the values; an error is the place in the elimination order of the first pivot that is not taken.
     pub(in crate::cholesky) fn factorise(&self, threads: Threads, values: &mut [f64]) -> Result<(), usize> {
         let units = &self.elimination.units;
@@ -54,8 +54,8 @@ impl<P: Pivots> Numeric<'_, P> {
                 scratch.begin(rooms[unit].start);
                 scratch.prefault(rooms[unit].start, values.len(), values);
                 let columns = self.columns(self.elimination.units[unit].supernodes.start);
-                let height = values.len() / columns.len();
-                rooms[unit].cut(values, PANEL * height);
+                let height = values.len() / (P::COUNT * columns.len());
+                rooms[unit].cut(values, Self::panel_length(height));
                 Ok(())
             }
             Task::Gather(unit, panel) => self.panel(unit as usize, panel as usize, None, rooms, scratch),

@@ -103,6 +103,13 @@ impl<'a, const D: usize> Outline<'a, D> {
         self.is_symmetric
     }
 
+    /// Whether each tangent is of integrals over cells or exterior facets. Points see one cell there, all of whose nodes are coupled: a
+    /// tangent by the only unknown reads nothing else of it.
+    pub fn sees_one_cell(&self) -> bool {
+        let entity = |coupling: &Coupling| self.form.inputs().regions[coupling.region].entity;
+        self.couplings.iter().all(|coupling| matches!(entity(coupling), Entity::Cells | Entity::Facets))
+    }
+
     /// Whether some of the integrals have tangents.
     pub fn has_tangent(&self) -> bool {
         !self.couplings.is_empty()

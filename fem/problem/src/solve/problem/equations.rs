@@ -69,7 +69,7 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
         let (before, matrix) = (assembled.before_update(), &mut assembled.matrix);
         let written =
             assembler.write_tangent(&system.form, arguments, Parts::NONLINEAR, pattern, matrix, before);
-        assembled.iterate = Some(u.to_vec());
+        assembled.set_iterate(u);
         self.seconds += start.elapsed().as_secs_f64();
         written
     }

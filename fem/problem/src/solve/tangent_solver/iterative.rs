@@ -55,6 +55,7 @@ impl TangentSolver {
             };
             if self.factor_is_fresh {
                 self.fresh_iterations = Some(report.iterations);
+                self.consider_lu(b.len(), report.iterations);
             } else {
                 let usual = self.fresh_iterations.unwrap_or(0);
                 self.refresh_wanted |= report.iterations > usual + self.worthwhile_excess();
@@ -67,13 +68,9 @@ impl TangentSolver {
         }
     }
 
-    /// Iterations that cost as much as a factorisation. Measured in 2D: a factorisation with 85 and 168
-    /// multiplications per stored number took the time of 5 and 10 iterations.
+    /// Iterations that cost as much as a factorisation.
     fn worthwhile_excess(&self) -> usize {
-        let estimate = self.analysis.as_ref().map_or(0.0, |analysis| {
-            analysis.multiplications() / (17.0 * analysis.factor_entries().max(1) as f64)
-        });
-        self.options.refresh_after.unwrap_or(estimate as usize)
+        self.options.refresh_after.unwrap_or_else(|| self.factorisation_in_iterations())
     }
 
     /// Runs GMRES, and again from its residual until each equation holds relative to its own terms: the norm of the whole

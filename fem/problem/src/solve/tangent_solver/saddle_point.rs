@@ -26,7 +26,7 @@ impl TangentSolver {
         let analysis = match self.analysis.take() {
             Some(analysis) if analysis.fits(&scaled) => analysis,
             _ => {
-                let (analysis, completed) = analyse(&scaled, &self.options.ordering, &mut self.report)?;
+                let (analysis, completed) = analyse(&scaled, &self.options, &mut self.report)?;
                 self.fresh_iterations = None;
                 scaled = completed.unwrap_or(scaled);
                 analysis

@@ -136,6 +136,30 @@ fn each_path_is_taken_and_named() {
 }
 
 #[test]
+fn lu_follows_where_gmres_takes_longer() {
+    let exact: Vec<f64> = (0..600).map(|i| (0.2 * f64::from(i)).cos()).collect();
+    for (lu_after, path) in [(Some(0), SolverPath::Lu), (None, SolverPath::Gmres)] {
+        let mut solver = TangentSolver::new(TangentSolverOptions { lu_after, ..Default::default() });
+        for (s, expected) in [(0.7, SolverPath::Gmres), (0.8, path), (0.9, path)] {
+            let matrix = chain(600, s, 1.0);
+            solver.set_matrix(matrix.clone()).unwrap();
+            let found = solver.solve(&matrix.multiply(&exact).unwrap(), 0.0).unwrap();
+            assert!(error(&found.solution, &exact) < 1e-9, "{}", error(&found.solution, &exact));
+            let found = solver.solve_transposed(&matrix.multiply_transposed(&exact).unwrap(), 0.0).unwrap();
+            assert!(error(&found.solution, &exact) < 1e-9, "{}", error(&found.solution, &exact));
+            assert_eq!(solver.report().path, Some(expected));
+        }
+        let report = solver.report();
+        assert_eq!(report.lu_factorisations, if path == SolverPath::Lu { 2 } else { 0 });
+        assert_eq!(report.analyses, 1);
+        // A symmetric matrix has its own factor again.
+        solver.set_matrix(chain(600, 0.0, 0.0)).unwrap();
+        solver.solve(&exact, 0.0).unwrap();
+        assert_eq!(solver.report().path, Some(SolverPath::Cholesky));
+    }
+}
+
+#[test]
 fn orderings_and_condition_are_reported() {
     let mut solver = TangentSolver::default();
     assert_eq!(solver.estimate_condition().unwrap_err(), SolverError::NoMatrix);
