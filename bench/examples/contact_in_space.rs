@@ -12,6 +12,7 @@ use std::time::Instant;
 use clap::Parser;
 use forms_bench::beside_petsc::{Beside, HEADER, compare, options, peak_memory};
 use forms_contact::{ContactProblem, forms};
+use forms_fem::linear_algebra::SharedWork;
 use forms_fem::output::{StandardOutput, program, tell};
 use forms_fem::prelude::*;
 use forms_fem::solve::{Elimination, NonlinearProblem};
@@ -104,6 +105,13 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
             report.solve_seconds,
             peak_memory()
         ));
+        for (stage, work) in [("set-up", &report.setup_work), ("a cycle", &report.cycle_work)] {
+            if let Some(work) = work {
+                let speed_ups = SharedWork::THREADS.map(|threads| work.speed_up(threads).unwrap_or(1.0));
+                let threads = SharedWork::THREADS;
+                tell(format!("Counted speed-ups of {stage} on {threads:?} threads: {speed_ups:.1?}"));
+            }
+        }
         let u = solved.into_field();
         drop(solver);
         last = Some((problem, u));

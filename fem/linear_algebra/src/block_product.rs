@@ -6,6 +6,8 @@ use std::sync::Arc;
 use super::block_matrix::BlockMatrix;
 use super::block_sparsity::{BlockRows, BlockSparsity, NodeSet};
 use super::error::{LinearAlgebraError, check_size};
+use super::large_pages::zeros;
+use super::vector::in_pieces;
 use crate::threads::Threads;
 
 /// The only pair of sets of a matrix.
@@ -49,16 +51,25 @@ pub(super) fn block_matrix(
     indices: Vec<u32>,
     values: Vec<f64>,
 ) -> Result<BlockMatrix, LinearAlgebraError> {
-    let (rows, columns) = (NodeSet::in_a_row([(rows, height)]), NodeSet::in_a_row([(columns, width)]));
-    let sparsity = BlockSparsity::new(rows, columns, vec![vec![BlockRows::new(pointers, indices)]])?;
+    of_rows((rows, height), (columns, width), BlockRows::new(pointers, indices), values)
+}
+
+fn of_rows(
+    rows: (usize, usize),
+    columns: (usize, usize),
+    blocks: BlockRows,
+    values: Vec<f64>,
+) -> Result<BlockMatrix, LinearAlgebraError> {
+    let (rows, columns) = (NodeSet::in_a_row([rows]), NodeSet::in_a_row([columns]));
+    let sparsity = BlockSparsity::new(rows, columns, vec![vec![blocks]])?;
     BlockMatrix::from_values(&Arc::new(sparsity), values)
 }
 
-/// The transposed matrix.
+/// The transposed matrix, on some threads.
 ///
 /// # Errors
 /// If there are several sets of rows or columns.
-pub fn transpose(matrix: &BlockMatrix) -> Result<BlockMatrix, LinearAlgebraError> {
+pub fn transpose(matrix: &BlockMatrix, threads: Threads) -> Result<BlockMatrix, LinearAlgebraError> {
     let source = Single::of(matrix)?;
     let (height, width, block) = (source.rows.components, source.columns.components, source.block());
     let mut pointers = vec![0_usize; source.columns.nodes + 1];
@@ -70,20 +81,27 @@ pub fn transpose(matrix: &BlockMatrix) -> Result<BlockMatrix, LinearAlgebraError
     }
     let mut next = pointers.clone();
     let mut indices = vec![0_u32; source.pair.blocks()];
-    let mut values = vec![0.0; source.values.len()];
+    // The place from which each block comes.
+    let mut origins = vec![0_usize; source.pair.blocks()];
     for row in 0..source.rows.nodes {
-        for (column, from) in source.row(row) {
-            let place = next[column as usize];
-            next[column as usize] += 1;
-            indices[place] = row as u32;
-            let to = &mut values[place * block..(place + 1) * block];
+        for place in source.pair.range(row) {
+            let next = &mut next[source.pair.columns[place] as usize];
+            indices[*next] = row as u32;
+            origins[*next] = place;
+            *next += 1;
+        }
+    }
+    let mut values = zeros(source.values.len());
+    in_pieces(threads, &mut values, block, |first, values| {
+        for (to, origin) in values.chunks_exact_mut(block).zip(&origins[first / block..]) {
+            let from = &source.values[origin * block..(origin + 1) * block];
             for i in 0..height {
                 for j in 0..width {
                     to[j * height + i] = from[i * width + j];
                 }
             }
         }
-    }
+    });
     block_matrix((source.columns.nodes, width), (source.rows.nodes, height), pointers, indices, values)
 }
 
@@ -99,89 +117,85 @@ pub fn multiply(
     let (left, right) = (Single::of(a)?, Single::of(b)?);
     check_size("the set of rows of the second factor", left.columns.nodes, right.rows.nodes)?;
     check_size("a block of the second factor", left.columns.components, right.rows.components)?;
-    let length = left.rows.nodes.div_ceil(threads.for_work(a.values().len())).max(1);
-    let parts: Vec<Range<usize>> = (0..left.rows.nodes)
-        .step_by(length)
-        .map(|first| first..(first + length).min(left.rows.nodes))
-        .collect();
-    let found = threads.run(parts, |rows| match right.columns.components {
-        1 => Rows::multiply::<1>(&left, &right, rows),
-        2 => Rows::multiply::<2>(&left, &right, rows),
-        3 => Rows::multiply::<3>(&left, &right, rows),
-        6 => Rows::multiply::<6>(&left, &right, rows),
-        _ => Rows::multiply::<0>(&left, &right, rows),
-    });
-    let blocks = found.iter().map(|part| part.indices.len()).sum();
-    let block = left.rows.components * right.columns.components;
-    let (mut pointers, mut indices) = (vec![0_usize], Vec::with_capacity(blocks));
-    let mut values = Vec::with_capacity(blocks * block);
-    for part in found {
-        let first = indices.len();
-        pointers.extend(part.ends.iter().map(|end| first + end));
-        indices.extend(part.indices);
-        values.extend(part.values);
+    let ranges = left.pair.parts(threads.for_work(a.values().len()));
+    let found = threads.run(ranges, |rows| columns_of_product(&left, &right, rows));
+    let mut pointers = Vec::with_capacity(left.rows.nodes + 1);
+    let mut columns = Vec::with_capacity(found.iter().map(|(_, columns)| columns.len()).sum());
+    pointers.push(0);
+    for (ends, of_part) in found {
+        let first = columns.len();
+        pointers.extend(ends.iter().map(|end| first + end));
+        columns.extend(of_part);
     }
-    block_matrix(
-        (left.rows.nodes, left.rows.components),
-        (right.columns.nodes, right.columns.components),
-        pointers,
-        indices,
-        values,
-    )
+    // A factor without blocks has no pointers, and its rows none to count.
+    pointers.resize(left.rows.nodes + 1, columns.len());
+    let product = BlockRows::new(pointers, columns);
+    let (height, width) = (left.rows.components, right.columns.components);
+    let mut values = zeros(product.blocks() * height * width);
+    product.on_threads(threads, (&mut values, height * width), |rows, values| match width {
+        1 => multiply_rows::<1>(&left, &right, &product, rows, values),
+        2 => multiply_rows::<2>(&left, &right, &product, rows, values),
+        3 => multiply_rows::<3>(&left, &right, &product, rows, values),
+        6 => multiply_rows::<6>(&left, &right, &product, rows, values),
+        _ => multiply_rows::<0>(&left, &right, &product, rows, values),
+    });
+    of_rows((left.rows.nodes, height), (right.columns.nodes, width), product, values)
 }
 
-/// Some rows of a product.
-#[derive(Default)]
-struct Rows {
-    ends: Vec<usize>,
-    indices: Vec<u32>,
-    values: Vec<f64>,
+/// Marks a column that a row does not have.
+const NONE: u32 = u32::MAX;
+
+/// The columns of some rows of a product, ascending, and where each row ends among them.
+fn columns_of_product(left: &Single, right: &Single, rows: Range<usize>) -> (Vec<usize>, Vec<u32>) {
+    let (mut ends, mut columns) = (Vec::with_capacity(rows.len()), Vec::new());
+    let mut last_row = vec![NONE; right.columns.nodes];
+    for row in rows {
+        let first = columns.len();
+        for middle in left.pair.row(row) {
+            for &column in right.pair.row(*middle as usize) {
+                if std::mem::replace(&mut last_row[column as usize], row as u32) != row as u32 {
+                    columns.push(column);
+                }
+            }
+        }
+        columns[first..].sort_unstable();
+        ends.push(columns.len());
+    }
+    (ends, columns)
 }
 
-impl Rows {
-    /// WIDTH: the components of the columns, 0 where the compiler does not know them.
-    fn multiply<const WIDTH: usize>(left: &Single, right: &Single, rows: Range<usize>) -> Self {
-        const NONE: u32 = u32::MAX;
-        let width = if WIDTH == 0 { right.columns.components } else { WIDTH };
-        let (height, inner) = (left.rows.components, left.columns.components);
-        let block = height * width;
-        let mut result = Rows::default();
-        let mut place = vec![NONE; right.columns.nodes];
-        let (mut columns, mut sums): (Vec<u32>, Vec<f64>) = (Vec::new(), Vec::new());
-        let mut order: Vec<u32> = Vec::new();
-        for row in rows {
-            columns.clear();
-            sums.clear();
-            for (middle, a) in left.row(row) {
-                for (column, b) in right.row(middle as usize) {
-                    let slot = &mut place[column as usize];
-                    if *slot == NONE {
-                        *slot = columns.len() as u32;
-                        columns.push(column);
-                        sums.resize(sums.len() + block, 0.0);
-                    }
-                    let sum = &mut sums[*slot as usize * block..][..block];
-                    for (sum, a) in sum.chunks_exact_mut(width).zip(a.chunks_exact(inner)) {
-                        for (factor, b) in a.iter().zip(b.chunks_exact(width)) {
-                            for (sum, b) in sum.iter_mut().zip(b) {
-                                *sum += factor * b;
-                            }
+/// Some rows of a product. WIDTH: the components of the columns, 0 where the compiler does not know them.
+fn multiply_rows<const WIDTH: usize>(
+    left: &Single,
+    right: &Single,
+    product: &BlockRows,
+    rows: Range<usize>,
+    values: &mut [f64],
+) {
+    let width = if WIDTH == 0 { right.columns.components } else { WIDTH };
+    let (height, inner) = (left.rows.components, left.columns.components);
+    let block = height * width;
+    let mut place = vec![NONE; right.columns.nodes];
+    let mut rest = values;
+    for row in rows {
+        let columns = product.row(row);
+        let (sums, later) = rest.split_at_mut(columns.len() * block);
+        rest = later;
+        for (slot, column) in columns.iter().enumerate() {
+            place[*column as usize] = slot as u32;
+        }
+        for (middle, a) in left.row(row) {
+            for (column, b) in right.row(middle as usize) {
+                let sum = &mut sums[place[column as usize] as usize * block..][..block];
+                for (sum, a) in sum.chunks_exact_mut(width).zip(a.chunks_exact(inner)) {
+                    for (factor, b) in a.iter().zip(b.chunks_exact(width)) {
+                        for (sum, b) in sum.iter_mut().zip(b) {
+                            *sum += factor * b;
                         }
                     }
                 }
             }
-            order.clear();
-            order.extend(0..columns.len() as u32);
-            order.sort_unstable_by_key(|&slot| columns[slot as usize]);
-            for &slot in &order {
-                let column = columns[slot as usize];
-                place[column as usize] = NONE;
-                result.indices.push(column);
-                result.values.extend_from_slice(&sums[slot as usize * block..][..block]);
-            }
-            result.ends.push(result.indices.len());
         }
-        result
     }
 }
 
@@ -197,10 +211,32 @@ mod tests {
     }
 
     #[test]
+    fn large_products_do_not_depend_on_threads() {
+        // Rows with many blocks first, so that threads get different numbers of rows.
+        let (mut pointers, mut indices) = (vec![0], Vec::new());
+        for row in 0..900_usize {
+            indices.extend((0..if row < 90 { 60 } else { 7 }).map(|k| (row % 5 + 10 * k) as u32));
+            pointers.push(indices.len());
+        }
+        let values: Vec<f64> = (0..6 * indices.len()).map(|k| (k as f64 * 0.37).sin()).collect();
+        let a = block_matrix((900, 2), (600, 3), pointers, indices, values).unwrap();
+        let at = transpose(&a, Threads::ONE).unwrap();
+        let product = multiply(&a, &at, Threads::ONE).unwrap();
+        for threads in [2, 3, 7, 16].map(Threads::new) {
+            assert_eq!(transpose(&a, threads).unwrap(), at);
+            assert_eq!(multiply(&a, &at, threads).unwrap(), product);
+        }
+        let x: Vec<f64> = (0..1800).map(|k| f64::from(k % 11) - 5.0).collect();
+        let expected = a.multiply(&at.multiply(&x).unwrap()).unwrap();
+        let found = product.multiply(&x).unwrap();
+        assert!(found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-10), "{found:?}");
+    }
+
+    #[test]
     fn products_and_transposes_act_as_they_should() {
         let a = sample();
-        let at = transpose(&a).unwrap();
-        assert_eq!(transpose(&at).unwrap(), a);
+        let at = transpose(&a, Threads::ONE).unwrap();
+        assert_eq!(transpose(&at, Threads::new(2)).unwrap(), a);
         let x: Vec<f64> = (0..10).map(|k| f64::from(k) - 4.0).collect();
         assert_eq!(at.multiply(&x).unwrap(), a.multiply_transposed(&x).unwrap());
         for threads in [1, 3] {

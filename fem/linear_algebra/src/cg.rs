@@ -2,7 +2,7 @@
 
 use super::krylov::{Goal, KrylovError, KrylovOptions, KrylovReport, by_equations, goal, residual};
 use super::operator::{LinearOperator, Preconditioner};
-use super::vector::{add_scaled, dot_on, norm_on};
+use super::vector::{add_scaled_on, dot_on, in_pieces, norm_on};
 
 /// Solution of A x = b by conjugate gradients, from the given x.
 ///
@@ -72,9 +72,9 @@ fn run(
                 true => p.clone_from(&z),
                 false => {
                     let beta = next / product;
-                    for (p, z) in p.iter_mut().zip(&z) {
-                        *p = z + beta * *p;
-                    }
+                    in_pieces(threads, &mut p, 1, |first, p| {
+                        p.iter_mut().zip(&z[first..]).for_each(|(p, z)| *p = z + beta * *p);
+                    });
                 }
             }
             product = next;
@@ -87,8 +87,8 @@ fn run(
                 return Err(KrylovError::NotPositiveDefinite { curvature, report });
             }
             let step = product / curvature;
-            add_scaled(x, step, &p);
-            add_scaled(&mut r, -step, &image);
+            add_scaled_on(threads, x, step, &p);
+            add_scaled_on(threads, &mut r, -step, &image);
             r_norm = norm_on(threads, &r);
             report.iterations += 1;
             report.history.push(r_norm / b_norm);

@@ -330,7 +330,20 @@ impl CsrMatrix {
     /// # Errors
     /// [`LinearAlgebraError::EntryNotFinite`] with the entry's row and column.
     pub fn check_finite(&self) -> Result<(), LinearAlgebraError> {
-        let Some(position) = first_not_finite(&self.values) else {
+        self.check_finite_on(Threads::ONE)
+    }
+
+    /// [`CsrMatrix::check_finite`] on some threads.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn check_finite_on(&self, threads: Threads) -> Result<(), LinearAlgebraError> {
+        let length = self.values.len().div_ceil(threads.for_work(self.values.len())).max(1);
+        let parts = self.values.chunks(length).enumerate().collect();
+        let found = threads.run(parts, |(part, values): (usize, &[f64])| {
+            first_not_finite(values).map(|place| part * length + place)
+        });
+        let Some(position) = found.into_iter().flatten().next() else {
             return Ok(());
         };
         let row = self.row_pointers().partition_point(|&begin| begin <= position) - 1;

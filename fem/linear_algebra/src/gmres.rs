@@ -1,6 +1,6 @@
 //! Restarted GMRES with right preconditioning, for unsymmetric systems.
 
-use super::vector::{add_scaled, dot_on, largest, norm, norm_on};
+use super::vector::{add_scaled_on, dot_on, in_pieces, largest, norm_on};
 use crate::threads::Threads;
 
 /// Conditions to stop and to restart.
@@ -20,7 +20,7 @@ pub struct GmresOptions {
     /// Whether the preconditioner may differ from one application to the next (flexible GMRES, Saad 1993), as an
     /// inner iteration does. It costs a second vector per basis vector.
     pub flexible: bool,
-    /// Threads for dot products, which are the same for each number of them. The operator and the
+    /// Threads for operations on vectors, with the same numbers for any number of them. The operator and the
     /// preconditioner choose their own number.
     pub threads: Threads,
 }
@@ -113,7 +113,7 @@ pub fn gmres<E>(
         });
     }
     let mut report = GmresReport::default();
-    let b_norm = norm(b);
+    let b_norm = norm_on(options.threads, b);
     if b_norm == 0.0 {
         x.fill(0.0);
         report.history.push(0.0);
@@ -124,10 +124,10 @@ pub fn gmres<E>(
     let mut previous = f64::INFINITY;
     loop {
         operator(x, &mut residual)?;
-        for (value, given) in residual.iter_mut().zip(b) {
-            *value = given - *value;
-        }
-        let residual_norm = norm(&residual);
+        in_pieces(options.threads, &mut residual, 1, |first, piece| {
+            piece.iter_mut().zip(&b[first..]).for_each(|(value, given)| *value = given - *value);
+        });
+        let residual_norm = norm_on(options.threads, &residual);
         report.relative_residual = residual_norm / b_norm;
         if report.history.is_empty() {
             report.history.push(report.relative_residual);
@@ -156,7 +156,7 @@ pub fn gmres<E>(
         if !options.flexible {
             preconditioner(&mut correction)?;
         }
-        add_scaled(x, 1.0, &correction);
+        add_scaled_on(options.threads, x, 1.0, &correction);
     }
 }
 
@@ -177,7 +177,7 @@ impl Cycle<'_> {
         residual: &[f64],
         report: &mut GmresReport,
     ) -> Result<Vec<f64>, GmresError<E>> {
-        let beta = norm(residual);
+        let beta = norm_on(self.options.threads, residual);
         let mut basis: Vec<Vec<f64>> = vec![residual.iter().map(|value| value / beta).collect()];
         let mut preconditioned: Vec<Vec<f64>> = Vec::new();
         // Columns of the triangular factor of Hessenberg's matrix, its rotations, the rotated right-hand side.
@@ -221,16 +221,16 @@ impl Cycle<'_> {
             if estimate <= self.target || broke_down {
                 break;
             }
-            for value in &mut image {
-                *value /= next_norm;
-            }
+            in_pieces(self.options.threads, &mut image, 1, |_, piece| {
+                piece.iter_mut().for_each(|value| *value /= next_norm);
+            });
             basis.push(image);
         }
         let coefficients = back_substitute(&triangle, &rotated);
         let mut combination = vec![0.0; residual.len()];
         let vectors = if self.options.flexible { &preconditioned } else { &basis };
         for (coefficient, vector) in coefficients.iter().zip(vectors) {
-            add_scaled(&mut combination, *coefficient, vector);
+            add_scaled_on(self.options.threads, &mut combination, *coefficient, vector);
         }
         Ok(combination)
     }
@@ -247,7 +247,7 @@ fn orthogonalise(image: &mut [f64], basis: &[Vec<f64>], threads: Threads) -> (Ve
         for (coefficient, vector) in column.iter_mut().zip(basis) {
             let part = dot_on(threads, image, vector);
             *coefficient += part;
-            add_scaled(image, -part, vector);
+            add_scaled_on(threads, image, -part, vector);
         }
         after = norm_on(threads, image);
         // Without much cancellation one pass is enough.

@@ -4,7 +4,7 @@ use super::backward_error::{ACCEPTED, Refinement, rough};
 use super::equations::Equations;
 use super::error::{LinearAlgebraError, check_finite, check_size};
 use super::operator::{LinearOperator, OperatorError};
-use super::vector::norm_on;
+use super::vector::{in_pieces, norm_on};
 use crate::threads::Threads;
 
 /// Conditions for a Krylov method to stop.
@@ -232,9 +232,7 @@ pub(super) fn residual(
         r.copy_from_slice(b);
     } else {
         operator.apply(x, r).map_err(KrylovError::Operator)?;
-        for (r, b) in r.iter_mut().zip(b) {
-            *r = b - *r;
-        }
+        in_pieces(threads, r, 1, |first, r| r.iter_mut().zip(&b[first..]).for_each(|(r, b)| *r = b - *r));
     }
     Ok(norm_on(threads, r))
 }

@@ -2,7 +2,7 @@
 
 use super::krylov::KrylovError;
 use super::operator::{LinearOperator, Preconditioner};
-use super::vector::{add_scaled, dot_on};
+use super::vector::{add_scaled_on, dot_on, in_pieces};
 use crate::threads::Threads;
 
 /// Extreme Ritz values.
@@ -35,11 +35,13 @@ pub fn spectrum(
     let mut beta = dot_on(threads, &v, &z).sqrt();
     let (mut diagonal, mut beside) = (Vec::new(), Vec::new());
     while diagonal.len() < steps.min(size) && beta > 0.0 {
-        v.iter_mut().chain(&mut z).for_each(|value| *value /= beta);
+        for vector in [&mut v, &mut z] {
+            in_pieces(threads, vector, 1, |_, piece| piece.iter_mut().for_each(|value| *value /= beta));
+        }
         operator.apply(&z, &mut image).map_err(KrylovError::Operator)?;
-        add_scaled(&mut image, -beta * f64::from(u8::from(!diagonal.is_empty())), &before);
+        add_scaled_on(threads, &mut image, -beta * f64::from(u8::from(!diagonal.is_empty())), &before);
         let alpha = dot_on(threads, &image, &z);
-        add_scaled(&mut image, -alpha, &v);
+        add_scaled_on(threads, &mut image, -alpha, &v);
         diagonal.push(alpha);
         std::mem::swap(&mut before, &mut v);
         std::mem::swap(&mut v, &mut image);

@@ -43,6 +43,19 @@ impl SharedWork {
         SharedWork { work, critical_path: spans[Self::THREADS.len() - 1].1, spans: spans.to_vec() }
     }
 
+    /// Counted work of one thread.
+    pub(crate) fn alone(work: f64) -> Self {
+        Self::of_parts(|_| vec![work])
+    }
+
+    /// This stage and one after it.
+    pub(crate) fn then(mut self, next: &Self) -> Self {
+        self.work += next.work;
+        self.critical_path += next.critical_path;
+        self.spans.iter_mut().zip(&next.spans).for_each(|((_, span), (_, other))| *span += other);
+        self
+    }
+
     /// The largest speed-up by one of the numbers of [`SharedWork::THREADS`]: the work divided by the cost until the last thread has finished, if
     /// threads wait only for tasks. Memory and the time to hand tasks over are not counted.
     pub fn speed_up(&self, threads: usize) -> Option<f64> {

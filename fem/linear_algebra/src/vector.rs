@@ -83,6 +83,24 @@ pub fn add_scaled(y: &mut [f64], factor: f64, x: &[f64]) {
     }
 }
 
+/// [`add_scaled`] on some threads.
+pub fn add_scaled_on(threads: Threads, y: &mut [f64], factor: f64, x: &[f64]) {
+    in_pieces(threads, y, 1, |first, y| add_scaled(y, factor, &x[first..]));
+}
+
+/// Calls `work` on some threads with pieces of a vector and the place of their first entry, a multiple of `block`.
+pub(crate) fn in_pieces(
+    threads: Threads,
+    y: &mut [f64],
+    block: usize,
+    work: impl Fn(usize, &mut [f64]) + Send + Sync,
+) {
+    let block = block.max(1);
+    let length = y.len().div_ceil(block).div_ceil(threads.for_work(y.len())).max(1) * block;
+    let parts = y.chunks_mut(length).enumerate().collect();
+    threads.run(parts, |(part, y): (usize, &mut [f64])| work(part * length, y));
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::error::{LinearAlgebraError, check_size};
+use crate::threads::Threads;
 
 /// Nodes with a number of components each, and where their unknowns start in a vector over several such sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +74,35 @@ impl BlockRows {
             Some(ends) => ends[0]..ends[1],
             None => 0..0,
         }
+    }
+
+    /// The row nodes in ranges with about equally many blocks.
+    pub(crate) fn parts(&self, count: usize) -> Vec<Range<usize>> {
+        let nodes = self.pointers.len().saturating_sub(1);
+        let start = |part: usize| match part == count {
+            true => nodes,
+            false => self.pointers.partition_point(|first| *first < part * self.blocks() / count).min(nodes),
+        };
+        (0..count).map(|part| start(part)..start(part + 1)).collect()
+    }
+
+    /// Work on some threads on the values of row nodes, `block` numbers per block: each part gets its nodes and their values.
+    #[doc(hidden)]
+    pub fn on_threads(
+        &self,
+        threads: Threads,
+        (values, block): (&mut [f64], usize),
+        work: impl Fn(Range<usize>, &mut [f64]) + Send + Sync,
+    ) {
+        let ranges = self.parts(threads.for_work(values.len()));
+        let mut rest = values;
+        let parts = ranges.into_iter().filter(|nodes| !nodes.is_empty()).map(|nodes| {
+            let blocks = self.pointers[nodes.end] - self.pointers[nodes.start];
+            let (own, later) = std::mem::take(&mut rest).split_at_mut(blocks * block);
+            rest = later;
+            (nodes, own)
+        });
+        threads.run(parts.collect(), |(nodes, values)| work(nodes, values));
     }
 
     /// Column nodes of a row node.

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use super::*;
 use crate::operator::{Identity, OperatorError};
 use crate::threads::Threads;
+use crate::vector::add_scaled;
 use crate::{Analysis, CsrMatrix, LinearAlgebraError, Ordering, SymmetricFactor};
 
 /// −u'' on n inner points of unit spacing: eigenvalues 2 − 2 cos(kπ/(n + 1)), eigenvectors sin(kπi/(n + 1)).

@@ -1,11 +1,13 @@
 //! Symmetry of a matrix: its symmetric part, and how far it is from that.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::CsrMatrix;
 use crate::asymmetry::{Asymmetry, sizes_of_unknowns};
 use crate::error::{LinearAlgebraError, check_size};
 use crate::pattern::SparsityPattern;
+use crate::threads::Threads;
 
 impl CsrMatrix {
     /// (A + Aᵀ) / 2, on the same shared pattern if that is symmetric.
@@ -59,24 +61,71 @@ impl CsrMatrix {
     /// # Errors
     /// If the matrix is not square.
     pub fn asymmetry(&self) -> Result<f64, LinearAlgebraError> {
+        self.asymmetry_on(Threads::ONE)
+    }
+
+    /// [`CsrMatrix::asymmetry`] on some threads.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn asymmetry_on(&self, threads: Threads) -> Result<f64, LinearAlgebraError> {
         check_size("the set of columns of a square matrix", self.rows(), self.columns())?;
         let sizes = self.sizes_of_unknowns();
         if sizes.iter().any(|size| size.is_nan()) {
             return Ok(f64::NAN);
         }
-        let mut asymmetry = Asymmetry { sizes: &sizes, most: 0.0 };
-        let of_pair = |k: usize, l: usize, row: usize, column: usize| {
-            asymmetry.visit((row, column), self.values[k], self.values[l]);
+        let count = threads.for_work(self.values.len());
+        let start = |part: usize| match part == count {
+            true => self.rows(),
+            false => self.row_pointers().partition_point(|first| *first < part * self.values.len() / count),
         };
-        if !self.for_each_pair(of_pair) {
-            for row in 0..self.rows() {
-                let (columns, values) = self.row(row);
-                for (&column, value) in columns.iter().zip(values) {
-                    asymmetry.visit((row, column as usize), *value, self.get(column as usize, row));
-                }
+        let ranges = (0..count).map(|part| start(part).min(self.rows())..start(part + 1).min(self.rows()));
+        let parts = threads.run(ranges.collect(), |rows| self.asymmetry_of_rows(&sizes, rows));
+        let entries_match = parts.iter().try_fold(0, |sum, part| Some(sum + part.as_ref()?.1));
+        if entries_match == Some(0) {
+            let larger = |most: f64, part: f64| if part > most || part.is_nan() { part } else { most };
+            let worst = parts.into_iter().flatten().map(|(most, _)| most);
+            return Ok(worst.fold(0.0, |most, part| if most.is_nan() { most } else { larger(most, part) }));
+        }
+        let mut asymmetry = Asymmetry { sizes: &sizes, most: 0.0 };
+        for row in 0..self.rows() {
+            let (columns, values) = self.row(row);
+            for (&column, value) in columns.iter().zip(values) {
+                asymmetry.visit((row, column as usize), *value, self.get(column as usize, row));
             }
         }
         Ok(asymmetry.most)
+    }
+
+    /// Of the entries right of the diagonal in some rows the asymmetry, and the number of these entries less that of those left of it;
+    /// none if one has no partner. Where the numbers of all rows add up to zero the pattern is symmetric.
+    fn asymmetry_of_rows(&self, sizes: &[f64], rows: Range<usize>) -> Option<(f64, i64)> {
+        let (pointers, columns, first) = (self.row_pointers(), self.column_indices(), rows.start);
+        let (mut asymmetry, mut surplus) = (Asymmetry { sizes, most: 0.0 }, 0);
+        // Rows come in ascending order, so the partner of (i, j) is the entry of row j after the last one that was a partner. One more than
+        // its place in the row; zero where there was none.
+        let mut next = vec![0_u32; self.rows()];
+        for row in rows {
+            let own = &columns[pointers[row]..pointers[row + 1]];
+            let left = own.partition_point(|column| (*column as usize) < row);
+            let right = left + usize::from(own.get(left) == Some(&(row as u32)));
+            surplus += (own.len() - right) as i64 - left as i64;
+            for (place, column) in (pointers[row]..).zip(own).skip(right) {
+                let column = *column as usize;
+                let others = &columns[pointers[column]..pointers[column + 1]];
+                let found = match next[column] {
+                    0 => others.partition_point(|other| (*other as usize) < first),
+                    known => known as usize - 1,
+                };
+                if others.get(found) != Some(&(row as u32)) {
+                    return None;
+                }
+                next[column] = found as u32 + 2;
+                let partner = self.values[pointers[column] + found];
+                asymmetry.visit((row, column), self.values[place], partner);
+            }
+        }
+        Some((asymmetry.most, surplus))
     }
 
     /// √|a_ii|; where the diagonal is zero, as that of a multiplier, the largest |a_ij| / √|a_jj|.
@@ -93,7 +142,15 @@ impl CsrMatrix {
     /// # Errors
     /// If the matrix is not square.
     pub fn is_symmetric(&self, tolerance: f64) -> Result<bool, LinearAlgebraError> {
-        Ok(self.asymmetry()? <= tolerance)
+        self.is_symmetric_on(Threads::ONE, tolerance)
+    }
+
+    /// [`CsrMatrix::is_symmetric`] on some threads.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn is_symmetric_on(&self, threads: Threads, tolerance: f64) -> Result<bool, LinearAlgebraError> {
+        Ok(self.asymmetry_on(threads)? <= tolerance)
     }
 
     /// Calls `visit` with the positions of (i, j) and (j, i), i and j for every stored j > i. Returns false, perhaps

@@ -77,6 +77,52 @@ fn symmetric_part_and_asymmetry() {
 }
 
 #[test]
+fn asymmetry_does_not_depend_on_threads() {
+    // Rows of 3 to 40 entries, so that threads get different numbers of rows.
+    let size = 3000_usize;
+    let mut triplets = Vec::new();
+    for row in 0..size {
+        triplets.push((row, row, 2.0 + (row % 7) as f64));
+        for step in 1..=(2 + row % 20) {
+            let value = ((row * step) as f64).sin();
+            if row + 3 * step < size {
+                triplets.extend([(row, row + 3 * step, value), (row + 3 * step, row, value)]);
+            }
+        }
+    }
+    let symmetric = CsrMatrix::from_triplets(size, size, &triplets).unwrap();
+    let with = |row: usize, column: usize, value: f64| {
+        let mut changed = triplets.clone();
+        changed.push((row, column, value));
+        CsrMatrix::from_triplets(size, size, &changed).unwrap()
+    };
+    // A value and a place without a partner, on either side of the diagonal, and no number.
+    let cases = [
+        with(2000, 2003, 0.1),
+        with(2003, 2000, 0.1),
+        with(1500, 1501, 0.3),
+        with(1501, 1500, 0.3),
+        with(7, 10, f64::NAN),
+    ];
+    for threads in [1, 2, 3, 7, 16].map(Threads::new) {
+        assert_eq!(symmetric.asymmetry_on(threads).unwrap(), 0.0);
+        assert!(symmetric.is_symmetric_on(threads, 0.0).unwrap());
+        for case in &cases[..4] {
+            let (found, expected) = (case.asymmetry_on(threads).unwrap(), case.asymmetry().unwrap());
+            assert!(found > 0.0 && found == expected, "{found} {expected}");
+        }
+        assert!(cases[4].asymmetry_on(threads).unwrap().is_nan());
+        assert!(matches!(
+            cases[4].check_finite_on(threads),
+            Err(LinearAlgebraError::EntryNotFinite { row: 7, column: 10, .. })
+        ));
+        symmetric.check_finite_on(threads).unwrap();
+    }
+    let turned = |row, column| with(row, column, 0.3).asymmetry_on(Threads::new(3)).unwrap();
+    assert_eq!(turned(1500, 1501), turned(1501, 1500));
+}
+
+#[test]
 fn adding_asks_for_the_same_pattern() {
     let mut matrix = example();
     let copy = matrix.clone();

@@ -5,11 +5,14 @@ use super::super::error::LinearAlgebraError;
 use super::super::krylov::KrylovError;
 use super::super::operator::OnThreads;
 use super::super::spectrum::spectrum;
+use super::super::vector::add_scaled_on;
 use super::diagonal::BlockDiagonal;
 use crate::threads::Threads;
 
 /// Lanczos steps that estimate the largest eigenvalue. Ten leave it 5 to 10 % too small.
 const STEPS: usize = 12;
+/// Products with the matrix that a smoother needs to be made.
+pub(super) const PRODUCTS: usize = STEPS;
 /// By how much the estimate is enlarged.
 const MARGIN: f64 = 1.1;
 
@@ -57,6 +60,11 @@ impl Chebyshev {
         })
     }
 
+    /// The degree of the polynomial.
+    pub(super) fn degree(&self) -> usize {
+        self.degree
+    }
+
     /// The estimated largest eigenvalue of D⁻¹ A.
     pub fn largest_eigenvalue(&self) -> f64 {
         self.largest_eigenvalue
@@ -78,14 +86,12 @@ impl Chebyshev {
         diagonal.apply(1.0 / self.centre, r, 0.0, d);
         for step in 1..=self.degree {
             if step == self.degree && !with_residual {
-                super::super::vector::add_scaled(x, 1.0, d);
+                add_scaled_on(self.threads, x, 1.0, d);
                 break;
             }
             matrix.multiply_on(self.threads, d, image)?;
-            for (((x, r), d), image) in x.iter_mut().zip(r.iter_mut()).zip(d.iter()).zip(image.iter()) {
-                *x += d;
-                *r -= image;
-            }
+            add_scaled_on(self.threads, x, 1.0, d);
+            add_scaled_on(self.threads, r, -1.0, image);
             if step < self.degree {
                 let next = 1.0 / (2.0 * ratio - rho);
                 diagonal.apply(2.0 * next / self.half_width, r, next * rho, d);

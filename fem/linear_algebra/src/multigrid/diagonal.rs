@@ -1,76 +1,96 @@
 //! The inverse of the blocks on a block matrix's diagonal, which is Jacobi's preconditioner by nodes.
 
+use std::sync::{Mutex, PoisonError};
+
 use super::super::block_matrix::BlockMatrix;
 use super::super::block_product::Single;
 use super::super::error::{LinearAlgebraError, check_size};
 use super::super::operator::{OperatorError, Preconditioner};
+use super::super::vector::in_pieces;
+use crate::threads::Threads;
 
 /// Inverses of the diagonal blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockDiagonal {
     components: usize,
     inverses: Vec<f64>,
+    /// Those of products with the inverses.
+    threads: Threads,
 }
 
 impl BlockDiagonal {
-    /// Inverses of the diagonal blocks of a matrix.
+    /// Inverses of the diagonal blocks of a matrix, on some threads, which products with them use, too.
     ///
     /// # Errors
     /// If the matrix is not square, of one set of nodes, or a diagonal block is singular (the error names the unknown).
-    pub fn new(matrix: &BlockMatrix) -> Result<Self, LinearAlgebraError> {
+    pub fn new(matrix: &BlockMatrix, threads: Threads) -> Result<Self, LinearAlgebraError> {
         let single = Single::of(matrix)?;
         check_size("the set of columns of a square matrix", matrix.rows(), matrix.columns())?;
         let components = single.rows.components;
-        let mut inverses = Vec::with_capacity(matrix.rows() * components);
-        for node in 0..single.rows.nodes {
-            let block = single.row(node).find(|(column, _)| *column as usize == node).map(|(_, block)| block);
-            let first = inverses.len();
-            inverses.extend_from_slice(block.unwrap_or(&[]));
-            inverses.resize(first + components * components, 0.0);
-            if let Err((component, ratio)) = invert(&mut inverses[first..], components) {
-                return Err(LinearAlgebraError::Singular { unknown: node * components + component, ratio });
+        let size = components * components;
+        let mut inverses = vec![0.0; single.rows.nodes * size];
+        let failed = Mutex::new(None);
+        in_pieces(threads, &mut inverses, size, |first, inverses| {
+            for (node, inverse) in (first / size.max(1)..).zip(inverses.chunks_exact_mut(size)) {
+                if let Some(place) = single.pair.place(node, node as u32) {
+                    inverse.copy_from_slice(&single.values[place * size..(place + 1) * size]);
+                }
+                if let Err((component, ratio)) = invert(inverse, components) {
+                    let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
+                    let unknown = node * components + component;
+                    if failed.is_none_or(|(first, _)| unknown < first) {
+                        *failed = Some((unknown, ratio));
+                    }
+                    return;
+                }
             }
+        });
+        match failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            Some((unknown, ratio)) => Err(LinearAlgebraError::Singular { unknown, ratio }),
+            None => Ok(BlockDiagonal { components, inverses, threads }),
         }
-        Ok(BlockDiagonal { components, inverses })
     }
 
     /// z = factor D⁻¹ r + keep z.
     pub(super) fn apply(&self, factor: f64, r: &[f64], keep: f64, z: &mut [f64]) {
-        match self.components {
-            1 => self.apply_blocks::<1>(factor, r, keep, z),
-            2 => self.apply_blocks::<2>(factor, r, keep, z),
-            3 => self.apply_blocks::<3>(factor, r, keep, z),
-            6 => self.apply_blocks::<6>(factor, r, keep, z),
-            components => {
-                let blocks = self.inverses.chunks_exact(components * components);
-                for ((block, r), z) in
-                    blocks.zip(r.chunks_exact(components)).zip(z.chunks_exact_mut(components))
-                {
-                    for (z, row) in z.iter_mut().zip(block.chunks_exact(components)) {
-                        let sum: f64 = row.iter().zip(r).map(|(a, r)| a * r).sum();
-                        *z = factor * sum + keep * *z;
+        in_pieces(self.threads, z, self.components, |first, z| {
+            let (inverses, r) = (&self.inverses[first * self.components..], &r[first..]);
+            match self.components {
+                1 => apply_blocks::<1>(inverses, factor, r, keep, z),
+                2 => apply_blocks::<2>(inverses, factor, r, keep, z),
+                3 => apply_blocks::<3>(inverses, factor, r, keep, z),
+                6 => apply_blocks::<6>(inverses, factor, r, keep, z),
+                components => {
+                    let blocks = inverses.chunks_exact(components * components);
+                    let vectors = r.chunks_exact(components).zip(z.chunks_exact_mut(components));
+                    for (block, (r, z)) in blocks.zip(vectors) {
+                        for (z, row) in z.iter_mut().zip(block.chunks_exact(components)) {
+                            let sum: f64 = row.iter().zip(r).map(|(a, r)| a * r).sum();
+                            *z = factor * sum + keep * *z;
+                        }
                     }
                 }
             }
-        }
-    }
-
-    fn apply_blocks<const N: usize>(&self, factor: f64, r: &[f64], keep: f64, z: &mut [f64]) {
-        let (rows, _) = self.inverses.as_chunks::<N>();
-        let (blocks, _) = rows.as_chunks::<N>();
-        let ((r, _), (z, _)) = (r.as_chunks::<N>(), z.as_chunks_mut::<N>());
-        for ((block, r), z) in blocks.iter().zip(r).zip(z) {
-            for (z, row) in z.iter_mut().zip(block) {
-                let sum: f64 = row.iter().zip(r).map(|(a, r)| a * r).sum();
-                *z = factor * sum + keep * *z;
-            }
-        }
+        });
     }
 
     /// D⁻¹ applied to rows of blocks: what the node's rows of a matrix are multiplied with.
     pub(super) fn block(&self, node: usize) -> &[f64] {
         let length = self.components * self.components;
         &self.inverses[node * length..(node + 1) * length]
+    }
+}
+
+/// z = factor D⁻¹ r + keep z, for blocks of a size that the compiler knows.
+fn apply_blocks<const N: usize>(inverses: &[f64], factor: f64, r: &[f64], keep: f64, z: &mut [f64]) {
+    let (rows, _) = inverses.as_chunks::<N>();
+    let (blocks, _) = rows.as_chunks::<N>();
+    let ((r, _), (z, _)) = (r.as_chunks::<N>(), z.as_chunks_mut::<N>());
+    for ((block, r), z) in blocks.iter().zip(r).zip(z) {
+        for (z, row) in z.iter_mut().zip(block) {
+            let sum: f64 = row.iter().zip(r).map(|(a, r)| a * r).sum();
+            *z = factor * sum + keep * *z;
+        }
     }
 }
 
@@ -118,10 +138,15 @@ mod tests {
         let values = vec![4.0, 1.0, 1.0, 3.0, 2.0, 0.5, 0.5, 1.0];
         let matrix = block_matrix((2, 2), (2, 2), vec![0, 1, 2], vec![0, 1], values).unwrap();
         let mut z = vec![f64::NAN; 4];
-        (&BlockDiagonal::new(&matrix).unwrap()).precondition(&[5.0, 4.0, 2.5, 1.5], &mut z).unwrap();
+        (&BlockDiagonal::new(&matrix, Threads::ONE).unwrap())
+            .precondition(&[5.0, 4.0, 2.5, 1.5], &mut z)
+            .unwrap();
         assert!(z.iter().all(|value| (value - 1.0).abs() < 1e-15), "{z:?}");
         let values = vec![4.0, 1.0, 1.0, 3.0, 1.0, 1.0, 1.0, 1.0];
         let matrix = block_matrix((2, 2), (2, 2), vec![0, 1, 2], vec![0, 1], values).unwrap();
-        assert!(matches!(BlockDiagonal::new(&matrix), Err(LinearAlgebraError::Singular { unknown: 3, .. })));
+        assert!(matches!(
+            BlockDiagonal::new(&matrix, Threads::ONE),
+            Err(LinearAlgebraError::Singular { unknown: 3, .. })
+        ));
     }
 }

@@ -10,9 +10,11 @@ use super::super::cholesky::SymmetricFactor;
 use super::super::error::{LinearAlgebraError, check_size};
 use super::super::operator::{OperatorError, Preconditioner};
 use super::super::ordering::Ordering;
-use super::super::vector::add_scaled;
+use super::super::task_graph::SharedWork;
+use super::super::vector::add_scaled_on;
 use super::aggregation::Aggregates;
-use super::chebyshev::Chebyshev;
+use super::chebyshev::{Chebyshev, PRODUCTS};
+use super::counted::{divided, product, product_with_vector, transposition};
 use super::diagonal::BlockDiagonal;
 use super::tentative::{smoothed, tentative};
 use crate::threads::Threads;
@@ -33,7 +35,7 @@ pub struct MultigridOptions {
     pub direct_size: usize,
     /// Most levels; the last is solved directly whatever its size.
     pub max_levels: usize,
-    /// Threads for products; the numbers are the same for each number of them.
+    /// Threads for all stages but the aggregates; the numbers are the same for each number of them.
     pub threads: Threads,
 }
 
@@ -68,6 +70,8 @@ pub struct Multigrid {
     levels: Vec<Level>,
     bottom: SymmetricFactor,
     reports: Vec<LevelReport>,
+    setup_work: SharedWork,
+    cycle_work: SharedWork,
     seconds: f64,
 }
 
@@ -105,15 +109,20 @@ impl Multigrid {
         let (mut current, mut vectors) = (matrix, near_null_space);
         let (mut levels, mut reports) = (Vec::new(), Vec::new());
         let mut transfers = transfers.into_iter();
+        let mut work = SharedWork::alone(0.0);
         loop {
             let given = transfers.next();
             let small = current.rows() <= options.direct_size || levels.len() + 1 >= options.max_levels;
             if given.is_none() && (small || vectors.is_empty()) {
                 break;
             }
-            let diagonal = BlockDiagonal::new(&current)?;
+            let diagonal = BlockDiagonal::new(&current, threads)?;
             let degree = if given.is_some() { options.degree } else { options.aggregated_degree };
             let smoother = Chebyshev::new(&current, &diagonal, degree, options.range, threads)?;
+            let size = current.rows();
+            work = work.then(&divided(size * current.sparsity().row_sets()[0].components, size));
+            let of_matrix = product_with_vector(&current)?;
+            work = (0..PRODUCTS).fold(work, |work, _| work.then(&of_matrix));
             let prolongation = match given {
                 Some(given) => given,
                 None => {
@@ -125,14 +134,26 @@ impl Multigrid {
                         break;
                     }
                     let (first, coarse) = tentative(&aggregates, components, &vectors)?;
+                    let orthogonalised = current.rows() * vectors.len() * vectors.len();
+                    work = work.then(&SharedWork::alone((current.values().len() + orthogonalised) as f64));
+                    work = work.then(&product(&current, &first)?);
                     vectors = coarse;
                     let omega = 4.0 / 3.0 / smoother.largest_eigenvalue();
                     smoothed(&current, &diagonal, &first, omega, threads)?
                 }
             };
             check_size("the set of rows of a prolongation", current.rows(), prolongation.rows())?;
-            let restriction = transpose(&prolongation)?;
-            let mut next = multiply(&restriction, &multiply(&current, &prolongation, threads)?, threads)?;
+            let restriction = transpose(&prolongation, threads)?;
+            let half = multiply(&current, &prolongation, threads)?;
+            let mut next = multiply(&restriction, &half, threads)?;
+            for stage in [
+                transposition(&prolongation)?,
+                product(&current, &prolongation)?,
+                product(&restriction, &half)?,
+            ] {
+                work = work.then(&stage);
+            }
+            drop(half);
             fill_empty_rows(&mut next);
             reports.push(LevelReport {
                 unknowns: current.rows(),
@@ -162,8 +183,11 @@ impl Multigrid {
             largest_eigenvalue: None,
         });
         let analysis = Arc::new(Analysis::new(last.pattern(), &Ordering::default())?);
-        let bottom = SymmetricFactor::cholesky(&analysis, &last, Vec::new())?;
-        Ok(Multigrid { levels, bottom, reports, seconds: start.elapsed().as_secs_f64() })
+        let bottom = SymmetricFactor::cholesky_on(threads, &analysis, &last, Vec::new())?;
+        let setup_work = work.then(&analysis.factorisation_work());
+        let cycle_work = work_of_cycle(&levels, &analysis)?;
+        let seconds = start.elapsed().as_secs_f64();
+        Ok(Multigrid { levels, bottom, reports, setup_work, cycle_work, seconds })
     }
 
     /// The levels, finest first.
@@ -176,6 +200,16 @@ impl Multigrid {
         self.seconds
     }
 
+    /// Counted work of the set-up, without the ordering of the last level.
+    pub fn setup_work(&self) -> &SharedWork {
+        &self.setup_work
+    }
+
+    /// Counted work of one cycle.
+    pub fn cycle_work(&self) -> &SharedWork {
+        &self.cycle_work
+    }
+
     /// Stored numbers of all levels' matrices divided by those of the finest.
     pub fn operator_complexity(&self) -> f64 {
         let all: usize = self.reports.iter().map(|level| level.entries).sum();
@@ -183,13 +217,30 @@ impl Multigrid {
     }
 }
 
+/// Counted work of one cycle.
+fn work_of_cycle(levels: &[Level], bottom: &Analysis) -> Result<SharedWork, LinearAlgebraError> {
+    let solve = bottom.solve_work();
+    let mut work = solve.clone().then(&solve);
+    for level in levels {
+        let (size, components) = (level.matrix.rows(), level.matrix.sparsity().row_sets()[0].components);
+        // Per smoothing step a product, one with the inverse diagonal, and two sums.
+        let step = product_with_vector(&level.matrix)?.then(&divided(size * (components + 2), size));
+        work = (0..2 * level.smoother.degree()).fold(work, |work, _| work.then(&step));
+        work = work.then(&product_with_vector(&level.prolongation)?);
+        work = work.then(&product_with_vector(&level.restriction)?).then(&divided(2 * size, size));
+    }
+    Ok(work)
+}
+
 /// Puts 1 on the diagonal of rows that are empty: unknowns of a coarser level that represent nothing.
 fn fill_empty_rows(matrix: &mut BlockMatrix) {
-    for row in 0..matrix.rows() {
-        if let Some(place) = matrix.sparsity().find(row, row)
-            && matrix.values()[place] == 0.0
-        {
-            matrix.values_mut()[place] = 1.0;
+    let sparsity = matrix.sparsity().clone();
+    let (set, pair, values) = (sparsity.row_sets()[0], sparsity.pair(0, 0), matrix.values_mut());
+    let size = set.components * set.components;
+    for node in 0..set.nodes {
+        if let Some(place) = pair.place(node, node as u32) {
+            let diagonal = values[place * size..][..size].iter_mut().step_by(set.components + 1);
+            diagonal.filter(|value| **value == 0.0).for_each(|value| *value = 1.0);
         }
     }
 }
@@ -213,9 +264,9 @@ fn cycle(
     restriction.multiply_on(*threads, r, &mut level.coarse_b)?;
     cycle(coarser, bottom, &level.coarse_b, &mut level.coarse_x)?;
     prolongation.multiply_on(*threads, &level.coarse_x, d)?;
-    add_scaled(x, 1.0, d);
+    add_scaled_on(*threads, x, 1.0, d);
     matrix.multiply_on(*threads, d, image)?;
-    add_scaled(r, -1.0, image);
+    add_scaled_on(*threads, r, -1.0, image);
     smoother.smooth((matrix, diagonal), x, r, (d, image), false)
 }
 

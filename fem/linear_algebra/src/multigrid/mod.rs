@@ -2,6 +2,7 @@
 
 mod aggregation;
 mod chebyshev;
+mod counted;
 mod diagonal;
 mod hierarchy;
 mod tentative;

@@ -99,28 +99,30 @@ pub(super) fn smoothed(
     let (height, width) = (tentative.rows.components, tentative.columns.components);
     let block = height * width;
     let pair = sparsity.pair(0, 0);
-    let values = product.values_mut();
-    let mut copy = vec![0.0; block];
-    for node in 0..tentative.rows.nodes {
-        let inverse = diagonal.block(node);
-        for place in pair.range(node) {
-            let target = &mut values[place * block..(place + 1) * block];
-            copy.copy_from_slice(target);
-            for i in 0..height {
-                for k in 0..width {
-                    let sum: f64 = (0..height).map(|j| inverse[i * height + j] * copy[j * width + k]).sum();
-                    target[i * width + k] = -omega * sum;
+    pair.on_threads(threads, (product.values_mut(), block), |nodes, values| {
+        let first = pair.pointers()[nodes.start];
+        let mut copy = vec![0.0; block];
+        for node in nodes {
+            let inverse = diagonal.block(node);
+            for place in pair.range(node) {
+                let target = &mut values[(place - first) * block..][..block];
+                copy.copy_from_slice(target);
+                for i in 0..height {
+                    for k in 0..width {
+                        let sum: f64 =
+                            (0..height).map(|j| inverse[i * height + j] * copy[j * width + k]).sum();
+                        target[i * width + k] = -omega * sum;
+                    }
+                }
+            }
+            // The node's own aggregate is among the columns, as A has its diagonal.
+            for (column, given) in tentative.row(node) {
+                if let Some(place) = pair.place(node, column) {
+                    let target = &mut values[(place - first) * block..][..block];
+                    target.iter_mut().zip(given).for_each(|(target, given)| *target += given);
                 }
             }
         }
-        // The node's own aggregate is among the columns, as A has its diagonal.
-        for (column, given) in tentative.row(node) {
-            if let Ok(found) = pair.row(node).binary_search(&column) {
-                let place = pair.range(node).start + found;
-                let target = &mut values[place * block..(place + 1) * block];
-                target.iter_mut().zip(given).for_each(|(target, given)| *target += given);
-            }
-        }
-    }
+    });
     Ok(product)
 }

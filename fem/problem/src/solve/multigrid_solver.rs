@@ -14,7 +14,7 @@ use crate::linear_algebra::multigrid::LevelReport;
 use crate::linear_algebra::vector::largest;
 use crate::linear_algebra::{
     BlockMatrix, CsrMatrix, GmresError, GmresOptions, KrylovError, KrylovOptions, KrylovReport,
-    LinearAlgebraError, Multigrid, MultigridOptions, OnThreads, Preconditioner, cg, gmres,
+    LinearAlgebraError, Multigrid, MultigridOptions, OnThreads, Preconditioner, SharedWork, cg, gmres,
 };
 use crate::space::SpaceError;
 use crate::threads::Threads;
@@ -33,7 +33,7 @@ pub struct MultigridSolverOptions {
     pub symmetry_tolerance: f64,
     /// The levels.
     pub multigrid: MultigridOptions,
-    /// Threads for products and dot products; solutions are the same for each number of them.
+    /// Threads of checks, iterations and vectors; solutions are the same for each number of them.
     pub threads: Threads,
 }
 
@@ -60,6 +60,10 @@ pub struct MultigridSolverReport {
     pub iterations: Vec<usize>,
     /// Levels of the last hierarchy, finest first.
     pub levels: Vec<LevelReport>,
+    /// Counted work of the last hierarchy's set-up, without checks of the matrix and the ordering of the last level.
+    pub setup_work: Option<SharedWork>,
+    /// Counted work of one of its cycles.
+    pub cycle_work: Option<SharedWork>,
     /// Seconds in set-up.
     pub setup_seconds: f64,
     /// Seconds in solves.
@@ -180,13 +184,13 @@ fn by_gmres(
 
 impl LinearSolver for MultigridSolver {
     fn set_matrix(&mut self, matrix: CsrMatrix) -> Result<(), SolverError> {
-        matrix.check_finite()?;
-        let start = Instant::now();
+        let (start, threads) = (Instant::now(), self.options.threads);
+        matrix.check_finite_on(threads)?;
         if let Some(unknown) = matrix.diagonal().iter().position(|value| *value == 0.0) {
             return Err(LinearAlgebraError::Singular { unknown, ratio: 0.0 }.into());
         }
-        let symmetric = matrix.is_symmetric(self.options.symmetry_tolerance)?;
-        let blocks = self.blocks.matrix(&matrix)?;
+        let symmetric = matrix.is_symmetric_on(threads, self.options.symmetry_tolerance)?;
+        let blocks = self.blocks.matrix(&matrix, threads)?;
         if self.current.as_ref().is_some_and(|current| *current.matrix == blocks) {
             return Ok(()); // an adjoint problem with the tangent that is known already
         }
@@ -196,8 +200,8 @@ impl LinearSolver for MultigridSolver {
             drop(matrix);
             (blocks.clone(), None)
         } else {
-            let symmetric_part = Arc::new(self.blocks.matrix(&matrix.symmetric_part()?)?);
-            (symmetric_part, Some(self.blocks.matrix(&matrix.transpose())?))
+            let symmetric_part = Arc::new(self.blocks.matrix(&matrix.symmetric_part()?, threads)?);
+            (symmetric_part, Some(self.blocks.matrix(&matrix.transpose(), threads)?))
         };
         let multigrid = Multigrid::new(
             levelled.clone(),
@@ -217,6 +221,8 @@ impl LinearSolver for MultigridSolver {
         self.report.setups += 1;
         self.report.setup_seconds += start.elapsed().as_secs_f64();
         self.report.levels = multigrid.levels().to_vec();
+        self.report.setup_work = Some(multigrid.setup_work().clone());
+        self.report.cycle_work = Some(multigrid.cycle_work().clone());
         let scale = largest(blocks.values());
         self.current = Some(Current { matrix: blocks, scale, transposed, multigrid });
         Ok(())

@@ -2,6 +2,7 @@
 
 mod transfers;
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::linear_solver::SolverError;
@@ -9,11 +10,14 @@ use crate::constraints::Constraints;
 use crate::element::Elements;
 use crate::linear_algebra::equations::Equations;
 use crate::linear_algebra::error::check_size;
+use crate::linear_algebra::large_pages::zeros;
 use crate::linear_algebra::vector::largest;
 use crate::linear_algebra::{
-    BlockMatrix, BlockRows, BlockSparsity, CsrMatrix, LinearAlgebraError, NodeSet, rigid_motions,
+    BlockMatrix, BlockRows, BlockSparsity, CsrMatrix, LinearAlgebraError, NodeSet, SparsityPattern,
+    rigid_motions,
 };
 use crate::space::{Scope, Space, SpaceError};
+use crate::threads::Threads;
 use transfers::{Given, coarse_level, transfer};
 
 /// Forces of a motion, relative to the sizes of their terms, that are rounding.
@@ -66,7 +70,10 @@ pub(super) struct NodeBlocks {
     pub(super) near_null_space: Vec<Vec<f64>>,
     /// The same on the given space: what a singular matrix is tried with.
     own_near_null_space: Vec<Vec<f64>>,
-    sparsity: Option<Arc<BlockSparsity>>,
+    /// The free unknowns before each kept node, and their number.
+    rows: Vec<u32>,
+    /// The last pattern of a matrix over free unknowns, with that over nodes.
+    known: Option<(Arc<SparsityPattern>, Arc<BlockSparsity>)>,
 }
 
 impl NodeBlocks {
@@ -81,6 +88,10 @@ impl NodeBlocks {
         let fine = FreeNodes::new(components, &is_free);
         let unknowns = (0..fine.kept.len() * components).filter(|place| fine.free[*place]);
         let places = unknowns.map(|place| place as u32).collect();
+        let mut rows = vec![0];
+        for components in fine.free.chunks_exact(components) {
+            rows.push(rows[rows.len() - 1] + components.iter().filter(|free| **free).count() as u32);
+        }
         let own_near_null_space = near_null_space(&space, &fine);
         let relations = constraints.relations().iter();
         let mut given: Given =
@@ -103,7 +114,8 @@ impl NodeBlocks {
             transfers,
             near_null_space,
             own_near_null_space,
-            sparsity: None,
+            rows,
+            known: None,
         })
     }
 
@@ -112,65 +124,101 @@ impl NodeBlocks {
         self.places.len()
     }
 
-    /// The matrix over nodes of a matrix over free unknowns.
-    pub(super) fn matrix(&mut self, reduced: &CsrMatrix) -> Result<BlockMatrix, LinearAlgebraError> {
+    /// The matrix over nodes of a matrix over free unknowns, on some threads.
+    pub(super) fn matrix(
+        &mut self,
+        reduced: &CsrMatrix,
+        threads: Threads,
+    ) -> Result<BlockMatrix, LinearAlgebraError> {
         check_size("the set of rows", self.free_unknowns(), reduced.rows())?;
         check_size("the set of columns", self.free_unknowns(), reduced.columns())?;
-        let (components, count) = (self.nodes.components, self.nodes.kept.len());
-        let block = components * components;
-        let mut pointers = vec![0_usize];
-        let mut indices: Vec<u32> = Vec::with_capacity(reduced.values().len() / block);
-        let mut values: Vec<f64> = Vec::with_capacity(reduced.values().len());
-        let mut near: Vec<u32> = Vec::new();
-        let mut row = 0;
-        for node in 0..count {
-            let free = &self.nodes.free[node * components..(node + 1) * components];
-            let rows = row..row + free.iter().filter(|free| **free).count();
-            row = rows.end;
-            near.clear();
-            near.push(node as u32);
-            for row in rows.clone() {
-                for &column in reduced.row(row).0 {
-                    let other = self.places[column as usize] / components as u32;
-                    // Components of a node follow each other.
-                    if near.last() != Some(&other) {
-                        near.push(other);
-                    }
-                }
+        let sparsity = self.sparsity_of(reduced.pattern(), threads)?;
+        let block = self.nodes.components.pow(2);
+        let rows = sparsity.pair(0, 0);
+        let mut values = zeros(sparsity.entries());
+        rows.on_threads(threads, (&mut values, block), |nodes, values| {
+            let first = rows.range(nodes.start).start;
+            for node in nodes {
+                let range = rows.range(node);
+                let values = &mut values[(range.start - first) * block..(range.end - first) * block];
+                self.fill_row(node, rows.row(node), reduced, values);
             }
-            near.sort_unstable();
-            near.dedup();
-            let first = values.len();
-            values.resize(first + near.len() * block, 0.0);
-            let own = near.partition_point(|other| (*other as usize) < node);
-            let mut rows = rows;
-            for (component, free) in free.iter().enumerate() {
-                let Some(row) = rows.next_if(*free) else {
-                    values[first + own * block + component * (components + 1)] = 1.0;
-                    continue;
-                };
-                let mut place = 0;
-                let (columns, entries) = reduced.row(row);
-                for (&column, value) in columns.iter().zip(entries) {
-                    let target = self.places[column as usize] as usize;
-                    while (near[place] as usize) < target / components {
-                        place += 1;
-                    }
-                    values[first + place * block + component * components + target % components] = *value;
-                }
-            }
-            indices.extend_from_slice(&near);
-            pointers.push(indices.len());
-        }
-        let rows = BlockRows::new(pointers, indices);
-        let sets = NodeSet::in_a_row([(count, components)]);
-        let sparsity = BlockSparsity::new(sets.clone(), sets, vec![vec![rows]])?;
-        let sparsity = match self.sparsity.take().filter(|known| **known == sparsity) {
-            Some(known) => known,
-            None => Arc::new(sparsity),
-        };
-        self.sparsity = Some(sparsity.clone());
+        });
         BlockMatrix::from_values(&sparsity, values)
+    }
+
+    /// The values of a node's blocks, which are zero before.
+    fn fill_row(&self, node: usize, near: &[u32], reduced: &CsrMatrix, values: &mut [f64]) {
+        let components = self.nodes.components;
+        let block = components * components;
+        let own = near.partition_point(|other| (*other as usize) < node);
+        let mut rows = self.rows[node] as usize..self.rows[node + 1] as usize;
+        for (component, free) in self.nodes.free[node * components..][..components].iter().enumerate() {
+            let Some(row) = rows.next_if(*free) else {
+                values[own * block + component * (components + 1)] = 1.0;
+                continue;
+            };
+            let mut place = 0;
+            let (columns, entries) = reduced.row(row);
+            for (&column, value) in columns.iter().zip(entries) {
+                let target = self.places[column as usize] as usize;
+                while (near[place] as usize) < target / components {
+                    place += 1;
+                }
+                values[place * block + component * components + target % components] = *value;
+            }
+        }
+    }
+
+    /// The blocks of a matrix over free unknowns: those of the last one where it has the same pattern.
+    fn sparsity_of(
+        &mut self,
+        pattern: &Arc<SparsityPattern>,
+        threads: Threads,
+    ) -> Result<Arc<BlockSparsity>, LinearAlgebraError> {
+        if let Some((known, sparsity)) = &self.known
+            && Arc::ptr_eq(known, pattern)
+        {
+            return Ok(sparsity.clone());
+        }
+        let (components, count) = (self.nodes.components, self.nodes.kept.len());
+        let length = count.div_ceil(threads.for_work(pattern.entries())).max(1);
+        let ranges = (0..count).step_by(length).map(|first| first..(first + length).min(count)).collect();
+        let found = threads.run(ranges, |nodes: Range<usize>| {
+            let (mut ends, mut indices, mut near) = (Vec::with_capacity(nodes.len()), vec![], vec![]);
+            for node in nodes {
+                near.clear();
+                near.push(node as u32);
+                for row in self.rows[node]..self.rows[node + 1] {
+                    for &column in pattern.row(row as usize) {
+                        let other = self.places[column as usize] / components as u32;
+                        // Components of a node follow each other.
+                        if near.last() != Some(&other) {
+                            near.push(other);
+                        }
+                    }
+                }
+                near.sort_unstable();
+                near.dedup();
+                indices.extend_from_slice(&near);
+                ends.push(indices.len());
+            }
+            (ends, indices)
+        });
+        let (mut pointers, mut indices): (Vec<usize>, Vec<u32>) = (vec![0], vec![]);
+        for (ends, of_part) in found {
+            let first = indices.len();
+            pointers.extend(ends.iter().map(|end| first + end));
+            indices.extend(of_part);
+        }
+        let sets = NodeSet::in_a_row([(count, components)]);
+        let sparsity = BlockSparsity::new(sets.clone(), sets, vec![vec![BlockRows::new(pointers, indices)]])?;
+        let sparsity = match self.known.take() {
+            Some((_, known)) if *known == sparsity => known,
+            _ => Arc::new(sparsity),
+        };
+        self.known = Some((pattern.clone(), sparsity.clone()));
+        Ok(sparsity)
     }
 
     /// The error that names a free unknown of a motion (or constant) that the matrix does not resist, if there is one.

@@ -62,6 +62,27 @@ fn the_cycle_is_symmetric_positive_and_the_same_on_all_threads() {
 }
 
 #[test]
+fn set_up_and_cycles_are_the_same_on_all_threads_and_their_work_is_shared() {
+    let m = 40;
+    let mut one = of_laplacian(m, 1);
+    let b: Vec<f64> = (0..m * m * m).map(|i| (0.7 * i as f64).sin()).collect();
+    let (mut expected, mut found) = (vec![0.0; b.len()], vec![0.0; b.len()]);
+    one.precondition(&b, &mut expected).unwrap();
+    for threads in [2, 3, 7, 16] {
+        let mut other = of_laplacian(m, threads);
+        assert_eq!(other.levels(), one.levels());
+        other.precondition(&b, &mut found).unwrap();
+        assert_eq!(found, expected, "{threads}");
+    }
+    for (what, work) in [("set-up", one.setup_work()), ("cycle", one.cycle_work())] {
+        let speed_ups = SharedWork::THREADS.map(|threads| work.speed_up(threads).unwrap());
+        println!("{what}: {:.2e} operations, {speed_ups:.1?}", work.work);
+        assert!(speed_ups[0] > 1.6 && speed_ups.is_sorted(), "{what}: {speed_ups:?}");
+        assert!(work.critical_path > 0.0 && work.critical_path < work.work);
+    }
+}
+
+#[test]
 fn a_given_transfer_is_used() {
     // A chain of 63 points and its interpolation from every second point.
     let n = 63;
