@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use forms_fem::field::FieldFileError;
+use forms_fem::mesh::RegionNames;
 use forms_fem::prelude::*;
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
@@ -66,6 +67,22 @@ fn a_file_of_another_space_is_refused() -> Outcome {
     );
     let other = message(&path, &Space::scalar(&mesh(3.0), 1)?);
     assert!(other.starts_with("FILE: line 7 is \"mesh "), "{other}");
+    Ok(())
+}
+
+/// Each process of several would write its piece over those of the others.
+#[test]
+fn a_piece_of_a_mesh_has_no_file() -> Outcome {
+    let directory = tempfile::tempdir()?;
+    let path = directory.path().join("field.txt");
+    let whole = mesh(2.0);
+    let cut = whole.facet_region("right")?.to_vec();
+    let piece = whole.into_piece(&cut, RegionNames { cells: &[], facets: &["right".to_owned()] });
+    let space = Space::scalar(&piece, 1)?;
+    let advice = "a file of a field is not available on a mesh that is divided among processes; take a `PartCheckpoint`";
+    let error = Field::zero(&space).write(&path).map_err(|error| error.to_string());
+    assert!(error.as_ref().is_err_and(|error| error.starts_with(advice)), "{error:?}");
+    assert!(message(&path, &space).starts_with(advice) && !path.exists());
     Ok(())
 }
 

@@ -28,6 +28,7 @@ use thiserror::Error;
 use super::{Field, FieldError};
 use crate::element::Elements;
 use crate::instantiate::instantiate;
+use crate::mesh::MeshError;
 use crate::output::write_whole;
 use crate::space::Space;
 
@@ -52,6 +53,9 @@ pub enum FieldFileError {
         /// Value that a field of the space would have.
         expected: String,
     },
+    /// A field on one process's piece of a mesh.
+    #[error(transparent)]
+    Piece(MeshError),
     /// The file breaks off.
     #[error("{path} breaks off after line {line}", path = path.display())]
     BreaksOff {
@@ -99,6 +103,12 @@ fn header<const D: usize>(space: &Space<D>) -> [String; 7] {
     ]
 }
 
+/// Processes with pieces of a mesh would write the same file, one over the other.
+fn check_mesh<const D: usize>(space: &Space<D>) -> Result<(), FieldFileError> {
+    let whole = space.mesh().without_pieces("a file of a field", "take a `PartCheckpoint`");
+    whole.map_err(FieldFileError::Piece)
+}
+
 impl<const D: usize> Field<D> {
     /// A file with the field, which appears whole or not at all; [`Field::read`] reads it to the last bit.
     ///
@@ -116,13 +126,15 @@ impl<const D: usize> Field<D> {
     /// ```
     ///
     /// # Errors
-    /// [`FieldFileError::Unwritable`]; [`FieldFileError::Field`] for a coefficient that is not finite.
+    /// [`FieldFileError::Unwritable`]; [`FieldFileError::Field`] for a coefficient that is not finite; [`FieldFileError::Piece`]
+    /// on several processes that have pieces of a mesh.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), FieldFileError> {
         self.write_to(path.as_ref())
     }
 
     #[inline(never)]
     fn write_to(&self, path: &Path) -> Result<(), FieldFileError> {
+        check_mesh(self.space())?;
         // What could not be read back is not written.
         Field::from_values(self.space(), self.values().to_vec())
             .map_err(|source| FieldFileError::Field { path: path.to_owned(), source })?;
@@ -144,13 +156,14 @@ impl<const D: usize> Field<D> {
     /// The field of a space that [`Field::write`] has written.
     ///
     /// # Errors
-    /// [`FieldFileError`]: a file of another space or mesh, or with a mistake in it, by its line.
+    /// [`FieldFileError`]: a file of another space or mesh, or with a mistake in it, by its line; a piece of a mesh.
     pub fn read(path: impl AsRef<Path>, space: &Arc<Space<D>>) -> Result<Self, FieldFileError> {
         Field::read_from(path.as_ref(), space)
     }
 
     #[inline(never)]
     fn read_from(path: &Path, space: &Arc<Space<D>>) -> Result<Self, FieldFileError> {
+        check_mesh(space)?;
         let text = std::fs::read_to_string(path)
             .map_err(|source| FieldFileError::Unreadable { path: path.to_owned(), source })?;
         // A last line without its end may have lost some of its characters.
