@@ -314,6 +314,27 @@ mod tests {
     }
 
     #[test]
+    fn threads_change_no_bit() {
+        let size = 50_000;
+        let b: Vec<f64> = (0..size).map(|i| (0.7 * f64::from(i)).cos()).collect();
+        let solve = |threads| {
+            let mut x = vec![0.0; b.len()];
+            let options = GmresOptions {
+                tolerance: 1e-10,
+                restart: 8,
+                threads: Threads::new(threads),
+                ..GmresOptions::default()
+            };
+            let report = gmres(convection(0.5), identity, &b, &mut x, &options).unwrap();
+            (x, report)
+        };
+        let one = solve(1);
+        for threads in [2, 3, 7, 16] {
+            assert!(solve(threads) == one, "{threads}");
+        }
+    }
+
+    #[test]
     fn an_exact_preconditioner_needs_one_iteration_and_two_eigenvalues_need_two() {
         let diagonal = [1.0, 5.0, 5.0, 1.0, 5.0];
         let scale = |x: &[f64], y: &mut [f64]| {

@@ -2,7 +2,7 @@
 
 use super::krylov::{Goal, KrylovError, KrylovOptions, KrylovReport, by_equations, goal, residual};
 use super::operator::{LinearOperator, Preconditioner};
-use super::vector::{add_scaled, dot_on};
+use super::vector::{add_scaled_on, dot_on, in_pieces};
 
 /// Solution of A x = b by MINRES, from the given x. The preconditioner must be positive definite. It minimises the residual in the norm
 /// of the preconditioner, which the history records; whether it stops is decided by ‖b − A x‖₂, computed from x.
@@ -58,15 +58,15 @@ fn run(
             report.relative_residual = residual(operator, b, x, &mut room, threads)? / b_norm;
             return Err(KrylovError::NotConverged(report));
         }
-        for (v, y) in room.iter_mut().zip(&y) {
-            *v = y / beta;
-        }
+        in_pieces(threads, &mut room, 1, |first, room| {
+            room.iter_mut().zip(&y[first..]).for_each(|(v, y)| *v = y / beta);
+        });
         operator.apply(&room, &mut y).map_err(KrylovError::Operator)?;
         if report.iterations > 0 {
-            add_scaled(&mut y, -beta / earlier_beta, &r1);
+            add_scaled_on(threads, &mut y, -beta / earlier_beta, &r1);
         }
         let alpha = dot_on(threads, &room, &y);
-        add_scaled(&mut y, -alpha / beta, &r2);
+        add_scaled_on(threads, &mut y, -alpha / beta, &r2);
         std::mem::swap(&mut r1, &mut r2);
         r2.copy_from_slice(&y);
         earlier_beta = beta;
@@ -89,10 +89,13 @@ fn run(
             phi_bar *= sine;
             std::mem::swap(&mut w1, &mut w2);
             std::mem::swap(&mut w2, &mut w);
-            for (((w, w1), w2), v) in w.iter_mut().zip(&w1).zip(&w2).zip(&room) {
-                *w = (v - earlier_epsilon * w1 - delta * w2) / gamma;
-            }
-            add_scaled(x, phi, &w);
+            in_pieces(threads, &mut w, 1, |first, w| {
+                let earlier = w1[first..].iter().zip(&w2[first..]).zip(&room[first..]);
+                for (w, ((w1, w2), v)) in w.iter_mut().zip(earlier) {
+                    *w = (v - earlier_epsilon * w1 - delta * w2) / gamma;
+                }
+            });
+            add_scaled_on(threads, x, phi, &w);
         }
         let fallen = phi_bar.abs() / first;
         report.history.push(start * fallen);
@@ -190,6 +193,23 @@ mod tests {
         // Conjugate gradients see that the matrix is indefinite.
         let found = cg(&matrix, &mut Identity, &b, &mut vec![0.0; b.len()], &options);
         assert!(matches!(found, Err(KrylovError::NotPositiveDefinite { .. })), "{found:?}");
+    }
+
+    #[test]
+    fn threads_change_no_bit() {
+        let matrix = saddle(40_000);
+        let b: Vec<f64> = (0..matrix.rows()).map(|i| (0.7 * i as f64).sin()).collect();
+        let solve = |threads| {
+            let threads = Threads::new(threads);
+            let options = KrylovOptions { max_iterations: 8, threads, ..KrylovOptions::default() };
+            let mut x = vec![0.0; b.len()];
+            assert!(minres(&matrix, &mut Identity, &b, &mut x, &options).is_err());
+            x
+        };
+        let one = solve(1);
+        for threads in [2, 3, 7, 16] {
+            assert!(solve(threads) == one, "{threads}");
+        }
     }
 
     #[test]

@@ -120,7 +120,7 @@ mod tests {
             let x: Vec<f64> = (0..count).map(|k| (k as f64 * 0.7).sin()).collect();
             let y: Vec<f64> = (0..count).map(|k| (k as f64 * 0.3).cos()).collect();
             let alone = dot(&x, &y);
-            for threads in [2, 3, 5] {
+            for threads in [2, 3, 7, 16] {
                 assert_eq!(dot_on(Threads::new(threads), &x, &y).to_bits(), alone.to_bits());
             }
             let plain: f64 = x.iter().zip(&y).map(|(a, b)| a * b).sum();

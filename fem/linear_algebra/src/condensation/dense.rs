@@ -149,7 +149,7 @@ mod tests {
                 let columns = matrix.col_iter().flat_map(|column| column.iter());
                 columns.map(|value| value.to_bits()).collect::<Vec<_>>()
             };
-            for threads in [2, 3, 8] {
+            for threads in [2, 3, 7, 16] {
                 let (other, other_rows, _) = factored(threads);
                 assert!(bits(&other) == bits(&triangles) && other_rows == rows, "{size}: {threads} threads");
             }
