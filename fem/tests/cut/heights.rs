@@ -43,6 +43,11 @@ fn ball(x: &[f64; 3]) -> f64 {
     (x[0] - 0.013).powi(2) + (x[1] + 0.021).powi(2) + (x[2] - 0.007).powi(2) - 0.49
 }
 
+/// The distance to the sphere.
+fn away(x: &[f64; 3]) -> f64 {
+    (ball(x) + 0.49).sqrt() - 0.7
+}
+
 fn orders(errors: &[[f64; 2]]) -> [f64; 2] {
     let last = errors[errors.len() - 1];
     [0, 1].map(|k| (errors[0][k] / last[k]).log2() / (errors.len() - 1) as f64)
@@ -58,15 +63,23 @@ fn circle_of_degree_2_has_the_order_of_its_rule() {
             [(of_cells(&body) - 0.49 * PI).abs(), (of_interface(&body) - 1.4 * PI).abs()]
         });
         let found = orders(&errors);
-        println!("{points} points: {errors:.1?} {errors:?} orders {found:.2?}");
+        println!("{points} points: {errors:?} orders {found:.2?}");
         let last = errors[2];
         assert!(last[0] < bounds[0] && last[1] < bounds[1], "{errors:?}");
         assert!(found.iter().all(|order| *order > 2.0 * points as f64 - 1.0), "{found:?} of {errors:?}");
     }
-    // A distance is no polynomial: the order of the interpolated function is 3 at least.
+    // A distance is no polynomial: the order is that of its interpolation, 3 at least. Positions of the circle count equally.
     let errors = [8, 16, 32].map(|cells| {
-        let body = cut_curved(&square(cells, CellShape::Quadrilateral), crate::circle);
-        [(of_cells(&body) - 0.49 * PI).abs(), (of_interface(&body) - 1.4 * PI).abs()]
+        let mesh = square(cells, CellShape::Quadrilateral);
+        let mut sums = [0.0_f64; 2];
+        for k in 0..12 {
+            let shift = [0.618_034, 0.754_878].map(|step| ((k as f64 + 0.5) * step).fract() * 0.25);
+            let body = cut_curved(&mesh, |x| (x[0] - shift[0]).hypot(x[1] - shift[1]) - 0.7)
+                .with_quadrature(Quadrature::Degree(5));
+            sums[0] += (of_cells(&body) - 0.49 * PI).powi(2);
+            sums[1] += (of_interface(&body) - 1.4 * PI).powi(2);
+        }
+        sums.map(|sum| (sum / 12.0).sqrt())
     });
     let found = orders(&errors);
     println!("distance: {errors:?} orders {found:.2?}");
@@ -77,14 +90,13 @@ fn circle_of_degree_2_has_the_order_of_its_rule() {
 fn sphere_in_hexahedra_has_order_2_and_with_degree_2_that_of_its_rule() {
     let exact = [1.436_755_040_241_732, 6.157_521_601_035_994];
     let errors = [8, 16].map(|cells| {
-        let distance = |x: &[f64; 3]| (ball(x) + 0.49).sqrt() - 0.7;
-        let body = cut(&cube(cells), distance);
+        let body = cut(&cube(cells), away);
         [(of_cells(&body) - exact[0]).abs(), (of_interface(&body) - exact[1]).abs()]
     });
     let found = orders(&errors);
     println!("degree 1: {errors:?} orders {found:.2?}");
     assert!(found.iter().all(|order| (order - 2.0).abs() < 0.2), "{found:?} of {errors:?}");
-    let errors = [4, 8].map(|cells| {
+    let errors = [8, 16].map(|cells| {
         let body = cut_curved(&cube(cells), ball);
         [(of_cells(&body) - exact[0]).abs(), (of_interface(&body) - exact[1]).abs()]
     });
@@ -187,7 +199,7 @@ fn gauss_theorem_holds_on_curved_parts() {
     for body in [cut(&mesh, off), cut_curved(&mesh, off)] {
         check(
             &mesh,
-            &body.with_quadrature(Quadrature::Degree(9)),
+            &body.with_quadrature(Quadrature::Degree(13)),
             |x| [x[0] * x[1] + x[2].powi(2), x[0].powi(2) - 0.4 * x[1], x[2] * x[1]],
             |x| x[0].powi(3) - 2.0 * x[2] * x[1].powi(2) + x[0] * x[1] * x[2],
         );
@@ -240,7 +252,8 @@ fn zeros_at_nodes_are_moved() {
         assert!((of_cells(&body) - 2.0 - 2.0 * at).abs() < 1e-11, "{}", of_cells(&body));
         assert!((of_interface(&body) - 2.0).abs() < 1e-11);
     }
-    let touching = cut_curved(&square(8, CellShape::Quadrilateral), |x| x[1] - x[0] * x[0]);
+    let touching = cut_curved(&square(8, CellShape::Quadrilateral), |x| x[1] - x[0] * x[0])
+        .with_quadrature(Quadrature::Degree(11));
     assert!((of_cells(&touching) - 2.0 - 2.0 / 3.0).abs() < 1e-11, "{}", of_cells(&touching));
     let body = cut(&cube(4), |x| x[2]);
     assert!((of_cells(&body) - 4.0).abs() < 1e-10 && (of_interface(&body) - 4.0).abs() < 1e-10);
@@ -258,16 +271,16 @@ fn parts_are_found_and_drawn() {
     let cut = Cut::by(&Field::interpolate(&space, discs).unwrap()).unwrap();
     let parts = cut.parts();
     assert_eq!(parts.len(), 2);
-    assert!((parts[0].volume - 0.1225 * PI).abs() < 2e-3 && (parts[1].volume - 0.04 * PI).abs() < 2e-3);
+    assert!((parts[0].volume - 0.1225 * PI).abs() < 4e-3 && (parts[1].volume - 0.04 * PI).abs() < 4e-3);
     // Each badly cut cell is tied to one with enough of the body.
     assert!(!cut.ghost_facets().is_empty());
     let drawn = cut.body().unwrap();
     let area =
         Assembler::new(drawn.mesh()).functional(&measures::volume(&measures::Omega::on("all"))).unwrap();
-    assert!((area - 0.1625 * PI).abs() < 3e-3, "{area}");
-    for (degree, miss) in [(1, 0.08), (2, 0.03)] {
-        let mesh = cube(6);
-        let phi = Field::interpolate(&Space::scalar(&mesh, degree).unwrap(), ball).unwrap();
+    assert!((area - 0.1625 * PI).abs() < 6e-3, "{area}");
+    for (degree, miss) in [(1, 0.08), (2, 0.02)] {
+        let mesh = cube(10);
+        let phi = Field::interpolate(&Space::scalar(&mesh, degree).unwrap(), away).unwrap();
         let cut = Cut::by(&phi).unwrap();
         let drawn = cut.body().unwrap();
         let volume =
@@ -284,11 +297,32 @@ fn parts_are_found_and_drawn() {
         assert!(worst.fold(0.0, f64::max) < 1e-12);
         // Corners of the pieces are near the sphere.
         for corner in cut.interface().as_flattened() {
-            assert!(ball(corner).abs() < miss, "{corner:?}");
+            assert!(away(corner).abs() < miss, "{corner:?}");
         }
         let distance = cut.distance(&phi).unwrap();
         assert!((distance.evaluate(&[0.013, -0.021, 0.007]).unwrap()[0] + 0.7).abs() < 0.05);
     }
+}
+
+#[test]
+fn bands_keep_cells_and_ghost_facets() {
+    let mesh = square(16, CellShape::Quadrilateral);
+    let space = Space::scalar(&mesh, 2).unwrap();
+    let disc = |radius: f64| Field::interpolate(&space, |x| x[0].hypot(x[1]) - radius).unwrap();
+    let cut = Cut::by(&disc(0.7)).unwrap();
+    let band = cut.band(0.05);
+    let [larger, smaller] = [0.74, 0.66].map(|radius| Cut::within(&disc(radius), &band).unwrap());
+    assert_eq!(larger.ghost_facets(), smaller.ghost_facets());
+    assert!(larger.ghost_facets().len() > cut.ghost_facets().len());
+    assert!(Cut::within(&disc(0.9), &band).is_err());
+    // Unknowns of the cells that are kept are not held.
+    let displacements = Space::vector(&mesh, 2).unwrap();
+    let held = [&larger, &smaller].map(|cut| {
+        let mut held = Constraints::new(&displacements);
+        cut.hold_outside(&mut held).unwrap();
+        held.free().len()
+    });
+    assert!(held[0] == held[1] && held[0] > 0, "{held:?}");
 }
 
 #[test]

@@ -291,4 +291,4 @@ impl<const D: usize> Cut<D> {
     }
 }
 
-instantiate!(cut: Cut::<D>::made, Cut::<D>::side_of_facet);
+instantiate!(cut: Cut::<D>::made, Cut::<D>::side_of_facet, nodes_of::<D>, lattice_of::<D>);

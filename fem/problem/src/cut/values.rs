@@ -4,7 +4,6 @@ use super::heights::CellPolynomial;
 use super::{Cut, CutError, CutSide, NEAR_ZERO};
 use crate::element::{CellShape, Elements};
 use crate::field::Field;
-use crate::instantiate::instantiate;
 use crate::mesh::Mesh;
 use crate::space::{Scope, Space};
 
@@ -178,5 +177,3 @@ pub(super) fn away_from_zero<'a>(
     }
     (values, moved)
 }
-
-instantiate!(cut_values: nodes_of::<D>, lattice_of::<D>);
