@@ -96,6 +96,11 @@ impl<'a> Walk<'a> {
     }
 }
 
+/// The first of some axes with nearly the largest number: of equal ones, as a sphere has, rounding must not choose.
+fn best(numbers: &[f64]) -> usize {
+    (1..numbers.len()).fold(0, |best, axis| if numbers[axis] > 1.1 * numbers[best] { axis } else { best })
+}
+
 /// A part of a box, with the functions that have zeros there.
 #[derive(Clone, Copy)]
 struct Part<R, const N: usize> {
@@ -150,7 +155,7 @@ impl<R: Real, const N: usize> Part<R, N> {
         }
         // Where nothing bounds a slope, the one that may be the largest.
         let first = if parts[..axes].iter().all(|part| *part == 0.0) { &largest } else { &parts };
-        let best = (1..axes).fold(0, |best, axis| if first[axis] > first[best] { axis } else { best });
+        let best = best(&first[..axes]);
         (best, parts[best])
     }
 
@@ -162,7 +167,7 @@ impl<R: Real, const N: usize> Part<R, N> {
         };
         let changes: [f64; 3] =
             std::array::from_fn(|axis| if axis < dimension(N) { change(axis) } else { 0.0 });
-        let axis = (1..3).fold(0, |best, axis| if changes[axis] > changes[best] { axis } else { best });
+        let axis = best(&changes);
         let mut parts = [*self; 2];
         for k in 0..self.count {
             let [low, high] = divided(&self.functions[k], axis, DIVIDED_AT);
