@@ -2,7 +2,8 @@
 //!
 //! `cargo run --release -p forms-bench --example cut_cells [-- CELLS]`
 //!
-//! A disc in a square of triangles and a ball in a cube of tetrahedra, elasticity of degrees 1 and 2, one thread.
+//! A disc in a square of triangles and a ball in a cube of tetrahedra, elasticity of degrees 1 and 2, one thread; quadrilaterals with a function of degree
+//! 2, and hexahedra with functions of degrees 1 and 2.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -50,19 +51,23 @@ fn least<E: Into<Box<dyn Error>>>(
     Ok(1e6 * least / count as f64)
 }
 
-fn rows<const D: usize>(mesh: &Mesh<D>, out: &mut StandardOutput) -> Result<(), Box<dyn Error>>
+fn rows<const D: usize>(
+    mesh: &Mesh<D>,
+    degree_of_function: usize,
+    out: &mut StandardOutput,
+) -> Result<(), Box<dyn Error>>
 where
     Dim: Dimension<D>,
 {
     let radius = |x: &[f64; D]| x.iter().map(|x| (x - 0.013) * (x - 0.013)).sum::<f64>().sqrt();
-    let phi = Field::interpolate(&Space::scalar(mesh, 1)?, |x| radius(x) - 0.7)?;
+    let phi = Field::interpolate(&Space::scalar(mesh, degree_of_function)?, |x| radius(x) - 0.7)?;
     let body = Assembler::new(mesh).cut_by(&phi)?.with_threads(Threads::new(1));
     let Some(cut) = body.cut().cloned() else { return Ok(()) };
-    let name = if D == 2 { "triangles" } else { "tetrahedra" };
     let (inside, crossed, facets) =
         (cut.inside_cells().len(), cut.cut_cells().len(), cut.ghost_facets().len());
     out.line(format!(
-        "{name}: {} cells, {inside} inside, {crossed} cut, {facets} ghost facets",
+        "{:?}, φ of degree {degree_of_function}: {} cells, {inside} inside, {crossed} cut, {facets} ghost facets",
+        mesh.shapes(),
         mesh.cell_count()
     ));
     let signs = least(mesh.cell_count(), || Cut::by(&phi).map(|_| ()))?;
@@ -145,8 +150,15 @@ where
 
 fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
     let count: usize = std::env::args().nth(1).map_or(Ok(256), |count| count.parse())?;
-    rows(&rectangle([-1.0; 2], [1.0; 2], [count; 2], CellShape::Triangle, 1)?, out)?;
-    rows(&cuboid([-1.0; 3], [1.0; 3], [count / 8; 3], CellShape::Tetrahedron, 1)?, out)
+    let (triangle, square) = (CellShape::Triangle, CellShape::Quadrilateral);
+    for (shape, degree) in [(triangle, 1), (square, 1), (square, 2)] {
+        rows(&rectangle([-1.0; 2], [1.0; 2], [count; 2], shape, 1)?, degree, out)?;
+    }
+    let (tetrahedron, cube) = (CellShape::Tetrahedron, CellShape::Hexahedron);
+    for (shape, degree) in [(tetrahedron, 1), (cube, 1), (cube, 2)] {
+        rows(&cuboid([-1.0; 3], [1.0; 3], [count / 8; 3], shape, 1)?, degree, out)?;
+    }
+    Ok(())
 }
 
 fn main() -> ExitCode {

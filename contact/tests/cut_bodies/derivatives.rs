@@ -103,6 +103,45 @@ fn measures_and_functionals_have_exact_derivatives() {
     check(&mesh, &phi, &direction, &forms, 1e-4);
 }
 
+/// Cells that are cut along heights, with clipped facets.
+#[test]
+fn curved_parts_have_exact_derivatives() {
+    fn on<const D: usize>(mesh: &Mesh<D>, degree: usize, radius: f64, weight: Given<f64, D>)
+    where
+        Dim: Dimension<D>,
+    {
+        let levels = Space::scalar(mesh, degree).unwrap();
+        let place =
+            |x: &[f64; D]| -> f64 { x.iter().zip([0.43, -0.371, 0.07]).map(|(x, c)| (x - c).powi(2)).sum() };
+        let phi = Field::interpolate(&levels, |x| place(x) - radius * radius).unwrap();
+        let direction = Field::interpolate(&levels, |x| 1.0 + (2.0 * x[0]).sin() * x[1] + x[D - 1]).unwrap();
+        let u = Field::interpolate(&Space::scalar(mesh, 2).unwrap(), |x| x[0] * x[1] + 0.4 * x[D - 1] - 0.1)
+            .unwrap();
+        let model = measures::Model::new(measures::data().weight(weight));
+        let model = measures::Model { regions: model.regions.outer("boundary"), ..model };
+        let forms =
+            [model.volume(), model.length(), model.on_interface(&u), model.inside(&u), model.on_facets(&u)];
+        // The same lines are cut at all places of the difference.
+        let sides = |step: f64| -> Vec<u32> {
+            let body = Assembler::new(mesh).cut_by(&moved(&phi, &direction, step)).unwrap();
+            body.cut().unwrap().sides().collect()
+        };
+        let step = 4e-6;
+        for factor in [-2.0, -1.0, 1.0, 2.0] {
+            assert!(sides(factor * step) == sides(0.0), "points change");
+        }
+        check(mesh, &phi, &direction, &forms, step);
+    }
+    let square = rectangle([-1.0; 2], [1.0; 2], [9, 9], CellShape::Quadrilateral, 1).unwrap();
+    let weight = Given::function_with_gradient(|x: &[f64; 2]| 0.3 + x[0] * x[1], |x| [x[1], x[0]]);
+    on(&square, 2, 0.713, weight);
+    let cube = cuboid([-1.0; 3], [1.0; 3], [3; 3], CellShape::Hexahedron, 1).unwrap();
+    for degree in [1, 2] {
+        let weight = Given::function_with_gradient(|x: &[f64; 3]| 0.3 + x[0] * x[1], |x| [x[1], x[0], 0.0]);
+        on(&cube, degree, 0.81, weight);
+    }
+}
+
 #[test]
 fn data_without_gradients_are_refused() {
     let mesh = square(6);
@@ -129,14 +168,18 @@ enum Remedy {
 /// A body that hangs at the top of a square and is pressed onto an obstacle below.
 struct Pressed {
     mesh: Mesh<2>,
+    /// Degree of the level set function.
+    curved: usize,
     space: Arc<Space<2>>,
     law: cut_nitsche::Model<2>,
     remedy: Remedy,
 }
 
 impl Pressed {
-    fn new(theta: f64, degree: usize, remedy: Remedy) -> Self {
-        let mesh = square(10);
+    /// On triangles, or quadrilaterals for a level set function of degree 2.
+    fn new(theta: f64, degree: usize, remedy: Remedy, curved: usize) -> Self {
+        let shape = if curved == 2 { CellShape::Quadrilateral } else { CellShape::Triangle };
+        let mesh = rectangle([-1.0; 2], [1.0; 2], [10; 2], shape, 1).unwrap();
         let space = Space::vector(&mesh, degree).unwrap();
         let gap = Given::function_with_gradient(|x: &[f64; 2]| x[1] + 0.62, |_| [0.0, 1.0]);
         let data = cut_nitsche::data()
@@ -149,7 +192,7 @@ impl Pressed {
             .body_force([0.0, -0.1])
             .criterion_force([0.3, -1.0]);
         let regions = cut_nitsche::regions().gamma_c("all").gamma_d("all").gamma_n("boundary");
-        Pressed { mesh, space, law: cut_nitsche::Model { data, regions }, remedy }
+        Pressed { mesh, curved, space, law: cut_nitsche::Model { data, regions }, remedy }
     }
 
     fn body(&self, phi: &Field<2>) -> (Assembler<2>, Constraints<2>) {
@@ -185,21 +228,25 @@ impl Pressed {
 #[test]
 fn contact_criterion_has_an_exact_derivative() {
     let (penalty, aggregates) = (Remedy::Penalty, Remedy::Aggregates);
-    for (theta, degree, remedy) in [
-        (-1.0, 1, penalty),
-        (1.0, 1, penalty),
-        (0.0, 2, penalty),
-        (1.0, 1, aggregates),
-        (-1.0, 2, aggregates),
+    for (theta, degree, remedy, curved) in [
+        (-1.0, 1, penalty, 1),
+        (1.0, 1, penalty, 1),
+        (0.0, 2, penalty, 1),
+        (1.0, 1, aggregates, 1),
+        (-1.0, 2, aggregates, 1),
+        (0.0, 1, penalty, 2),
+        (1.0, 2, penalty, 2),
+        (-1.0, 2, aggregates, 2),
     ] {
-        let problem = Pressed::new(theta, degree, remedy);
+        let problem = Pressed::new(theta, degree, remedy, curved);
         // A body below the top side whose lower end is round and presses.
         let shape = |x: &[f64; 2]| {
             let below = -0.613 + 0.3 * x[0] * x[0] - x[1];
             below.max(x[0].abs() - 0.747)
         };
-        let phi = level(&problem.mesh, shape);
-        let direction = level(&problem.mesh, |x| 0.5 + 0.4 * (2.0 * x[0] + x[1]).sin());
+        let levels = Space::scalar(&problem.mesh, problem.curved).unwrap();
+        let phi = Field::interpolate(&levels, shape).unwrap();
+        let direction = Field::interpolate(&levels, |x| 0.5 + 0.4 * (2.0 * x[0] + x[1]).sin()).unwrap();
         let (_, u, active) = problem.solve(&phi);
         let (force, _) = problem.body(&phi);
         assert!(force.functional(&problem.law.contact_force(&u)).unwrap() > 1e-3);
@@ -213,7 +260,9 @@ fn contact_criterion_has_an_exact_derivative() {
             2e-5,
         );
         let miss = (slope - expected).abs() / expected.abs();
-        println!("θ = {theta} P{degree} {remedy:?}: {slope:.10} difference {expected:.10}, apart {miss:.1e}");
+        println!(
+            "θ = {theta} P{degree} {remedy:?}, φ of degree {curved}: {slope:.10} difference {expected:.10}, apart {miss:.1e}"
+        );
         assert!(miss < 1e-7, "θ = {theta} P{degree}: {slope} is not {expected}");
         let report = taylor(1e-3, &[slope], |step| -> Result<Sample, Infallible> {
             let phi = moved(&phi, &direction, step);

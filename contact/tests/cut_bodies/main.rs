@@ -1,4 +1,4 @@
-//! Contact of bodies that are cut from a mesh: conditioning, patch tests, orders, adaptive meshes, derivatives by the level set function and by holes.
+//! Contact of bodies that are cut from a mesh: conditioning, patch tests, orders, hexahedra and functions of degree 2, adaptive meshes, derivatives by the level set function and by holes.
 
 mod adaptive;
 mod block;
@@ -6,6 +6,7 @@ mod conditioning;
 mod cylinder;
 mod derivatives;
 mod half_plane;
+mod heights;
 mod signorini;
 mod surface;
 mod topological;

@@ -8,7 +8,7 @@ use forms_fem::prelude::*;
 use crate::{circle, cut, level, square};
 
 #[forms]
-mod measures {
+pub mod measures {
     #[cells]
     pub struct Omega;
     #[facets]

@@ -1,9 +1,10 @@
-//! Bodies that are cut from a mesh: areas and normals, what is refused, solutions on them, descents, adaptive backgrounds, surfaces from files.
+//! Bodies that are cut from a mesh: areas and normals, hexahedra and functions of degree 2, what is refused, solutions on them, descents, adaptive backgrounds, surfaces from files.
 
 mod adaptive;
 mod areas;
 mod bodies;
 mod descent;
+mod heights;
 mod refusals;
 mod surfaces;
 
@@ -12,6 +13,12 @@ use forms_fem::prelude::*;
 /// A level set function on a mesh.
 fn level<const D: usize>(mesh: &Mesh<D>, phi: impl Fn(&[f64; D]) -> f64) -> Field<D> {
     Field::interpolate(&Space::scalar(mesh, 1).unwrap(), phi).unwrap()
+}
+
+/// The body inside a level set function of degree 2.
+fn cut_curved<const D: usize>(mesh: &Mesh<D>, phi: impl Fn(&[f64; D]) -> f64) -> Assembler<D> {
+    let phi = Field::interpolate(&Space::scalar(mesh, 2).unwrap(), phi).unwrap();
+    Assembler::new(mesh).cut_by(&phi).unwrap()
 }
 
 /// The body inside a level set function.

@@ -14,17 +14,37 @@ fn level_set_functions_are_checked() {
     let mesh = square(4, CellShape::Triangle);
     let by = |space: &Arc<Space<2>>| text(Assembler::new(&mesh).cut_by(&Field::zero(space)));
     assert!(by(&Space::vector(&mesh, 1).unwrap()).contains("has 2 components"));
-    assert!(by(&Space::scalar(&mesh, 2).unwrap()).contains("continuous and of degree 1"));
-    assert!(by(&Space::discontinuous_scalar(&mesh, 1).unwrap()).contains("continuous and of degree 1"));
+    let error = by(&Space::scalar(&mesh, 2).unwrap());
+    assert!(error.contains("of degree 2 does not cut cells of the shape Triangle"), "{error}");
+    assert!(by(&Space::scalar(&mesh, 3).unwrap()).contains("continuous and of degree 1 or 2"));
+    assert!(by(&Space::discontinuous_scalar(&mesh, 1).unwrap()).contains("continuous and of degree 1 or 2"));
     assert!(text(Assembler::new(&mesh).cut_by(&level(&mesh, |_| 1.0))).contains("nowhere negative"));
     let other = square(4, CellShape::Triangle);
     assert_eq!(Assembler::new(&mesh).cut_by(&level(&other, circle)).err(), Some(CutError::OtherMesh));
     let mut named = mesh.clone();
     named.name_cells("inside", |x| x[0] > 0.0).unwrap();
     assert!(text(Assembler::new(&named).cut_by(&level(&named, circle))).contains("has a region \"inside\""));
+    let cube = cuboid([0.0; 3], [1.0; 3], [2; 3], CellShape::Tetrahedron, 1).unwrap();
+    let error = text(Assembler::new(&cube).cut_by(&Field::zero(&Space::scalar(&cube, 2).unwrap())));
+    assert!(error.contains("of degree 2 does not cut cells of the shape Tetrahedron"), "{error}");
+}
+
+#[test]
+fn curvatures_and_explicit_points_are_refused_on_hexahedra() {
     let cube = cuboid([0.0; 3], [1.0; 3], [2; 3], CellShape::Hexahedron, 1).unwrap();
-    let error = text(Assembler::new(&cube).cut_by(&level(&cube, |x| x[0] - 0.3)));
-    assert!(error.contains("hexahedra are not cut"), "{error}");
+    let body = cut(&cube, |x| x[0] - 0.3);
+    let bent = form!(|| -> Functional { integral(interface("all"), curvature) });
+    let error = text(body.functional(&bent));
+    assert!(error.contains("the curvature of an interface in hexahedra"), "{error}");
+    let explicit = Quadrature::Explicit {
+        cell: QuadratureRule { points: vec![[0.5; 3]], weights: vec![1.0] },
+        facet: QuadratureRule { points: vec![[0.5; 2]], weights: vec![1.0] },
+    };
+    let body = body.with_quadrature(explicit);
+    let volume = form!(|| -> Functional { integral(cells("all"), 1) });
+    assert!(text(body.functional(&volume)).contains("explicit points say nothing about pieces"));
+    let rim = form!(|| -> Functional { integral(facets("boundary"), 1) });
+    assert!(!text(body.functional(&rim)).is_empty());
 }
 
 #[test]

@@ -11,7 +11,7 @@ impl<const D: usize> Assembler<D> {
     ///
     /// - Integrals over cells are over their parts inside, those over exterior and interior facets over the parts of these.
     /// - `#[interface]` regions are where the function vanishes in the cells of a region; `n` is the outward normal, `h` and `cell_volume`
-    ///   are those of the whole cell, and `curvature` is zero.
+    ///   are those of the whole cell, and `curvature` is zero; on curved interfaces it is refused.
     /// - Names of the cut's: the cells "inside" (whole) and "cut", and the interior facets "ghost" between active cells, one of them cut, which are
     ///   taken whole. Contact pairs must be whole.
     /// - Unknowns outside are held by [`Cut::hold_outside`].

@@ -97,7 +97,8 @@ impl<const D: usize> Assembler<D> {
                 let side = group.side(form.name(), integral.test_side)?;
                 let name = binding.name_of(Role::Test(integral.test));
                 group.check_support(form.name(), name, test.space, side)?;
-                for vertex in 0..group.sides[side].shape.vertices() {
+                let nodes = group.sides[0].cells.first().map_or(0, |cell| cut.level_nodes(*cell).len());
+                for vertex in 0..nodes {
                     let moved = match &mut group.own {
                         Some(OwnPoints::Cut(points)) => {
                             points.move_with(cut, &group.sides[0], vertex, self.threads);
@@ -164,7 +165,7 @@ impl<const D: usize> Moving<'_, D> {
             if !number.is_finite() {
                 return Err(self.no_gradient(group));
             }
-            gradient[cut.vertex_nodes(*cell)[vertex] as usize] += number;
+            gradient[cut.level_nodes(*cell)[vertex] as usize] += number;
         }
         Ok(())
     }

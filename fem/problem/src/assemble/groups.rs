@@ -28,11 +28,12 @@ use super::AssemblyError;
 use super::binding::{Binding, Tabulated, notices};
 use crate::assemble::binding::entities::Entities;
 use crate::assemble::element_loops::sum_factorisation::ProductTables;
+use crate::cut::heights::FacetPart;
 use crate::element::{CellShape, Element, Tables};
 use crate::instantiate::instantiate;
 use crate::mesh::{Facet, Mesh};
 use crate::quadrature::{
-    Piece, Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_node_rule, facet_rule,
+    Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_node_rule, facet_rule,
 };
 use crate::space::{Scope, Space};
 
@@ -405,26 +406,28 @@ pub(super) fn groups<const D: usize>(
                     Ok(groups.into_iter().map(|(group, _)| group).collect::<Vec<_>>())
                 };
                 // A history has values at the points of the whole facet.
-                let pieces = |facet: &Facet| match (binding.cut, quadrature) {
-                    (Some(cut), _) => cut.pieces_of_facet(*facet),
-                    (None, Quadrature::Split { facets, .. }) => facets.pieces(*facet).map(<[Piece]>::to_vec),
+                let part = |facet: &Facet| match (binding.cut, quadrature) {
+                    (Some(cut), _) => cut.part_of_facet(*facet),
+                    (None, Quadrature::Split { facets, .. }) => {
+                        facets.pieces(*facet).map(|pieces| FacetPart::Pieces(pieces.to_vec()))
+                    }
                     (None, _) => None,
                 };
                 let split = binding.cut.is_some() || matches!(quadrature, Quadrature::Split { .. });
                 let (Entities::Facets(listed), true, None) = (&facets, split, history) else {
                     let (whole, clipped) = clipped_between(binding, &region.name, facets);
                     groups.extend(grouped(&whole, &rule)?);
-                    for (sides, pieces) in clipped {
-                        let rule = quadrature.rule_on_pieces(shape, degree, &pieces).map_err(failed)?;
+                    for (sides, part) in clipped {
+                        let rule = part.rule(quadrature, shape, degree).map_err(failed)?;
                         groups.extend(grouped(&Entities::InteriorFacets(vec![sides].into()), &rule)?);
                     }
                     continue;
                 };
                 let (mut whole, mut clipped) = (vec![], vec![]);
                 for facet in &**listed {
-                    match pieces(facet) {
+                    match part(facet) {
                         None => whole.push(*facet),
-                        Some(pieces) => clipped.push((*facet, pieces)),
+                        Some(part) => clipped.push((*facet, part)),
                     }
                 }
                 groups.extend(grouped(&Entities::Facets(whole.into()), &rule)?);

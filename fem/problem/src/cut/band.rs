@@ -57,10 +57,10 @@ impl<const D: usize> Cut<D> {
         let (mut active, mut removed, mut near) =
             (vec![false; count], vec![false; count], vec![false; count]);
         for cell in self.mesh.body_cells() {
-            let values = self.vertex_nodes(cell as u32).iter().map(|node| self.values[*node as usize]);
-            let (least, most) =
-                values.fold((f64::MAX, f64::MIN), |(a, b), value| (a.min(value), b.max(value)));
-            removed[cell] = least < 0.0 && self.sides[cell] == CutSide::Outside;
+            let [least, most] = self.bounds_of(cell as u32);
+            removed[cell] = self.sides[cell] == CutSide::Outside
+                && least < 0.0
+                && self.side_by_values(cell as u32) != CutSide::Outside;
             active[cell] = least < width && !removed[cell];
             near[cell] = active[cell] && most > -width;
         }

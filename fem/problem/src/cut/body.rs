@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Cut, CutError, VertexValues, determinant_of, edges_of};
+use super::heights::kuhn;
+use super::{Cut, CutError, determinant_of, edges_of};
 use crate::element::CellShape;
 use crate::field::Field;
 use crate::instantiate::instantiate;
@@ -36,7 +37,8 @@ pub struct CutBody<const D: usize> {
 }
 
 impl<const D: usize> Cut<D> {
-    /// The body as a mesh that can be drawn and written. Its cells are straight.
+    /// The body as a mesh that can be drawn and written. Its cells are straight, those of hexahedra tetrahedra; a curved interface is between points on lines
+    /// that join nodes.
     ///
     /// # Errors
     /// [`CutError::Mesh`], should the mesh not accept the pieces.
@@ -58,25 +60,39 @@ impl<const D: usize> Cut<D> {
             cells.push(cell);
             vertices.push(corners);
         };
+        let add_simplex =
+            |add: &mut dyn FnMut(u32, CellShape, Vec<[f64; D]>), cell: u32, mut corners: Vec<[f64; D]>| {
+                let places = std::array::from_fn(|k| corners.get(k).copied().unwrap_or([0.0; D]));
+                let volume = determinant_of(&edges_of(&places));
+                if volume < 0.0 {
+                    corners.swap(0, 1);
+                }
+                if volume.abs() > SMALLEST {
+                    add(cell, simplex, corners);
+                }
+            };
         // Simplices come last, so that the pieces continue their block.
         let mut runs = background.by_shape(self.inside_cells().to_vec());
         runs.sort_by_key(|(shape, _)| shape.is_simplex());
         for (shape, run) in runs {
+            if shape == CellShape::Hexahedron {
+                // A mesh in space has cells of one shape.
+                for cell in run {
+                    for corners in kuhn::<D>(1) {
+                        let places = corners[..=D].iter().map(|corner| corner.map(|number| number as f64));
+                        add_simplex(&mut add, cell, places.collect());
+                    }
+                }
+                continue;
+            }
             let corners: Vec<[f64; D]> =
                 shape.vertex_points().iter().map(|point| std::array::from_fn(|axis| point[axis])).collect();
             run.iter().for_each(|cell| add(*cell, shape, corners.clone()));
         }
         for cell in self.cut_cells() {
-            for pieces in VertexValues::<f64>::new(self, *cell, None).simplices() {
+            for pieces in self.simplices_of(*cell) {
                 for piece in pieces.cut.inside.iter() {
-                    let places = pieces.places(piece);
-                    let (volume, mut corners) = (determinant_of(&edges_of(&places)), places[..=D].to_vec());
-                    if volume < 0.0 {
-                        corners.swap(0, 1);
-                    }
-                    if volume.abs() > SMALLEST {
-                        add(*cell, simplex, corners);
-                    }
+                    add_simplex(&mut add, *cell, pieces.places(piece)[..=D].to_vec());
                 }
             }
         }

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::element::Elements;
+use crate::element::{CellShape, Elements};
 use crate::space::Scope;
 
 /// Errors of a body that is cut from a mesh, and of integrals over it.
@@ -14,15 +14,17 @@ pub enum CutError {
     Components { found: usize },
     /// A level set function of other elements.
     #[error(
-        "the level set function has {elements} {scope}; it must be continuous and of degree 1 on all cells"
+        "the level set function has {elements} {scope}; it must be continuous and of degree 1 or 2 on all cells"
     )]
     Elements { elements: Elements, scope: Scope },
     /// A value that is no number.
     #[error("the level set function is not finite at {position:?}")]
     NotFinite { position: Vec<f64> },
-    /// Cells that are not cut.
-    #[error("hexahedra are not cut; divide them into tetrahedra (`Mesh::simplices`)")]
-    Hexahedra,
+    /// Cells that are cut by functions of degree 1 only.
+    #[error(
+        "a level set function of degree 2 does not cut cells of the shape {shape:?}; it must be of degree 1, or on quadrilaterals or hexahedra"
+    )]
+    DegreeOnSimplices { shape: CellShape },
     /// Cells that meet smaller ones.
     #[error("a mesh with hanging nodes is not cut")]
     HangingNodes,

@@ -1,7 +1,7 @@
 //! The interface as pieces in space, the slope of the level set function on it, and the signed distance to it or to a given surface.
 
 use super::simplices::linear_gradient;
-use super::{Cut, CutError, VertexValues};
+use super::{Cut, CutError};
 use crate::field::Field;
 use crate::instantiate::instantiate;
 use crate::locate::PieceTree;
@@ -54,7 +54,8 @@ pub fn signed_distance<const D: usize>(
 }
 
 impl<const D: usize> Cut<D> {
-    /// The pieces of the interface by their corners \[length\]: segments in the plane, triangles in space.
+    /// The pieces of the interface by their corners \[length\]: segments in the plane, triangles in space. Of a curved interface they are between
+    /// points on lines that join nodes.
     #[inline(never)]
     pub fn interface(&self) -> Vec<[[f64; D]; D]> {
         let placed = |InterfacePiece { cell, corners }: InterfacePiece<D>| {
@@ -67,7 +68,7 @@ impl<const D: usize> Cut<D> {
     pub fn interface_pieces(&self) -> Vec<InterfacePiece<D>> {
         let mut pieces = Vec::new();
         for &cell in self.cut_cells() {
-            for simplex in VertexValues::<f64>::new(self, cell, None).simplices() {
+            for simplex in self.simplices_of(cell) {
                 for piece in simplex.cut.zeros.iter() {
                     let places = simplex.places(piece);
                     pieces.push(InterfacePiece { cell, corners: std::array::from_fn(|k| places[k]) });
@@ -82,7 +83,7 @@ impl<const D: usize> Cut<D> {
     pub fn slopes(&self) -> [f64; 2] {
         let mut range = [f64::INFINITY, 0.0_f64];
         for cell in self.cut_cells() {
-            for simplex in VertexValues::<f64>::new(self, *cell, None).simplices::<D>() {
+            for simplex in self.simplices_of(*cell) {
                 if !simplex.cut.zeros.is_empty() {
                     let places = simplex.vertices.map(|place| self.mesh().map(*cell as usize, &place).0);
                     let slope = linear_gradient(&places[..=D], &simplex.values[..=D]);

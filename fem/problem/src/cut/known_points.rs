@@ -4,16 +4,18 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use forms_core::contract::Dual;
 
+use super::heights::CellPolynomial;
 use super::{Cut, VertexValues};
 use crate::element::CellShape;
 use crate::quadrature::QuadratureRule;
 use crate::threads::Threads;
 
-/// A rule on the simplices of a cell's dimension, or of a facet's.
+/// A rule on the simplices of a cell's dimension, of a facet's, or on each line through a cell cut along heights.
 #[derive(Clone)]
 pub(crate) enum PieceRule<const D: usize> {
     Cells(QuadratureRule<D>),
     Facets(QuadratureRule<2>),
+    Lines(Vec<(f64, f64)>),
 }
 
 /// Location of points, and the degree of the rule that they come from.
@@ -102,7 +104,7 @@ fn in_parts<T: Sync>(
 
 impl<const D: usize> Cut<D> {
     /// The points of a rule on the pieces of all cut cells of a shape: as [`VertexValues::points_inside`] and
-    /// [`VertexValues::points_of_interface`] list them. The rule is the one of the degree in `on`.
+    /// [`VertexValues::points_of_interface`] list them, and [`CellPolynomial`]. The rule is the one of the degree in `on`.
     pub(crate) fn points(&self, on: PointsOn, rule: &PieceRule<D>, threads: Threads) -> Arc<CutPoints> {
         if let Some(points) = self.known.find(on) {
             return points;
@@ -110,29 +112,34 @@ impl<const D: usize> Cut<D> {
         let (PointsOn::Inside(shape, _) | PointsOn::Interface(shape, _)) = on;
         let own = |cell: &u32| self.mesh.cell_shape(*cell as usize) == shape;
         let cells: Vec<u32> = self.cut.iter().copied().filter(own).collect();
-        let (numbers, ends) = in_parts(&cells, threads, &|cell, numbers| {
-            let values = VertexValues::<f64>::new(self, *cell, None);
-            match rule {
-                PieceRule::Cells(rule) => values.points_inside(rule, numbers),
-                PieceRule::Facets(rule) => values.points_of_interface::<D>(rule, numbers),
+        let (numbers, ends) = in_parts(&cells, threads, &|cell, numbers| match (rule, on) {
+            (PieceRule::Cells(rule), _) => {
+                VertexValues::<f64>::new(self, *cell, None).points_inside(rule, numbers);
+            }
+            (PieceRule::Facets(rule), _) => {
+                VertexValues::<f64>::new(self, *cell, None).points_of_interface::<D>(rule, numbers);
+            }
+            (PieceRule::Lines(rule), PointsOn::Inside(..)) => {
+                CellPolynomial::<f64>::new(self, *cell, None).points_inside::<D>(rule, numbers);
+            }
+            (PieceRule::Lines(rule), PointsOn::Interface(..)) => {
+                CellPolynomial::<f64>::new(self, *cell, None).points_of_interface::<D>(rule, numbers);
             }
         });
         self.known.add(on, CutPoints { cells, ends, numbers })
     }
+}
 
-    /// The rates of some cells' points as the value at the vertex of this number of each cell grows; `list` appends a cell's points.
-    pub(crate) fn rates_of_points(
-        &self,
-        cells: &[u32],
-        vertex: usize,
-        threads: Threads,
-        list: &(impl Fn(&VertexValues<Dual<f64>>, &mut Vec<Dual<f64>>) + Sync),
-    ) -> Vec<f64> {
-        let of_cell = |cell: &u32, rates: &mut Vec<f64>| {
-            let mut points = Vec::new();
-            list(&VertexValues::new(self, *cell, Some(vertex)), &mut points);
-            rates.extend(points.iter().map(|number| number.derivative));
-        };
-        in_parts(cells, threads, &of_cell).0
-    }
+/// The rates of some cells' points; `list` appends the points of a cell.
+pub(crate) fn rates_of_points(
+    cells: &[u32],
+    threads: Threads,
+    list: &(impl Fn(u32, &mut Vec<Dual<f64>>) + Sync),
+) -> Vec<f64> {
+    let of_cell = |cell: &u32, rates: &mut Vec<f64>| {
+        let mut points = Vec::new();
+        list(*cell, &mut points);
+        rates.extend(points.iter().map(|number| number.derivative));
+    };
+    in_parts(cells, threads, &of_cell).0
 }

@@ -2,7 +2,9 @@
 //!
 //! ```text
 //! aggregation  unknowns of badly cut cells, given by those of well-posed cells
+//! values   the values at nodes of cells
 //! simplices   the pieces of one simplex
+//! heights   rules on quadrilaterals and hexahedra that a polynomial cuts
 //! pieces   a cell and a facet in pieces, with the points of rules
 //! band     active cells and ghost facets that stay while the function changes a little
 //! ties    facets that join badly cut cells to well-posed ones
@@ -17,6 +19,7 @@ mod aggregation;
 mod band;
 mod body;
 mod error;
+pub(crate) mod heights;
 mod holding;
 mod interface;
 pub(crate) mod known_points;
@@ -24,6 +27,7 @@ mod parts;
 mod pieces;
 mod simplices;
 mod ties;
+mod values;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -32,17 +36,17 @@ pub use self::band::CutBand;
 use self::band::Kept;
 pub use self::body::CutBody;
 pub use self::error::CutError;
+use self::heights::CellPolynomial;
 pub use self::interface::{InterfacePiece, signed_distance};
 use self::known_points::KnownPoints;
 pub use self::parts::BodyPart;
 pub(crate) use self::pieces::VertexValues;
 pub(crate) use self::simplices::{determinant_of, edges_of};
-use crate::element::{CellShape, Elements};
+use self::values::{away_from_zero, degree_of, lattice_of, nodes_of, side};
 use crate::field::Field;
 use crate::instantiate::instantiate;
 use crate::mesh::{Facet, Mesh};
 use crate::pairs::Pairs;
-use crate::space::Scope;
 
 /// The name of the interior facets on which ghost penalties are.
 pub const GHOST: &str = "ghost";
@@ -65,10 +69,11 @@ pub enum CutSide {
     Outside,
 }
 
-/// The body {φ < 0} of a level set function φ of degree 1 on the mesh of its space.
+/// The body {φ < 0} of a level set function φ of degree 1 or 2 on the mesh of its space.
 ///
-/// On triangles and tetrahedra φ is linear, and so are the pieces: the body is a polygon or polyhedron. A quadrilateral counts as two
-/// triangles, on which φ is linear between its values at the corners. Cells with φ < 0 somewhere are *active*. Integrals of an assembler on
+/// On triangles and tetrahedra φ is linear, and so are the pieces: the body is a polygon or polyhedron. With φ of degree 1 a quadrilateral counts as two
+/// triangles, on which φ is linear between its values at the corners. On hexahedra, and with φ of degree 2 on quadrilaterals, φ is the polynomial
+/// that it is, and the body has curved boundaries. Cells with φ < 0 somewhere are *active*. Integrals of an assembler on
 /// the cut ([`Assembler::cut_by`](crate::assemble::Assembler::cut_by)) are over the parts of cells and exterior facets inside.
 ///
 /// ```
@@ -86,11 +91,14 @@ pub enum CutSide {
 #[derive(Clone, Debug)]
 pub struct Cut<const D: usize> {
     mesh: Mesh<D>,
-    /// φ at the nodes of its space, moved away from zero, and the nodes of each cell's vertices.
+    /// φ at the nodes of its space, moved away from zero, and the nodes of each cell, those at its vertices first.
     values: Vec<f64>,
-    vertices: Vec<u32>,
-    /// The start of each cell's vertices.
+    nodes: Vec<u32>,
+    /// The start of each cell's nodes.
     starts: Vec<u32>,
+    /// φ's degree, and where nodes of quadrilaterals and hexahedra are among those of degree 2.
+    degree: usize,
+    lattice: Vec<u8>,
     moved: Vec<u32>,
     sides: Vec<CutSide>,
     /// Cells of either kind, ascending.
@@ -114,8 +122,8 @@ impl<const D: usize> Cut<D> {
     /// node is outside then ([`Cut::moved_nodes`]).
     ///
     /// # Errors
-    /// [`CutError`]: a field that is no continuous scalar of degree 1 on all cells, a mesh of hexahedra or with hanging nodes, regions of the mesh that
-    /// have a name of the cut's, or a function that is nowhere negative.
+    /// [`CutError`]: a field that is no continuous scalar of degree 1 on all cells, or 2 on quadrilaterals and hexahedra; a mesh with hanging nodes, regions of
+    /// the mesh that have a name of the cut's, or a function that is nowhere negative.
     pub fn by(phi: &Field<D>) -> Result<Arc<Self>, CutError> {
         Self::made(phi, None)
     }
@@ -126,16 +134,7 @@ impl<const D: usize> Cut<D> {
         let mesh = space.mesh();
         mesh.without_pieces("a cut", crate::mesh::TAKE_THE_WHOLE)
             .map_err(|error| CutError::Mesh { text: error.to_string() })?;
-        if space.components() != 1 {
-            return Err(CutError::Components { found: space.components() });
-        }
-        if *space.elements() != Elements::Lagrange(1) || *space.scope() != Scope::Nodes {
-            let (elements, scope) = (space.elements().clone(), space.scope().clone());
-            return Err(CutError::Elements { elements, scope });
-        }
-        if mesh.shapes().contains(&CellShape::Hexahedron) {
-            return Err(CutError::Hexahedra);
-        }
+        let degree = degree_of(space)?;
         if mesh.facet_parts().next().is_some() {
             return Err(CutError::HangingNodes);
         }
@@ -150,21 +149,20 @@ impl<const D: usize> Cut<D> {
         if let Some(node) = phi.values().iter().position(|value| !value.is_finite()) {
             return Err(CutError::NotFinite { position: space.positions()[node].to_vec() });
         }
-        let (vertices, starts) = vertices_of(phi);
-        let of_cell = |cell: usize| &vertices[starts[cell] as usize..starts[cell + 1] as usize];
+        let (nodes, starts) = nodes_of(phi);
+        let of_cell = |cell: usize| &nodes[starts[cell] as usize..starts[cell + 1] as usize];
         let (values, moved) = away_from_zero(phi.values(), mesh.body_cells().map(of_cell));
-        let mut sides = vec![CutSide::Outside; mesh.cell_count()];
-        for cell in mesh.body_cells() {
-            sides[cell] = side(of_cell(cell).iter().map(|node| values[*node as usize]));
-        }
-        let mesh = mesh.clone();
+        let sides = vec![CutSide::Outside; mesh.cell_count()];
+        let (lattice, mesh) = (lattice_of(space, mesh), mesh.clone());
         let (inside, cut, ghost, untied) = (vec![], vec![], vec![], vec![]);
         let (band, kept, known) = (band.cloned(), vec![], KnownPoints::default());
         let mut made = Cut {
             mesh,
             values,
-            vertices,
+            nodes,
             starts,
+            degree,
+            lattice,
             moved,
             sides,
             inside,
@@ -176,6 +174,9 @@ impl<const D: usize> Cut<D> {
             band,
             kept,
         };
+        for cell in made.mesh.body_cells() {
+            made.sides[cell] = made.side_by_values(cell as u32);
+        }
         made.fit_band()?;
         made.list();
         if made.inside.is_empty() && made.cut.is_empty() {
@@ -235,6 +236,10 @@ impl<const D: usize> Cut<D> {
     pub fn side_of_facet(&self, facet: Facet) -> CutSide {
         match self.sides[facet.cell as usize] {
             CutSide::Outside => CutSide::Outside,
+            side if self.cuts_by_heights(facet.cell) => match side {
+                CutSide::Cut => CellPolynomial::<f64>::new(self, facet.cell, None).side_of_facet(facet.local),
+                side => side,
+            },
             _ => {
                 let values = self.vertex_values(facet.cell);
                 let shape = self.mesh.cell_shape(facet.cell as usize);
@@ -244,10 +249,11 @@ impl<const D: usize> Cut<D> {
     }
 
     /// A number per cell that says where it is, and where there are aggregates the cells that they join. Where one changes, a node has changed
-    /// sides or a cell has another root, and what is assembled jumps by a little: in a line search and in Taylor tests these are switches.
+    /// sides or a cell has another root, and what is assembled jumps by a little: in a line search and in Taylor tests these are switches. Of hexahedra,
+    /// and of quadrilaterals with φ of degree 2, a number tells how lines through the cell are cut: where it changes, points of rules do.
     pub fn sides(&self) -> impl Iterator<Item = u32> {
         let roots = self.roots.iter().flatten().flat_map(|(cell, root)| [*cell, *root]);
-        self.sides.iter().map(|side| *side as u32).chain(roots)
+        self.sides.iter().map(|side| *side as u32).chain(roots).chain(self.structures())
     }
 
     /// The cells that are whole, ascending.
@@ -283,94 +289,6 @@ impl<const D: usize> Cut<D> {
         }
         Ok(())
     }
-
-    /// Number of nodes of φ's space.
-    pub(crate) fn node_count(&self) -> usize {
-        self.values.len()
-    }
-
-    /// φ at the vertices of a cell.
-    pub(crate) fn vertex_values(&self, cell: u32) -> [f64; 4] {
-        let nodes = self.vertex_nodes(cell);
-        std::array::from_fn(|k| nodes.get(k).map_or(f64::NAN, |node| self.values[*node as usize]))
-    }
-
-    /// The nodes of φ's space at the vertices of a cell.
-    pub(crate) fn vertex_nodes(&self, cell: u32) -> &[u32] {
-        let cell = cell as usize;
-        &self.vertices[self.starts[cell] as usize..self.starts[cell + 1] as usize]
-    }
 }
 
-/// The side of what has these values at its vertices.
-fn side(values: impl Iterator<Item = f64>) -> CutSide {
-    let (mut inner, mut outer) = (false, false);
-    for value in values {
-        inner |= value < 0.0;
-        outer |= value > 0.0;
-    }
-    match (inner, outer) {
-        (true, false) => CutSide::Inside,
-        (true, true) => CutSide::Cut,
-        _ => CutSide::Outside,
-    }
-}
-
-/// The nodes at the vertices of all cells, and where those of each cell start.
-fn vertices_of<const D: usize>(phi: &Field<D>) -> (Vec<u32>, Vec<u32>) {
-    let space = phi.space();
-    let mesh = space.mesh();
-    let (mut vertices, mut starts) = (Vec::new(), Vec::with_capacity(mesh.cell_count() + 1));
-    starts.push(0);
-    let places: Vec<(CellShape, Vec<usize>)> = mesh
-        .shapes()
-        .into_iter()
-        .map(|shape| {
-            let points = space.element_of(shape).node_points::<D>();
-            let at = |vertex: &[f64; 3]| points.iter().position(|point| point[..] == vertex[..D]);
-            (shape, shape.vertex_points().iter().filter_map(at).collect())
-        })
-        .collect();
-    vertices.reserve(mesh.cell_count() * places.iter().map(|(_, places)| places.len()).max().unwrap_or(0));
-    for cell in 0..mesh.cell_count() {
-        let shape = mesh.cell_shape(cell);
-        let nodes = space.cell_nodes(cell);
-        let known = places.iter().find(|(known, _)| *known == shape);
-        let places = known.map(|(_, places)| &places[..]).unwrap_or_default();
-        vertices.extend(places.iter().filter_map(|place| nodes.get(*place)));
-        starts.push(vertices.len() as u32);
-    }
-    (vertices, starts)
-}
-
-/// Values without zeros, and the nodes whose values were moved.
-fn away_from_zero<'a>(values: &[f64], cells: impl Iterator<Item = &'a [u32]>) -> (Vec<f64>, Vec<u32>) {
-    // The range around a node is at most that of all values: mostly nothing is near zero.
-    let [least, most] = values
-        .iter()
-        .fold([f64::MAX, f64::MIN], |[least, most], value| [least.min(*value), most.max(*value)]);
-    let near = (NEAR_ZERO * (most - least)).max(f64::MIN_POSITIVE);
-    if !values.iter().any(|value| value.abs() < near) {
-        return (values.to_vec(), vec![]);
-    }
-    let mut ranges = vec![0.0_f64; values.len()];
-    for nodes in cells {
-        let of_cell = || nodes.iter().map(|node| values[*node as usize]);
-        let range = of_cell().fold(f64::MIN, f64::max) - of_cell().fold(f64::MAX, f64::min);
-        for node in nodes {
-            ranges[*node as usize] = ranges[*node as usize].max(range);
-        }
-    }
-    let (mut values, mut moved) = (values.to_vec(), vec![]);
-    for (node, value) in values.iter_mut().enumerate() {
-        // A node of no cell, or one around which the function vanishes, has no range.
-        let least = (NEAR_ZERO * ranges[node]).max(f64::MIN_POSITIVE);
-        if value.abs() < least {
-            *value = least;
-            moved.push(node as u32);
-        }
-    }
-    (values, moved)
-}
-
-instantiate!(cut: Cut::<D>::made, Cut::<D>::side_of_facet, vertices_of::<D>);
+instantiate!(cut: Cut::<D>::made, Cut::<D>::side_of_facet, nodes_of::<D>, lattice_of::<D>);

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Cut, CutError, CutSide, VertexValues};
+use super::pieces::SimplexPieces;
+use super::{Cut, CutError, CutSide};
 use crate::instantiate::instantiate;
 use crate::mesh::small_matrices::determinant;
 
@@ -109,13 +110,10 @@ impl<const D: usize> Cut<D> {
             determinant(&edges).abs() / if D == 2 { 2.0 } else { 6.0 }
         };
         let of_cell = |cell: &u32| -> f64 {
-            let values = VertexValues::<f64>::new(self, *cell, None);
-            values
-                .simplices()
-                .map(|simplex| {
-                    simplex.cut.inside.iter().map(|piece| of_piece(*cell, simplex.places(piece))).sum::<f64>()
-                })
-                .sum()
+            let of_simplex = |simplex: &SimplexPieces<f64, D>| -> f64 {
+                simplex.cut.inside.iter().map(|piece| of_piece(*cell, simplex.places(piece))).sum()
+            };
+            self.simplices_of(*cell).iter().map(of_simplex).sum()
         };
         let volume = cells.iter().map(of_cell).sum();
         let place = self.mesh.cell_centre(cells[0] as usize);

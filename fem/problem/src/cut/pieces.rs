@@ -125,25 +125,35 @@ impl<R: Moved> VertexValues<R> {
         }
     }
 
-    /// The points of a rule on each piece of a facet, in reference coordinates of the cell with their weights on the facet's own.
+    /// The points of a rule on each piece of a facet, as [`points_on_pieces`] lists them.
     pub fn points_on_facet<const D: usize>(&self, local: u8, rule: &QuadratureRule<2>, points: &mut Vec<R>) {
-        let numbers = self.shape.facet_vertices(usize::from(local));
-        let vertices = self.shape.vertex_points();
-        let corner = |k: usize| vertices[numbers[k]];
-        for [origin, along, across] in self.pieces_of_facet::<D>(local) {
-            let edges = [along, across].map(|end| [end[0] - origin[0], end[1] - origin[1]]);
-            let measure = match D {
-                2 => edges[0][0].abs(),
-                _ => (edges[0][0] * edges[1][1] - edges[0][1] * edges[1][0]).abs(),
-            };
-            for (point, weight) in rule.points.iter().zip(&rule.weights) {
-                let place = [0, 1].map(|k| (0..D - 1).fold(origin[k], |sum, i| sum + edges[i][k] * point[i]));
-                points.extend((0..D).map(|k| {
-                    let rates = (1..D).map(|i| corner(i)[k] - corner(0)[k]);
-                    rates.zip(place).fold(R::from(corner(0)[k]), |sum, (rate, s)| sum + s * rate)
-                }));
-                points.push(measure * *weight);
-            }
+        points_on_pieces::<R, D>((self.shape, local), &self.pieces_of_facet::<D>(local), rule, points);
+    }
+}
+
+/// The points of a rule on each piece of a facet of a shape, in reference coordinates of the cell with their weights on the facet's own.
+pub(super) fn points_on_pieces<R: Moved, const D: usize>(
+    (shape, local): (CellShape, u8),
+    pieces: &[[[R; 2]; 3]],
+    rule: &QuadratureRule<2>,
+    points: &mut Vec<R>,
+) {
+    let numbers = shape.facet_vertices(usize::from(local));
+    let vertices = shape.vertex_points();
+    let corner = |k: usize| vertices[numbers[k]];
+    for [origin, along, across] in pieces {
+        let edges = [along, across].map(|end| [end[0] - origin[0], end[1] - origin[1]]);
+        let measure = match D {
+            2 => edges[0][0].abs(),
+            _ => (edges[0][0] * edges[1][1] - edges[0][1] * edges[1][0]).abs(),
+        };
+        for (point, weight) in rule.points.iter().zip(&rule.weights) {
+            let place = [0, 1].map(|k| (0..D - 1).fold(origin[k], |sum, i| sum + edges[i][k] * point[i]));
+            points.extend((0..D).map(|k| {
+                let rates = (1..D).map(|i| corner(i)[k] - corner(0)[k]);
+                rates.zip(place).fold(R::from(corner(0)[k]), |sum, (rate, s)| sum + s * rate)
+            }));
+            points.push(measure * *weight);
         }
     }
 }

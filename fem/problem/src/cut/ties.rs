@@ -25,7 +25,12 @@ impl<const D: usize> Cut<D> {
 
     /// −φ in the middle of a cell.
     fn depth(&self, cell: u32) -> f64 {
-        let nodes = self.vertex_nodes(cell);
+        let nodes = self.level_nodes(cell);
+        if self.degree == 2 {
+            let middle = self.lattice.len() / 2;
+            let own = nodes.iter().zip(&self.lattice).find(|(_, place)| usize::from(**place) == middle);
+            return own.map_or(0.0, |(node, _)| -self.values[*node as usize]);
+        }
         -nodes.iter().map(|node| self.values[*node as usize]).sum::<f64>() / nodes.len() as f64
     }
 

@@ -12,12 +12,13 @@ use crate::assemble::AssemblyError;
 use crate::assemble::batch::basis_in_lanes::LaneElement;
 use crate::assemble::binding::Binding;
 use crate::assemble::binding::entities::Entities;
-use crate::cut::known_points::{PieceRule, PointsOn};
-use crate::cut::{Cut, CutError, CutSide, GHOST};
+use crate::cut::heights::{CellPolynomial, FacetPart, line_rule};
+use crate::cut::known_points::{PieceRule, PointsOn, rates_of_points};
+use crate::cut::{Cut, CutError, CutSide, GHOST, VertexValues};
 use crate::element::{CellShape, Element};
 use crate::instantiate::instantiate;
 use crate::mesh::Facet;
-use crate::quadrature::{Piece, Quadrature, QuadratureRule, cell_rule, facet_reference_rule, map_to_facet};
+use crate::quadrature::{Quadrature, QuadratureRule, cell_rule, facet_reference_rule, map_to_facet};
 use crate::threads::Threads;
 
 /// Location of a group's pieces.
@@ -59,20 +60,36 @@ impl<const D: usize> CutTables<D> {
         self.kind == PieceKind::Interface
     }
 
-    /// Motion of all points as the value of a level set function grows at the vertex of this number of each cell.
-    pub fn move_with(&mut self, cut: &Cut<D>, side: &GroupSide<D>, vertex: usize, threads: Threads) {
+    /// Motion of all points as the value of a level set function grows at the node of this number of each cell.
+    pub fn move_with(&mut self, cut: &Cut<D>, side: &GroupSide<D>, node: usize, threads: Threads) {
         let (kind, rule, local) = (self.kind, &self.rule, side.facet.map(|(local, _)| local));
-        self.slopes =
-            cut.rates_of_points(&side.cells, vertex, threads, &|values, points| match (rule, kind, local) {
-                (Some(PieceRule::Cells(rule)), PieceKind::Cell, _) => values.points_inside(rule, points),
+        let is_by_heights = cut.is_by_heights(side.shape);
+        self.slopes = rates_of_points(&side.cells, threads, &|cell, points| {
+            let polynomial = || CellPolynomial::new(cut, cell, Some(node));
+            let values = || VertexValues::new(cut, cell, Some(node));
+            match (rule, kind, local) {
+                (Some(PieceRule::Lines(rule)), PieceKind::Cell, _) => {
+                    polynomial().points_inside::<D>(rule, points);
+                }
+                (Some(PieceRule::Lines(rule)), PieceKind::Interface, _) => {
+                    polynomial().points_of_interface::<D>(rule, points);
+                }
+                (Some(PieceRule::Lines(rule)), PieceKind::Facet, Some(local)) => {
+                    polynomial().points_on_face::<D>(local, rule, points);
+                }
+                (Some(PieceRule::Facets(rule)), PieceKind::Facet, Some(local)) if is_by_heights => {
+                    polynomial().points_on_edge::<D>(local, rule, points);
+                }
+                (Some(PieceRule::Cells(rule)), PieceKind::Cell, _) => values().points_inside(rule, points),
                 (Some(PieceRule::Facets(rule)), PieceKind::Interface, _) => {
-                    values.points_of_interface::<D>(rule, points);
+                    values().points_of_interface::<D>(rule, points);
                 }
                 (Some(PieceRule::Facets(rule)), PieceKind::Facet, Some(local)) => {
-                    values.points_on_facet::<D>(local, rule, points);
+                    values().points_on_facet::<D>(local, rule, points);
                 }
                 _ => {}
-            });
+            }
+        });
         // What no rule moves must not pass for something that is held.
         self.slopes.resize(self.points.len(), f64::NAN);
     }
@@ -150,10 +167,13 @@ pub(in crate::assemble) fn inside_of_cells<const D: usize>(
     let form = binding.name;
     let refused = |source| AssemblyError::Cut { form, place: place.to_owned(), source };
     let degree = total_degree(quadrature, shape, degree).map_err(refused)?;
+    let failed = |source| AssemblyError::Quadrature { form, source };
     let simplex = if D == 2 { CellShape::Triangle } else { CellShape::Tetrahedron };
-    let rule: QuadratureRule<D> =
-        cell_rule(simplex, degree).map_err(|source| AssemblyError::Quadrature { form, source })?;
-    let rule = PieceRule::Cells(rule);
+    let rule = match cut.is_by_heights(shape) {
+        true => line_rule(degree, cut.degree()).map(PieceRule::Lines),
+        false => cell_rule(simplex, degree).map(PieceRule::Cells),
+    };
+    let rule = rule.map_err(failed)?;
     let points = cut.points(PointsOn::Inside(shape, degree), &rule, binding.threads());
     let mut entries = Entries::new();
     for cell in cells {
@@ -182,9 +202,15 @@ pub(in crate::assemble) fn interface_groups<const D: usize>(
     for (shape, cells) in mesh.by_shape(mesh.walk_of_cells(&crossed)) {
         let degree = total_degree(quadrature, shape, estimate.on_interface(mesh, shape)).map_err(refused)?;
         let simplex = if D == 2 { CellShape::Triangle } else { CellShape::Tetrahedron };
-        let rule = facet_reference_rule(simplex, degree)
-            .map_err(|source| AssemblyError::Quadrature { form, source })?;
-        let rule = PieceRule::Facets(rule);
+        let rule = match cut.is_by_heights(shape) {
+            true if requirements.curvature => {
+                let what = "the curvature of an interface in hexahedra, or of a function of degree 2,";
+                return Err(refused(CutError::Refused { what }));
+            }
+            true => line_rule(degree, cut.degree()).map(PieceRule::Lines),
+            false => facet_reference_rule(simplex, degree).map(PieceRule::Facets),
+        };
+        let rule = rule.map_err(|source| AssemblyError::Quadrature { form, source })?;
         let points = cut.points(PointsOn::Interface(shape, degree), &rule, binding.threads());
         let mut entries = Entries::new();
         for cell in cells {
@@ -196,10 +222,10 @@ pub(in crate::assemble) fn interface_groups<const D: usize>(
     Ok(groups)
 }
 
-/// An interior facet that an interface crosses, with its pieces inside.
-type ClippedBetween = ([Facet; 2], Vec<Piece>);
+/// An interior facet that an interface crosses, with its part inside.
+type ClippedBetween = ([Facet; 2], FacetPart);
 
-/// Interior facets that are taken whole, as all of a ghost penalty are, and those that an interface crosses, with their pieces inside.
+/// Interior facets that are taken whole, as all of a ghost penalty are, and those that an interface crosses, with their parts inside.
 pub(in crate::assemble) fn clipped_between<'a, const D: usize>(
     binding: &Binding<D>,
     name: &str,
@@ -213,20 +239,20 @@ pub(in crate::assemble) fn clipped_between<'a, const D: usize>(
     }
     let (mut whole, mut clipped) = (vec![], vec![]);
     for sides in &**listed {
-        match cut.pieces_of_facet(sides[0]) {
+        match cut.part_of_facet(sides[0]) {
             None => whole.push(*sides),
-            Some(pieces) => clipped.push((*sides, pieces)),
+            Some(part) => clipped.push((*sides, part)),
         }
     }
     (Entities::InteriorFacets(whole.into()), clipped)
 }
 
-/// Facets in pieces on their own reference cell.
+/// Facets with their parts on their own reference cell.
 #[inline(never)]
 pub(in crate::assemble) fn clipped_facets<const D: usize>(
     binding: &Binding<D>,
     place: &str,
-    facets: &[(Facet, Vec<Piece>)],
+    facets: &[(Facet, FacetPart)],
     (quadrature, degree): (&Quadrature<D>, usize),
     requirements: &Requirements,
 ) -> Result<Vec<Group<D>>, AssemblyError> {
@@ -236,9 +262,9 @@ pub(in crate::assemble) fn clipped_facets<const D: usize>(
         facets.iter().enumerate().map(|(index, (facet, _))| (mesh.walk_of_facet(&[*facet]), index)).collect();
     walk.sort_unstable();
     let (mut entries, mut own) = (Entries::new(), Vec::new());
-    for (facet, pieces) in walk.into_iter().map(|(_, index)| &facets[index]) {
+    for (facet, part) in walk.into_iter().map(|(_, index)| &facets[index]) {
         let shape = mesh.cell_shape(facet.cell as usize);
-        let rule = quadrature.rule_on_pieces(mesh.shape_of_facets(), degree, pieces).map_err(failed)?;
+        let rule = part.rule(quadrature, mesh.shape_of_facets(), degree).map_err(failed)?;
         let rule = map_to_facet::<D>(shape, usize::from(facet.local), &rule).map_err(failed)?;
         own.clear();
         for (point, weight) in rule.points.iter().zip(&rule.weights) {
@@ -249,6 +275,11 @@ pub(in crate::assemble) fn clipped_facets<const D: usize>(
     }
     let rule = match binding.cut {
         None => None,
+        Some(cut) if mesh.shape_of_facets() == CellShape::Hexahedron => {
+            // Explicit points were refused above.
+            let degree = 2 * quadrature.degree(degree).unwrap_or(degree);
+            Some(PieceRule::Lines(line_rule(degree, cut.degree()).map_err(failed)?))
+        }
         Some(_) => {
             let rule = quadrature.facet_reference_rule(mesh.shape_of_facets(), degree).map_err(failed)?;
             Some(PieceRule::Facets(rule))
