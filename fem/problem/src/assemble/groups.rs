@@ -4,6 +4,7 @@
 
 pub(super) mod cut_groups;
 pub(super) mod degrees;
+pub(super) mod dual_functions;
 pub(super) mod facet_groups;
 pub(super) mod means;
 pub(super) mod own_facets;

@@ -58,6 +58,12 @@ impl LaneElement {
         }
     }
 
+    /// Functions of some nodes, those to which dual functions are dual in the place of these.
+    pub(crate) fn before_duality(element: &Element, nodes: &[usize]) -> Self {
+        let monomials = element.as_table().map(|table| Monomials::new(table, nodes));
+        LaneElement { degree: 0, simplex: false, steps: vec![], monomials }
+    }
+
     fn lagrange(element: Option<&Lagrange>, nodes: Option<&[usize]>) -> Self {
         let Some(element) = element else {
             return LaneElement { degree: 0, simplex: false, steps: vec![], monomials: None };
