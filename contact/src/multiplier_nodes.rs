@@ -100,7 +100,8 @@ pub fn check_multipliers<const D: usize>(
             let found = space.facet_region().map_or("no multipliers on facets".to_owned(), on);
             return Err(MultiplierError::OtherFacets { own: own.clone(), found });
         }
-        if !matches!(space.elements(), Elements::Lagrange(1) | Elements::Bernstein(_) | Elements::Dual) {
+        let is_positive = matches!(space.elements(), Elements::Lagrange(1) | Elements::Bernstein(_));
+        if !(is_positive || space.elements().is_dual()) {
             let (own, found) = (own.clone(), space.elements().to_string());
             return Err(MultiplierError::Negative { own, found });
         }

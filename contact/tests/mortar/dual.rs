@@ -5,6 +5,7 @@ use forms_contact::laws::mortar_bodies::mortar_bodies_with_friction as rough;
 use forms_fem::contract::PairQuadrature;
 use forms_fem::mesh::structured;
 use forms_fem::prelude::*;
+use forms_fem::solve::{LinearSolver, LocalUnknowns, TangentSolver};
 
 use crate::exact::{check_tangent, dual, multipliers, nodal, resultants};
 use crate::friction;
@@ -47,23 +48,30 @@ fn functions_are_dual_over_covered_facets_and_have_the_areas_of_hats_over_others
     }
 }
 
+/// Degrees of displacements, and dual multipliers.
+const KINDS: [(usize, Elements); 3] =
+    [(1, Elements::Dual), (2, Elements::Dual), (2, Elements::DualOfBernstein)];
+
 #[test]
 fn pressure_is_constant_while_bodies_slide() {
     println!("| cells | degree of u | own surface | error of the stress | of the multiplier | steps |");
-    for (shape, degree, cells) in [
-        (CellShape::Quadrilateral, 1, [9, 8]),
-        (CellShape::Quadrilateral, 2, [6, 5]),
-        (CellShape::Triangle, 1, [6, 10]),
-        (CellShape::Triangle, 2, [9, 4]),
+    for (shape, degree, elements, cells) in [
+        (CellShape::Quadrilateral, 1, Elements::Dual, [9, 8]),
+        (CellShape::Quadrilateral, 2, Elements::Dual, [6, 5]),
+        (CellShape::Quadrilateral, 2, Elements::DualOfBernstein, [6, 5]),
+        (CellShape::Triangle, 1, Elements::Dual, [6, 10]),
+        (CellShape::Triangle, 2, Elements::DualOfBernstein, [9, 4]),
     ] {
         let mesh = bodies(shape, cells);
         let (layer, block) = ("layer top", "block bottom");
         for pairing in [Pairing::onto(block, layer), Pairing::onto(layer, block)] {
             let pairing = pairing.at(PairQuadrature::Pieces);
-            let all = OFFSETS.map(|offset| errors(&mesh, (degree, &Elements::Dual), &pairing, offset));
+            let all = OFFSETS.map(|offset| errors(&mesh, (degree, &elements), &pairing, offset));
             let most = |of: fn(&(f64, f64, usize)) -> f64| all.iter().map(of).fold(0.0, f64::max);
             let [stress, multiplier, steps] = [most(|e| e.0), most(|e| e.1), most(|e| e.2 as f64)];
-            println!("| {shape:?} | {degree} | {pairing} | {stress:.1e} | {multiplier:.1e} | {steps} |");
+            println!(
+                "| {shape:?} | {degree}, {elements} | {pairing} | {stress:.1e} | {multiplier:.1e} | {steps} |"
+            );
             let tolerance = if degree == 1 { 1e-12 } else { 1e-11 };
             assert!(stress < tolerance, "{shape:?} {degree} {pairing}: {stress:e}");
             let is_covered = pairing.surfaces[0].own == block;
@@ -75,13 +83,13 @@ fn pressure_is_constant_while_bodies_slide() {
 /// The block covers a part 10⁻², 10⁻⁴ or 10⁻⁸ of a facet of the layer.
 #[test]
 fn slivers_of_cover_do_no_harm() {
-    for degree in [1, 2] {
+    for (degree, elements) in KINDS {
         let mesh = bodies(CellShape::Quadrilateral, [9, 8]);
         let pairing = Pairing::onto("layer top", "block bottom").at(PairQuadrature::Pieces);
         for part in [1e-2, 1e-4, 1e-8] {
             let offset = 1.0 / 3.0 + part / 3.0;
-            let (stress, _, steps) = errors(&mesh, (degree, &Elements::Dual), &pairing, offset);
-            println!("degree {degree}, {part:e}: {stress:.1e} in {steps} steps");
+            let (stress, _, steps) = errors(&mesh, (degree, &elements), &pairing, offset);
+            println!("degree {degree}, {elements}, {part:e}: {stress:.1e} in {steps} steps");
             assert!(stress < 1e-7, "{degree} {part}: {stress:e}");
         }
     }
@@ -90,7 +98,7 @@ fn slivers_of_cover_do_no_harm() {
 /// Bent plates, the own one wider than the other, whose cells are smaller: several facets lie opposite to those that are covered in part.
 #[test]
 fn forces_balance_and_tangents_have_the_change_of_the_functions() {
-    for degree in [1, 2] {
+    for (degree, elements) in KINDS {
         let lower = structured([5, 1], CellShape::Quadrilateral, degree, |[s, t]: [f64; 2]| {
             [3.0 * s, 0.4 * t - 0.4 + 0.15 * (5.0 * s).sin()]
         });
@@ -99,7 +107,8 @@ fn forces_balance_and_tangents_have_the_change_of_the_functions() {
         });
         let mesh = Mesh::of_bodies(&[("lower", &lower.unwrap()), ("upper", &upper.unwrap())]).unwrap();
         let space = Space::vector(&mesh, degree).unwrap();
-        let (own, traces) = ("lower top", dual(&mesh, "lower top", &[]));
+        let own = "lower top";
+        let traces = Space::of(&mesh, elements, Scope::Facets(own.to_owned()), &[]).unwrap();
         let regions = law::Regions::default()
             .touch(Pairing::onto(own, "upper bottom").at(PairQuadrature::Pieces))
             .own(own)
@@ -120,11 +129,11 @@ fn forces_balance_and_tangents_have_the_change_of_the_functions() {
     }
 }
 
-/// Friction, with the slab as the own surface, of which the block covers a part.
+/// Friction with the slab as the own surface, which the block covers in part.
 #[test]
 fn tangents_with_friction_in_the_plane() {
     let mesh = friction::mesh();
-    for degree in [1, 2] {
+    for (degree, elements) in KINDS {
         let space = Space::vector(&mesh, degree).unwrap();
         let bent = |phase: f64| {
             let value = |x: &[f64; 2]| {
@@ -134,7 +143,7 @@ fn tangents_with_friction_in_the_plane() {
             };
             Field::interpolate(&space, value).unwrap()
         };
-        let traces = dual(&mesh, "slab top", &[2]);
+        let traces = Space::of(&mesh, elements, Scope::Facets("slab top".into()), &[2]).unwrap();
         let across = |phase: f64| nodal(&traces, |x| [2.0 + (4.0 * x[0] + phase).sin(), (5.0 * x[0]).cos()]);
         let base = law::data().lambda(20.0).mu(10.0).gamma0(100.0).friction(0.3);
         let regions = rough::Regions::default()
@@ -188,15 +197,67 @@ fn tangents_with_friction_in_space() {
 /// What sticks does not creep, what slides bears Coulomb's friction, and forces are those with hats up to the mesh's error.
 #[test]
 fn friction_is_that_of_hats() {
-    for degree in [1, 2] {
-        let (dual, hats) = ((degree, &Elements::Dual), (degree, &Elements::Bernstein(1)));
+    for (degree, dual, hats) in [
+        (1, Elements::Dual, Elements::Bernstein(1)),
+        (2, Elements::Dual, Elements::Bernstein(1)),
+        (2, Elements::DualOfBernstein, Elements::Bernstein(2)),
+    ] {
+        let (is_of_vertices, dual, hats) = (dual == Elements::Dual, (degree, &dual), (degree, &hats));
         // One multiplier per vertex holds the mean slip, and not each node of degree 2.
         let (_, moved, _) = friction::drawn(dual, 20.0, 0.004, 3);
-        assert!(degree == 2 || moved < 1e-12, "it creeps by {moved:e}");
+        assert!(degree == 2 && is_of_vertices || moved < 1e-12, "it creeps by {moved:e}");
         let [(force, _, ratio), (other, ..)] = [dual, hats].map(|with| friction::drawn(with, 0.3, 1.1, 3));
         let apart = (force[0] - other[0]).hypot(force[1] - other[1]) / other[0].hypot(other[1]);
         println!("degree {degree}: |t|/κp − 1 {:.1e}, forces apart {apart:.1e}", ratio.abs() / 0.3 - 1.0);
         assert!((ratio.abs() / 0.3 - 1.0).abs() < 1e-10, "{degree}: {ratio}");
         assert!(apart < 2e-2, "{degree}: {force:?} {other:?}");
+    }
+}
+
+/// Multipliers are eliminated from unsymmetric systems, where balances of displacements have one each: with covered facets all, else but those at
+/// facets that are covered in part. Solutions are those of the whole systems.
+#[test]
+fn eliminated_multipliers_are_those_of_the_whole_system() {
+    let mesh = friction::mesh();
+    let space = Space::vector(&mesh, 1).unwrap();
+    for (own, opposite, of_friction) in [
+        ("block bottom", "slab top", 0.0),
+        ("block bottom", "slab top", 0.3),
+        ("slab top", "block bottom", 0.0),
+    ] {
+        let mut held = Constraints::new(&space);
+        held.fix("slab bottom", |_| [0.0; 2]).unwrap();
+        held.fix("block top", |_| [0.02, -0.05]).unwrap();
+        let traces = dual(&mesh, own, &[2]);
+        let base = law::data().lambda(115.0).mu(77.0).gamma0(1000.0).friction(of_friction);
+        // Open nodes of the slab have no other equation.
+        let base = base.uncovered(1e-15);
+        let touch = Pairing::onto(own, opposite).at(PairQuadrature::Pieces);
+        let regions = rough::Regions::default().touch(touch).own(own).gamma_n("block right");
+        let data = base.displacement_before(Given::field(Field::zero(&space)));
+        let model = rough::Model { data, regions };
+        let start = [Field::zero(&space), nodal(&traces, |_| [10.0, 0.0]), Field::zero(&traces)];
+        let solve = |solver: &mut dyn LinearSolver| {
+            let options = NewtonOptions {
+                relative_tolerance: 1e-12,
+                line_search: LineSearch::OnResidual,
+                ..NewtonOptions::default()
+            };
+            let problem = law::frictional_mortar_problem(&model, [&space, &traces], &held).unwrap();
+            problem.options(options).start(start.each_ref()).solver(solver).solve().unwrap()
+        };
+        let whole = solve(&mut TangentSolver::default());
+        let condensed = solve(&mut LocalUnknowns::<TangentSolver>::default());
+        let counts = condensed.report.as_ref().and_then(|report| report.local_unknowns).unwrap();
+        let apart = |k: usize| {
+            let pairs = whole.fields[k].values().iter().zip(condensed.fields[k].values());
+            let largest = whole.fields[k].values().iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+            pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest
+        };
+        let steps = [&whole, &condensed].map(|solved| solved.iterations());
+        println!("{own}, {of_friction}: {counts:?}, {:.1e} {:.1e}, {steps:?} steps", apart(0), apart(1));
+        assert!(apart(0) < 1e-10 && apart(1) < 1e-10, "{own}: {:e} {:e}", apart(0), apart(1));
+        let (all, found) = (2 * traces.unknowns(), counts.eliminated);
+        assert!(found == all || own == "slab top" && found > 0, "{own}: {counts:?} of {all}");
     }
 }

@@ -20,6 +20,7 @@ use super::segment_tangent::{Rates, displacing_segments};
 use super::tangent::{TangentIntegrals, Target};
 use super::{AssemblyError, Parts};
 use crate::contract::Function;
+use crate::element::Element;
 use crate::mesh::Facet;
 use crate::pairs::PairError;
 
@@ -31,7 +32,6 @@ impl<const D: usize> TangentIntegrals<'_, D> {
     ///
     /// # Errors
     /// Errors of the form's data; [`PairError::DualFunctions`] where dual functions are read that are no unknowns.
-    #[inline(never)]
     pub(super) fn add_rates_of_dual_functions(
         &mut self,
         form: &Function<D>,
@@ -39,7 +39,7 @@ impl<const D: usize> TangentIntegrals<'_, D> {
     ) -> Result<(), AssemblyError> {
         let elements = self.binding.elements.iter();
         let is_dual: Vec<bool> =
-            elements.map(|known| known.elements.values().any(|own| own.dual_on_facets().is_some())).collect();
+            elements.map(|known| known.elements.values().any(Element::is_dual)).collect();
         if !is_dual.contains(&true) || !matches!(self.target, Target::Matrix { .. }) {
             return Ok(());
         }

@@ -316,7 +316,7 @@ impl Tabulated {
             gradient: entries().map(|entry| whole.gradient[entry]).collect(),
             hessian: if hessians { entries().map(|entry| whole.hessian[entry]).collect() } else { vec![] },
         };
-        match element.dual_on_facets() {
+        match facet.and_then(|local| element.dual_on_facet(usize::from(local))) {
             Some(coefficients) => combined(&traces, &coefficients),
             None => traces,
         }

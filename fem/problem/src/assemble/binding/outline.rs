@@ -9,7 +9,6 @@ use super::entities::Entities;
 use crate::assemble::Parts;
 use crate::assemble::scatter::group_nodes::{Reading, SeenAtFacets};
 use crate::contract::Function;
-use crate::element::Elements;
 use crate::mesh::Facet;
 use crate::space::Space;
 
@@ -190,7 +189,7 @@ impl Coupling {
         let mut all = Vec::new();
         let spaces = [tests[self.test], trials[self.trial]];
         // Dual functions change with the whole cover of their facet.
-        let is_dual = |space: &&Arc<Space<D>>| *space.elements() == Elements::Dual;
+        let is_dual = |space: &&Arc<Space<D>>| space.elements().is_dual();
         let of_covers = self.displacement.is_some() && tests.iter().chain(trials).any(is_dual);
         if !(self.of_means || of_covers) || self.sides != [Side::Other; 2] {
             return all;

