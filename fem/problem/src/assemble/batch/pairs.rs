@@ -1,8 +1,9 @@
 //! The points of contact pairs: each lane has its own on both sides, so that basis functions are evaluated in lanes and
 //! not read from tables.
 
-// Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
-#![allow(clippy::needless_range_loop)]
+// Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
+// loops over lane values are plain.
+#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
 use forms_core::contract::{OppositePoint, PointGeometry, Requirements};
 
