@@ -34,10 +34,10 @@ pub enum MultiplierError {
          `Space::on_facets(&mesh, \"{own}\", degree)`"
     )]
     OtherFacets { own: String, found: String },
-    /// Multipliers whose functions are negative somewhere.
+    /// Multipliers whose functions have integrals over covers that may be negative.
     #[error(
-        "the multipliers of \"{own}\" are {found}, and conditions hold for functions that are nowhere negative: take those of degree 1, \
-         `Space::on_facets(&mesh, \"{own}\", 1)`, or Bernstein elements of degree 2"
+        "the multipliers of \"{own}\" are {found}, and conditions hold for functions with positive integrals over any cover: take those of degree 1, \
+         `Space::on_facets(&mesh, \"{own}\", 1)`, dual ones, or Bernstein elements of degree 2"
     )]
     Negative { own: String, found: String },
     /// Facets with more multipliers than nodes of the displacement.
@@ -100,7 +100,8 @@ pub fn check_multipliers<const D: usize>(
             let found = space.facet_region().map_or("no multipliers on facets".to_owned(), on);
             return Err(MultiplierError::OtherFacets { own: own.clone(), found });
         }
-        if !matches!(space.elements(), Elements::Lagrange(1) | Elements::Bernstein(_)) {
+        let is_positive = matches!(space.elements(), Elements::Lagrange(1) | Elements::Bernstein(_));
+        if !(is_positive || space.elements().is_dual()) {
             let (own, found) = (own.clone(), space.elements().to_string());
             return Err(MultiplierError::Negative { own, found });
         }

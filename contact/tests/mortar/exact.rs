@@ -13,6 +13,19 @@ pub fn multipliers<const D: usize>(
     Space::of(mesh, Elements::Bernstein(degree), Scope::Facets(own.to_owned()), shape).unwrap()
 }
 
+/// A space of dual multipliers.
+pub fn dual<const D: usize>(mesh: &Mesh<D>, own: &str, shape: &[usize]) -> Arc<Space<D>> {
+    Space::of(mesh, Elements::Dual, Scope::Facets(own.to_owned()), shape).unwrap()
+}
+
+/// Coefficients by the positions of the nodes.
+pub fn nodal<const D: usize, const N: usize>(
+    space: &Arc<Space<D>>,
+    value: impl Fn(&[f64; D]) -> [f64; N],
+) -> Field<D> {
+    Field::from_values(space, space.positions().iter().flat_map(value).collect()).unwrap()
+}
+
 /// The largest component of the sum of forces and of that of their moments, relative to the sum of the forces' sizes.
 pub fn resultants<const D: usize>(form: &Form<D>, at: [&Field<D>; 3]) -> [f64; 2]
 where

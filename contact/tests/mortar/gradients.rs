@@ -5,7 +5,7 @@ use forms_fem::contract::PairQuadrature;
 use forms_fem::inverse::{ControlError, ControlValues, Controls, LoadHistory, ReducedProblem, taylor_test};
 use forms_fem::prelude::*;
 
-use crate::exact::multipliers;
+use crate::exact::{dual, multipliers};
 use crate::patch::in_space;
 
 /// The law with a criterion of the displacement, and the rates of a step.
@@ -39,6 +39,7 @@ mod drawn {
 
 /// The block on the slab, and its history.
 struct Bodies<const D: usize> {
+    surfaces: [&'static str; 2],
     space: Arc<Space<D>>,
     traces: Arc<Space<D>>,
     materials: Arc<Space<D>>,
@@ -68,12 +69,18 @@ where
     fn new(bodies: &[(&str, &Mesh<D>)], [degree, of_multipliers]: [usize; 2], way: [f64; D]) -> Self {
         let mesh = Mesh::of_bodies(bodies).unwrap();
         Bodies {
+            surfaces: ["block bottom", "slab top"],
             space: Space::vector(&mesh, degree).unwrap(),
             traces: multipliers(&mesh, "block bottom", of_multipliers, &[D]),
             materials: Space::discontinuous_scalar(&mesh, 0).unwrap(),
             assembler: Assembler::new(&mesh).with_quadrature(Quadrature::Degree(2 * degree + 1)),
             way,
         }
+    }
+
+    /// With dual multipliers; facets of the slab are covered in part.
+    fn with_dual_multipliers(self, surfaces: [&'static str; 2]) -> Self {
+        Bodies { surfaces, traces: dual(self.space.mesh(), surfaces[0], &[D]), ..self }
     }
 
     fn held(&self, step: usize) -> Constraints<D> {
@@ -91,13 +98,16 @@ where
         before: Given<[f64; D], D>,
     ) -> Result<drawn::Model<D>, ControlError> {
         let data = data().lambda(15.0).mu(at.field("shear_modulus")?).gamma0(300.0);
+        // A history starts from m = 0, where nothing else determines m at open nodes.
+        let data = data.uncovered(if self.surfaces[0] == "slab top" { 1e-15 } else { 1e-18 });
         let data = data.friction(at.number("friction")?);
         let force = |x: &[f64; D]| std::array::from_fn(|k| if k == 0 { 0.3 + x[0] } else { 0.5 * x[k] });
         let data = data.displacement_before(before).criterion_force(force);
-        let touch = Pairing::onto("block bottom", "slab top");
+        let [own, opposite] = self.surfaces;
+        let touch = Pairing::onto(own, opposite);
         let touch =
             if D == 2 { touch.at(PairQuadrature::Pieces) } else { in_space(touch, self.space.degree()) };
-        let regions = drawn::Regions::default().touch(touch).own("block bottom").gamma_n("block right");
+        let regions = drawn::Regions::default().touch(touch).own(own).gamma_n("block right");
         Ok(drawn::Model { data, regions })
     }
 
@@ -156,6 +166,15 @@ fn adjoints_of_sliding_with_friction() {
     for degrees in [[1, 1], [2, 1], [2, 2]] {
         check(&in_the_plane(degrees), &format!("degrees {degrees:?}"));
     }
+}
+
+/// As covers move, the functions do.
+#[test]
+fn adjoints_with_dual_multipliers() {
+    check(&in_the_plane([1, 1]).with_dual_multipliers(["slab top", "block bottom"]), "dual, on the slab");
+    check(&in_the_plane([2, 1]).with_dual_multipliers(["block bottom", "slab top"]), "dual, degree 2");
+    let in_space = of_space(CellShape::Tetrahedron, 1);
+    check(&in_space.with_dual_multipliers(["block bottom", "slab top"]), "dual, tetrahedra");
 }
 
 #[test]

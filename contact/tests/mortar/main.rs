@@ -2,6 +2,7 @@
 //! drawn along another one, rings by Lamé, and what is refused.
 
 mod checks;
+mod dual;
 mod exact;
 mod friction;
 mod gradients;

@@ -5,7 +5,7 @@ use forms_fem::contract::PairQuadrature;
 use forms_fem::mesh::structured;
 use forms_fem::prelude::*;
 
-use crate::exact::{check_tangent, multipliers, resultants};
+use crate::exact::{check_tangent, multipliers, nodal, resultants};
 
 pub const LAMBDA: f64 = 200.0 * 0.3 / (1.3 * 0.4);
 pub const MU: f64 = 200.0 / 2.6;
@@ -46,7 +46,7 @@ mod loaded {
 }
 
 /// A layer of length 3 and a block of length 2 on it.
-fn bodies(shape: CellShape, cells: [usize; 2]) -> Mesh<2> {
+pub fn bodies(shape: CellShape, cells: [usize; 2]) -> Mesh<2> {
     let layer = rectangle([0.0, -0.5], [3.0, 0.0], [cells[0], 2], shape, 1).unwrap();
     let block = rectangle([0.0, 0.0], [2.0, 0.5], [cells[1], 2], shape, 1).unwrap();
     Mesh::of_bodies(&[("layer", &layer), ("block", &block)]).unwrap()
@@ -65,16 +65,16 @@ fn moved(space: &Arc<Space<2>>, [aside, up]: [f64; 2]) -> Field<2> {
 }
 
 /// The largest errors of stress in the cells and of multipliers that are covered, as parts of the pressure, and Newton's steps.
-fn errors(
+pub fn errors(
     mesh: &Mesh<2>,
-    [degree, of_multipliers]: [usize; 2],
+    (degree, of_multipliers): (usize, &Elements),
     pairing: &Pairing,
     offset: f64,
 ) -> (f64, f64, usize) {
     let pressure = MU * (1.0 / STRETCH - STRETCH) - LAMBDA * STRETCH.ln() / STRETCH;
     let space = Space::vector(mesh, degree).unwrap();
     let own = &pairing.surfaces[0].own;
-    let traces = multipliers(mesh, own, of_multipliers, &[]);
+    let traces = Space::of(mesh, of_multipliers.clone(), Scope::Facets(own.to_owned()), &[]).unwrap();
     let down = 1.0 - STRETCH;
     let mut held = Constraints::new(&space);
     held.fix("layer bottom", |_| [0.0; 2]).unwrap();
@@ -92,7 +92,7 @@ fn errors(
         .cover(Pairing::onto("layer top", "block bottom").at(PairQuadrature::Pieces));
     let model = loaded::Model { data: loaded::data_from(data).pressure(pressure), regions };
     let options = NewtonOptions { relative_tolerance: 1e-13, ..NewtonOptions::default() };
-    let start = Field::interpolate(&traces, |_| 0.5 * pressure).unwrap();
+    let start = nodal(&traces, |_| [0.5 * pressure]);
     let form = model.balance();
     let touching = Field::zero(&traces);
     let above = moved(&space, [offset, -1e-3]);
@@ -111,7 +111,7 @@ fn errors(
     (worst, off.fold(0.0, f64::max), solved.iterations())
 }
 
-const OFFSETS: [f64; 7] = [0.0, 0.137, 0.25, 0.401, 0.5, 0.77, 0.93];
+pub const OFFSETS: [f64; 7] = [0.0, 0.137, 0.25, 0.401, 0.5, 0.77, 0.93];
 
 #[test]
 fn pressure_is_constant_while_bodies_slide() {
@@ -130,7 +130,8 @@ fn pressure_is_constant_while_bodies_slide() {
         for pairing in [Pairing::onto(block, layer), Pairing::onto(layer, block)] {
             let pairing = pairing.at(PairQuadrature::Pieces);
             let is_covered = pairing.surfaces[0].own == block;
-            let all = OFFSETS.map(|offset| errors(&mesh, degrees, &pairing, offset));
+            let elements = Elements::Bernstein(degrees[1]);
+            let all = OFFSETS.map(|offset| errors(&mesh, (degrees[0], &elements), &pairing, offset));
             let most = |of: fn(&(f64, f64, usize)) -> f64| all.iter().map(of).fold(0.0, f64::max);
             let [stress, multiplier, steps] = [most(|e| e.0), most(|e| e.1), most(|e| e.2 as f64)];
             println!("| {shape:?} | {degrees:?} | {pairing} | {stress:.1e} | {multiplier:.1e} | {steps} |");
@@ -148,8 +149,12 @@ fn slivers_of_cover_do_no_harm() {
         let mesh = bodies(CellShape::Quadrilateral, [9, 8]);
         let pairing = Pairing::onto("layer top", "block bottom").at(PairQuadrature::Pieces);
         for part in [1e-2, 1e-4, 1e-8] {
-            let (stress, _, steps) =
-                errors(&mesh, [degree, of_multipliers], &pairing, 1.0 / 3.0 + part / 3.0);
+            let (stress, _, steps) = errors(
+                &mesh,
+                (degree, &Elements::Bernstein(of_multipliers)),
+                &pairing,
+                1.0 / 3.0 + part / 3.0,
+            );
             println!("degree {degree}, {of_multipliers}, {part:e}: {stress:.1e} in {steps} steps");
             assert!(stress < 1e-7, "{degree} {of_multipliers} {part}: {stress:e}");
         }

@@ -6,8 +6,6 @@ use forms_fem::contract::PairQuadrature;
 use forms_fem::mesh::structured;
 use forms_fem::prelude::*;
 
-use crate::exact::multipliers;
-
 /// Small strains, ν = 0.3, with the multipliers of the library.
 #[forms(dimension = 2)]
 pub mod elastic {
@@ -73,14 +71,14 @@ fn mesh() -> Mesh<2> {
 
 /// Half of the range of F_x/F_y, and of F_y as a part of its mean, while the block moves by one cell of the slab.
 fn wobble(
-    [degree, of_multipliers]: [usize; 2],
+    (degree, of_multipliers): (usize, &Elements),
     own: &str,
     gamma0: f64,
     positions: usize,
 ) -> Option<[f64; 2]> {
     let mesh = mesh();
     let space = Space::vector(&mesh, degree).unwrap();
-    let traces = multipliers(&mesh, own, of_multipliers, &[]);
+    let traces = Space::of(&mesh, of_multipliers.clone(), Scope::Facets(own.to_owned()), &[]).unwrap();
     let moduli = Space::discontinuous_scalar(&mesh, 0).unwrap();
     let moduli = Field::interpolate(&moduli, |x: &[f64; 2]| if x[1] > 1.0 { 3.0 } else { 1.0 }).unwrap();
     let opposite = if own == "slab top" { "block bottom" } else { "slab top" };
@@ -118,13 +116,19 @@ fn wobble(
 fn multipliers_take_the_wobble_away() {
     println!("| degrees | own surface | F_x/F_y | F_y |");
     for (degrees, own, most) in [
-        ([1, 1], "block bottom", 3e-5),
-        ([2, 1], "block bottom", 3e-5),
-        ([2, 2], "block bottom", 1e-3),
-        ([2, 1], "slab top", 1e-3),
-        ([2, 2], "slab top", 1e-3),
+        ((1, Elements::Bernstein(1)), "block bottom", 3e-5),
+        ((2, Elements::Bernstein(1)), "block bottom", 3e-5),
+        ((2, Elements::Bernstein(2)), "block bottom", 1e-3),
+        ((2, Elements::Bernstein(1)), "slab top", 1e-3),
+        ((2, Elements::Bernstein(2)), "slab top", 1e-3),
+        ((1, Elements::Dual), "block bottom", 5e-4),
+        ((1, Elements::Dual), "slab top", 5e-4),
+        ((2, Elements::Dual), "block bottom", 5e-4),
+        ((2, Elements::Dual), "slab top", 5e-4),
+        ((2, Elements::DualOfBernstein), "block bottom", 4e-3),
+        ((2, Elements::DualOfBernstein), "slab top", 4e-3),
     ] {
-        let [along, across] = wobble(degrees, own, 9.0, 16).expect("solved");
+        let [along, across] = wobble((degrees.0, &degrees.1), own, 9.0, 16).expect("solved");
         println!("| {degrees:?} | {own} | {along:.1e} | {across:.1e} |");
         assert!(along < most, "{degrees:?} {own}: {along:e}");
     }

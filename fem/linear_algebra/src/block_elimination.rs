@@ -11,7 +11,7 @@ mod pivots;
 use std::ops::Range;
 use std::sync::Arc;
 
-pub use groups::{Counts, Groups};
+pub use groups::{Counts, Groups, MultiplierNode};
 use groups::{NONE, Plan};
 
 use super::csr::CsrMatrix;

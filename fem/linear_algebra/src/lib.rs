@@ -61,7 +61,7 @@ pub mod vector;
 pub use analysis::Analysis;
 pub use back_substitution::PartialBackSubstitution;
 pub use backward_error::check_residual;
-pub use block_elimination::{BlockElimination, Counts, Eliminated, Groups};
+pub use block_elimination::{BlockElimination, Counts, Eliminated, Groups, MultiplierNode};
 pub use block_matrix::BlockMatrix;
 pub use block_sparsity::{BlockRows, BlockSparsity, NodeSet};
 pub use cells::Cells;

@@ -225,7 +225,7 @@ impl<const D: usize> Field<D> {
         if V::COMPONENTS != components {
             return Err(FieldError::Components { space: components, function: V::COMPONENTS });
         }
-        if *space.elements() == Elements::Dual {
+        if space.elements().is_dual() {
             return Err(FieldError::NotNodal { elements: space.elements().clone() });
         }
         let mut values = vec![0.0; space.unknowns()];

@@ -27,12 +27,12 @@ mod held {
     }
 }
 
-fn check_duality<const D: usize>(mesh: &Mesh<D>) -> Outcome
+fn check_duality<const D: usize>(mesh: &Mesh<D>, dual: Elements, to: Elements) -> Outcome
 where
     Dim: Dimension<D>,
 {
     let on_facets = |elements| Space::of(mesh, elements, Scope::Facets("boundary".into()), &[]);
-    let (dual, linear) = (on_facets(Elements::Dual)?, on_facets(Elements::Lagrange(1))?);
+    let (dual, linear) = (on_facets(dual)?, on_facets(to)?);
     assert_eq!(dual.positions(), linear.positions());
     let assembler = Assembler::new(mesh);
     let gamma = held::Gamma::on("boundary");
@@ -51,11 +51,17 @@ where
 
 #[test]
 fn functions_are_dual_on_segments_triangles_and_rectangles() -> Outcome {
-    for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
-        check_duality(&rectangle([0.0; 2], [1.0, 2.0], [3, 2], shape, 1)?)?;
-    }
-    for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
-        check_duality(&cuboid([0.0; 3], [1.0, 2.0, 1.5], [2, 2, 1], shape, 1)?)?;
+    for (dual, to) in
+        [(Elements::Dual, Elements::Lagrange(1)), (Elements::DualOfBernstein, Elements::Bernstein(2))]
+    {
+        for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
+            let mesh = rectangle([0.0; 2], [1.0, 2.0], [3, 2], shape, 1)?;
+            check_duality(&mesh, dual.clone(), to.clone())?;
+        }
+        for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
+            let mesh = cuboid([0.0; 3], [1.0, 2.0, 1.5], [2, 2, 1], shape, 1)?;
+            check_duality(&mesh, dual.clone(), to.clone())?;
+        }
     }
     Ok(())
 }

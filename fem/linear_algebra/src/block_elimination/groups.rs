@@ -15,9 +15,30 @@ pub struct Groups {
     ends: Vec<usize>,
     ranks: Vec<u8>,
     unknowns: Vec<u32>,
+    multipliers: Vec<MultiplierNode>,
+}
+
+/// Multipliers at a node, with the unknowns on which they act, as a displacement there. [`BlockElimination`](super::BlockElimination) does not read them:
+/// they are eliminated by the equations of these unknowns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MultiplierNode {
+    /// Those of all multipliers of the node, and of what is defined with them.
+    pub unknowns: Vec<u32>,
+    /// The unknowns on which they act.
+    pub balances: Vec<u32>,
 }
 
 impl Groups {
+    /// One more node with multipliers.
+    pub fn add_multipliers(&mut self, node: MultiplierNode) {
+        self.multipliers.push(node);
+    }
+
+    /// The nodes with multipliers.
+    pub fn multipliers(&self) -> &[MultiplierNode] {
+        &self.multipliers
+    }
+
     /// One more group with its rank. Unknowns that are in an earlier group stay there.
     pub fn add(&mut self, rank: u8, unknowns: impl IntoIterator<Item = u32>) {
         self.unknowns.extend(unknowns);
@@ -29,7 +50,7 @@ impl Groups {
 
     /// Whether there are no groups.
     pub fn is_empty(&self) -> bool {
-        self.ends.is_empty()
+        self.ends.is_empty() && self.multipliers.is_empty()
     }
 
     /// The groups all of whose unknowns meet a condition.

@@ -8,6 +8,7 @@ use super::layout::Layout;
 use super::points::RulePoints;
 use super::polynomial::Polynomial;
 use super::table::{Meaning, Table, inverse};
+use crate::quadrature::{FacetRule, facet_rule};
 
 /// The functions on a reference cell, with a node each: a Lagrange element or a table of polynomials.
 #[derive(Clone, Debug, PartialEq)]
@@ -242,23 +243,38 @@ impl Element {
         }
     }
 
-    /// Coefficients of dual functions in the functions of the nodes on a facet, row after row.
+    /// Whether its functions on facets are those that are dual to the element's own.
     #[doc(hidden)]
-    pub fn dual_on_facets(&self) -> Option<Vec<f64>> {
-        let Element::Table(table) = self else { return None };
-        let vertices = table.layout.shape.vertices_per_facet();
-        let entry = |k: usize| {
-            let apart = (k / vertices).abs_diff(k % vertices);
-            match (vertices, apart) {
-                (2 | 3, 0) => vertices as f64,
-                (2 | 3, _) => -1.0,
-                // Around a quadrilateral: products of 2 or −1 in each direction.
-                (_, 0) => 4.0,
-                (_, 2) => 1.0,
-                _ => -2.0,
-            }
+    pub fn is_dual(&self) -> bool {
+        self.as_table().is_some_and(|table| matches!(table.meaning, Meaning::Dual | Meaning::DualOfBernstein))
+    }
+
+    /// Coefficients of dual functions in the functions of the nodes on a facet, row after row: D M⁻¹ with ∫ φ_i φ_j and ∫ φ_i over the facet.
+    #[doc(hidden)]
+    pub fn dual_on_facet(&self, local: usize) -> Option<Vec<f64>> {
+        let table = self.as_table().filter(|_| self.is_dual())?;
+        // Products of two functions of degree 2 at most.
+        let (shape, degree) = (table.layout.shape, 4);
+        let rule: Vec<([f64; 3], f64)> = match shape.dimension() {
+            2 => weighted_points(&facet_rule::<2>(shape, local, degree).ok()?),
+            _ => weighted_points(&facet_rule::<3>(shape, local, degree).ok()?),
         };
-        (table.meaning == Meaning::Dual).then(|| (0..vertices * vertices).map(entry).collect())
+        let nodes = self.facet_nodes(local);
+        let (mut value, mut areas) = (vec![0.0; self.nodes()], vec![0.0; nodes.len()]);
+        let mut moments = vec![vec![0.0; nodes.len()]; nodes.len()];
+        for (point, weight) in rule {
+            table.evaluate_values(&point, &mut value);
+            for (i, a) in nodes.iter().enumerate() {
+                areas[i] += weight * value[*a];
+                for (j, b) in nodes.iter().enumerate() {
+                    moments[i][j] += weight * value[*a] * value[*b];
+                }
+            }
+        }
+        for row in &mut moments {
+            row.iter_mut().zip(&areas).for_each(|(entry, area)| *entry /= area);
+        }
+        Some(inverse(moments)?.concat())
     }
 
     /// The Lagrange element with the same nodes, whose values at nodes are this one's coefficients, where these are no values.
@@ -268,7 +284,7 @@ impl Element {
         let degree = match table.meaning {
             Meaning::Values => return None,
             Meaning::Dual => 1,
-            Meaning::Bernstein => 2,
+            Meaning::Bernstein | Meaning::DualOfBernstein => 2,
         };
         Some(Lagrange { shape: table.layout.shape, degree })
     }
@@ -363,3 +379,9 @@ impl Element {
 
 #[cfg(test)]
 mod tests;
+
+/// The points of a rule with their weights.
+fn weighted_points<const D: usize>(rule: &FacetRule<D>) -> Vec<([f64; 3], f64)> {
+    let padded = |point: &[f64; D]| std::array::from_fn(|k| if k < D { point[k] } else { 0.0 });
+    rule.points.iter().map(padded).zip(rule.weights.iter().copied()).collect()
+}

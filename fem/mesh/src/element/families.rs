@@ -35,8 +35,11 @@ pub enum Elements {
     LinearInSpace,
     /// Multipliers on facets that are dual to Lagrange elements of degree 1: with ψ_i of a vertex and φ_j of another one, ∫ ψ_i φ_j over
     /// a facet is zero, and ∫ ψ_i φ_i = ∫ φ_i. On a segment these are 2 − 3s and 3s − 1. They are dual on facets with an affine map;
-    /// coefficients are no values of functions. For scopes on facets.
+    /// coefficients are no values of functions. On own facets of contact pairs the integrals are those over the part that has opposite points, and duality is
+    /// given up gradually where that part is small: functions stay bounded, their sum is 1, and ∫ ψ_i = ∫ φ_i. For scopes on facets.
     Dual,
+    /// Multipliers on facets that are dual to Bernstein's polynomials of degree 2, as [`Elements::Dual`] to those of degree 1.
+    DualOfBernstein,
     /// Bernstein's polynomials of degree 1, those of Lagrange, or 2, on facets: multipliers of contact, as their functions are nowhere negative.
     /// On a segment those of degree 2 are (1 − s)², 2s(1 − s) and s², on quadrilaterals their products. They sum to one, and the coefficients
     /// of a function that is linear on an affine facet are its values at the nodes; else coefficients are no values. For scopes on facets.
@@ -57,7 +60,13 @@ impl Elements {
     /// Whether a coefficient is the value at its node.
     #[doc(hidden)]
     pub fn is_nodal(&self) -> bool {
-        !matches!(self, Elements::Dual | Elements::Bernstein(2..))
+        !(self.is_dual() || matches!(self, Elements::Bernstein(2..)))
+    }
+
+    /// Whether functions on facets are dual to others.
+    #[doc(hidden)]
+    pub fn is_dual(&self) -> bool {
+        matches!(self, Elements::Dual | Elements::DualOfBernstein)
     }
 
     /// The element on a shape.
@@ -132,12 +141,13 @@ impl Elements {
                 Element::of(Table::nodal(self.to_string(), layout, 1, &span).map(Table::dual))
             }
             Elements::Bernstein(1) => Ok(Element::Lagrange(Lagrange { shape, degree: 1 })),
-            Elements::Bernstein(2) => {
+            Elements::Bernstein(2) | Elements::DualOfBernstein => {
                 let layout = Layout::of_degree_two(shape);
                 let functions: Vec<Polynomial> =
                     layout.points.iter().map(|node| bernstein(shape.is_simplex(), dimension, node)).collect();
                 let table = Table::of_functions(self.to_string(), layout, 2, &functions);
-                Element::of(table.map(Table::of_bernstein))
+                let meant = if self.is_dual() { Table::dual_of_bernstein } else { Table::of_bernstein };
+                Element::of(table.map(meant))
             }
             Elements::Bernstein(degree) => Err(ElementError::Bernstein { degree: *degree }),
             Elements::Points(degree) => Ok(Element::Points(Arc::new(RulePoints::of(shape, *degree)?))),
@@ -160,6 +170,7 @@ impl fmt::Display for Elements {
             Elements::Points(degree) => write!(f, "values at the points of the rule of degree {degree}"),
             Elements::Bernstein(degree) => write!(f, "Bernstein elements of degree {degree}"),
             Elements::Dual => write!(f, "dual elements of degree 1"),
+            Elements::DualOfBernstein => write!(f, "dual elements of degree 2"),
             Elements::Own(elements) => {
                 let names: Vec<&str> = elements.iter().map(Element::name).collect();
                 write!(f, "elements \"{}\"", names.join("\" and \""))

@@ -44,6 +44,8 @@ pub(super) enum Meaning {
     Bernstein,
     /// Those of the functions on facets that are dual to the table's.
     Dual,
+    /// The same of Bernstein's polynomials of degree 2.
+    DualOfBernstein,
 }
 
 /// Value and first two derivatives of the powers of a coordinate.
@@ -130,6 +132,11 @@ impl Table {
     /// The functions that are dual to these on facets.
     pub(super) fn dual(self) -> Self {
         Table { meaning: Meaning::Dual, traces: None, ..self }
+    }
+
+    /// The functions that are dual to these on facets, which are Bernstein's polynomials.
+    pub(super) fn dual_of_bernstein(self) -> Self {
+        Table { meaning: Meaning::DualOfBernstein, traces: None, ..self }
     }
 
     /// The same functions, which are Bernstein's polynomials.

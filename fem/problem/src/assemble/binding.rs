@@ -437,7 +437,8 @@ impl<'a, const D: usize> Binding<'a, D> {
     ) -> Result<usize, AssemblyError> {
         let on_facets =
             || self.read_by(requirements, arguments).filter(|(_, space)| space.facet_region().is_some());
-        let is_quadratic = |elements: &Elements| *elements == Elements::Bernstein(2);
+        let is_quadratic =
+            |elements: &Elements| matches!(elements, Elements::Bernstein(2) | Elements::DualOfBernstein);
         let Some((field, _)) = on_facets().find(|(_, space)| is_quadratic(space.elements())) else {
             return Ok(1);
         };

@@ -193,8 +193,7 @@ impl<const D: usize> BlockPattern<D> {
             let entities = search.entities(form, tests, trials, &coupling)?;
             let entities = OwnedCells::among(owned.map(|owned| &**owned), entities);
             let seen = coupling.seen_on_pairs(form, tests, trials, &entities);
-            let spaces = [&**tests[coupling.test], &**trials[coupling.trial]];
-            let across = coupling.across_opposite_facets(spaces, &entities, seen.as_ref());
+            let across = coupling.across_opposite_facets(tests, trials, &entities, seen.as_ref());
             found.push((coupling, entities, seen, across));
         }
         let mut coupled: Vec<Vec<Coupled>> = vec![vec![Coupled::default(); trials.len()]; tests.len()];

@@ -4,6 +4,7 @@
 
 pub(super) mod cut_groups;
 pub(super) mod degrees;
+pub(super) mod dual_functions;
 pub(super) mod facet_groups;
 pub(super) mod means;
 pub(super) mod own_facets;
@@ -316,7 +317,7 @@ impl Tabulated {
             gradient: entries().map(|entry| whole.gradient[entry]).collect(),
             hessian: if hessians { entries().map(|entry| whole.hessian[entry]).collect() } else { vec![] },
         };
-        match element.dual_on_facets() {
+        match facet.and_then(|local| element.dual_on_facet(usize::from(local))) {
             Some(coefficients) => combined(&traces, &coefficients),
             None => traces,
         }

@@ -109,7 +109,7 @@ impl<const D: usize> TangentIntegrals<'_, D> {
     }
 
     /// Adds a block of the matrix: left (test components × means) times right (means × trial components).
-    fn add_block(
+    pub(super) fn add_block(
         &mut self,
         (test, row, left): (usize, u32, &[f64]),
         (trial, column, right): (usize, u32, &[f64]),

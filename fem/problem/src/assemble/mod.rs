@@ -31,6 +31,7 @@ mod block_pattern;
 mod cut_bodies;
 mod cut_derivative;
 mod derived;
+mod dual_tangent;
 mod element_kernel;
 mod element_loops;
 mod error;

@@ -45,7 +45,7 @@ pub(super) fn displacing_segments<const D: usize>(
 
 /// The derivatives of the coordinates of a unit's feet by the coefficients of a space.
 #[derive(Default)]
-struct Rates<const D: usize> {
+pub(super) struct Rates<const D: usize> {
     columns: Vec<u32>,
     /// Of each column and coordinate.
     rates: Vec<[f64; D]>,
@@ -58,7 +58,7 @@ struct Rates<const D: usize> {
 type Seen = (CellShape, u8, bool);
 
 impl<const D: usize> Rates<D> {
-    fn take(&mut self, feet: &[Option<Foot<D>>], own: Facet, space: &Space<D>) {
+    pub fn take(&mut self, feet: &[Option<Foot<D>>], own: Facet, space: &Space<D>) {
         self.columns.clear();
         self.rates.clear();
         self.coordinates = feet.len() * (D - 1);
@@ -72,6 +72,11 @@ impl<const D: usize> Rates<D> {
                 std::array::from_fn(|k| slope * foot.normal[k] - value * foot.apart[axis][k])
             });
         }
+    }
+
+    /// Each node with the rates of all coordinates by its displacement.
+    pub fn by_node(&self) -> impl Iterator<Item = (u32, &[[f64; D]])> {
+        self.columns.iter().copied().zip(self.rates.chunks_exact(self.coordinates.max(1)))
     }
 
     /// The rates of one foot by the nodes of a facet, from values and gradients of their functions.
@@ -163,6 +168,7 @@ impl<const D: usize> Assembler<D> {
             let vector = &mut vector[before..][..test.unknowns()];
             let arguments = [(Role::Test(integral.test), &**test)];
             for group in groups(&binding, integral, &self.quadrature, &degrees, requirements, &arguments)? {
+                check_covers(&binding, term, &group)?;
                 let motion = self.motion(&binding, term, element);
                 motion.each_column((&group, 0), PointMotion::OfIntegrand, test, &mut |_, node, column| {
                     let entries = &mut vector[node as usize * D..][..D];
@@ -182,6 +188,23 @@ impl<const D: usize> Assembler<D> {
     ) -> Motion<'a, D> {
         Motion { binding, term, element, threads: self.threads }
     }
+}
+
+/// A check that an integrand reads no dual functions of covers that move: its derivative would hold them.
+fn check_covers<const D: usize>(
+    binding: &Binding<D>,
+    term: &Term<VectorKernel<D>>,
+    group: &Group<D>,
+) -> Result<(), AssemblyError> {
+    let Some(pairs) = group.pairs() else { return Ok(()) };
+    for slot in term.kernel.constants().requirements.fields {
+        let Values::Discrete { element, .. } = &binding.values[slot.field] else { continue };
+        if pairs.dual[*element].as_ref().is_some_and(|dual| dual.covers.has_parts()) {
+            let source = PairError::DualFunctions { field: binding.fields[slot.field].name };
+            return Err(pair_error(binding.name, &binding.regions[term.integral.region], source));
+        }
+    }
+    Ok(())
 }
 
 /// One term's segments, whose points move.
@@ -280,8 +303,8 @@ impl<const D: usize> Motion<'_, D> {
         for (unit, facets) in pairs.group.facets.iter().enumerate() {
             rates.take(pairs.group.motion.feet_of(unit, units), facets[0], space);
             let by_feet = &vectors[unit * length..][..length];
-            for (node, rates) in rates.columns.iter().zip(rates.rates.chunks_exact(rates.coordinates)) {
-                receive(unit, *node, &MotionColumn { by_feet, rates })?;
+            for (node, rates) in rates.by_node() {
+                receive(unit, node, &MotionColumn { by_feet, rates })?;
             }
         }
         Ok(())

@@ -110,6 +110,7 @@ impl<const D: usize> Assembler<D> {
         let mut asked = form.tangent().iter().filter(|term| parts.contain(term.integral.dependence));
         let done = asked.try_for_each(|term| integrals.add(term));
         let done = done.and_then(|()| integrals.add_products_of_means(form, parts));
+        let done = done.and_then(|()| integrals.add_rates_of_dual_functions(form, parts));
         if done.is_err() {
             // Some thread may have left its rows as they were.
             zeros.fill(false);

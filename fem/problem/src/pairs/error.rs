@@ -170,6 +170,15 @@ pub enum PairError {
          u); or leave out `.at(PairQuadrature::Pieces)`"
     )]
     HeldPoints,
+    /// Dual functions over moving covers where they are neither unknowns nor test functions.
+    #[error(
+        "the dual functions of `{field}` change with the cover of moving segments, and this derivative would hold them: tangents know them as unknowns \
+         and test functions. Take `Elements::Bernstein(1)`, or leave out `.at(PairQuadrature::Pieces)`"
+    )]
+    DualFunctions {
+        /// Name of the field.
+        field: &'static str,
+    },
     /// A region of pairs without surfaces.
     #[error("the region says no surfaces; give a `Pairing` (`at_pairs` evaluates derived fields there)")]
     NoPairing,

@@ -1,5 +1,6 @@
 //! Elimination of unknowns that live in one cell or facet each, around any linear solver.
 
+mod exchange;
 mod of_spaces;
 mod pencils;
 #[cfg(test)]
@@ -8,6 +9,7 @@ mod tests;
 use std::sync::Arc;
 use std::time::Instant;
 
+use exchange::{Exchange, groups_after_exchange};
 #[doc(hidden)]
 pub use of_spaces::groups_of;
 pub(in crate::solve) use pencils::LeftPencil;
@@ -25,10 +27,12 @@ use crate::threads::Threads;
 
 /// Part of its terms by which an equation is off after rounding alone.
 const ROUNDING: f64 = 1e-15;
+/// Differences of partners up to which a matrix counts as symmetric.
+const SYMMETRY: f64 = 1e-10;
 /// Most steps of refinement to that; elimination loses digits where a group is much softer than what it is coupled with.
 const REFINEMENTS: usize = 3;
 
-/// Eliminates unknowns that live in one cell or facet each, as pressures of degree 0, enhanced strains or latent variables, and solves
+/// Eliminates unknowns that live in one cell or facet each, as pressures of degree 0, enhanced strains or latent variables, and dual multipliers, and solves
 /// what is left with another solver; a [`TangentSolver`] unless another is given. [`Problem`](super::Problem) uses it by default.
 ///
 /// Elimination is exact: solutions are refined until each equation of the whole system holds, and are those of the whole system. What is left of a nearly
@@ -77,6 +81,7 @@ pub struct LocalUnknowns<S = TangentSolver> {
 struct Current {
     matrix: CsrMatrix,
     blocks: Eliminated,
+    exchange: Option<Exchange>,
 }
 
 impl LocalUnknowns {
@@ -118,8 +123,12 @@ impl<S: LinearSolver> LocalUnknowns<S> {
         self.threads.unwrap_or_else(Threads::all)
     }
 
-    /// Schur complement of a matrix, and the groups' blocks; none if nothing is eliminated.
-    fn eliminate(&mut self, matrix: &CsrMatrix) -> Result<Option<(CsrMatrix, Eliminated)>, SolverError> {
+    /// Schur complement of a matrix, and its groups' blocks; none if nothing is eliminated.
+    fn eliminate(
+        &mut self,
+        matrix: &CsrMatrix,
+        groups: &Groups,
+    ) -> Result<Option<(CsrMatrix, Eliminated)>, SolverError> {
         let is_whole = |pattern: &Arc<SparsityPattern>| {
             Arc::ptr_eq(pattern, matrix.pattern()) || **pattern == **matrix.pattern()
         };
@@ -129,7 +138,7 @@ impl<S: LinearSolver> LocalUnknowns<S> {
         let mut elimination = match self.elimination.take() {
             Some(known) if known.fits(matrix) => Some(known),
             _ => {
-                let (found, counts) = BlockElimination::new(matrix.pattern(), &self.groups)?;
+                let (found, counts) = BlockElimination::new(matrix.pattern(), groups)?;
                 self.counts = Some(counts);
                 found
             }
@@ -170,17 +179,20 @@ impl<S: LinearSolver> LocalUnknowns<S> {
     ) -> Result<LinearSolution, SolverError> {
         let threads = self.threads();
         let LocalUnknowns { solver, elimination, current, .. } = self;
-        let (Some(elimination), Some(Current { matrix, blocks })) = (elimination, current) else {
+        let (Some(elimination), Some(Current { matrix, blocks, exchange })) = (elimination, current) else {
             return Err(SolverError::NoMatrix);
         };
         check_size("the right-hand side", matrix.rows(), b.len())?;
         crate::linear_algebra::error::check_finite("the right-hand side", b)?;
         let mut iterations = 0;
         let mut solve = |b: &[f64], tolerance: f64| -> Result<Vec<f64>, SolverError> {
+            let exchanged = exchange.as_ref().map(|exchange| exchange.right_hand_side(b, transpose));
+            let b = exchanged.as_deref().unwrap_or(b);
             let reduced = elimination.reduce(blocks, b, transpose)?;
             let found = solver.solve_with(&reduced, tolerance, transpose)?;
             iterations += found.iterations;
-            Ok(elimination.recover(blocks, b, &found.solution, transpose)?)
+            let whole = elimination.recover(blocks, b, &found.solution, transpose)?;
+            Ok(exchange.as_ref().map(|exchange| exchange.solution(&whole, transpose)).unwrap_or(whole))
         };
         let side = Side::of(matrix, transpose);
         let x = solve(b, absolute_tolerance)?;
@@ -235,11 +247,26 @@ impl<S: LinearSolver> LinearSolver for LocalUnknowns<S> {
         check_size("the set of columns of a square matrix", matrix.rows(), matrix.columns())?;
         matrix.check_finite()?;
         let start = Instant::now();
-        let found = self.eliminate(&matrix);
+        let exchange = match self.groups.multipliers() {
+            [] => None,
+            // What is symmetric stays so.
+            _ if matrix.is_symmetric(SYMMETRY)? => None,
+            _ => Exchange::new(&matrix, &self.groups),
+        };
+        let found = match &exchange {
+            Some(exchange) => {
+                let groups = groups_after_exchange(&self.groups);
+                exchange
+                    .matrix(&matrix)
+                    .map_err(SolverError::from)
+                    .and_then(|matrix| self.eliminate(&matrix, &groups))
+            }
+            None => self.eliminate(&matrix, &self.groups.clone()),
+        };
         self.seconds += start.elapsed().as_secs_f64();
         let Some((left, blocks)) = found? else { return self.set_whole(matrix) };
         match self.solver.set_matrix(left) {
-            Ok(()) => self.current = Some(Current { matrix, blocks }),
+            Ok(()) => self.current = Some(Current { matrix, blocks, exchange }),
             // An error of the whole matrix names its own unknowns.
             Err(error) if error.is_for_lu() => return self.set_whole(matrix),
             Err(error) => return Err(error),

@@ -135,7 +135,7 @@ fn check_scope<const D: usize>(
         |reason| Err(SpaceError::Scope { elements: elements.clone(), scope: scope.clone(), reason });
     let all = |condition: &dyn Fn(&Element) -> bool| on_shapes.values().all(condition);
     let is_lagrange = all(&|element| element.as_lagrange().is_some());
-    if matches!(elements, Elements::Dual | Elements::Bernstein(_)) && scope.facet_region().is_none() {
+    if (elements.is_dual() || matches!(elements, Elements::Bernstein(_))) && scope.facet_region().is_none() {
         return refused("dual functions and Bernstein's are those of facets");
     }
     if matches!(elements, Elements::Points(_)) != (*scope.sharing() == Scope::Point) {

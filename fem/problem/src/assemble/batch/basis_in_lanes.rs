@@ -42,25 +42,38 @@ impl<L, const D: usize> Default for LaneBasis<L, D> {
 }
 
 impl LaneElement {
-    /// All functions of an element, or those of some nodes.
-    pub(crate) fn new(element: &Element, nodes: Option<&[usize]>) -> Self {
+    /// All functions of an element, or those of the nodes on a facet.
+    pub(crate) fn new(element: &Element, facet: Option<usize>) -> Self {
+        let kept = facet.map(|local| element.facet_nodes(local));
+        let nodes = kept.as_deref();
         match element.as_table() {
             Some(table) => {
                 let all: Vec<usize> = (0..element.nodes()).collect();
                 let mut monomials = Monomials::new(table, nodes.unwrap_or(&all));
-                if let (Some(coefficients), Some(_)) = (element.dual_on_facets(), nodes) {
+                if let Some(coefficients) = facet.and_then(|local| element.dual_on_facet(local)) {
                     monomials.combine(&coefficients);
                 }
                 let monomials = Some(monomials);
-                LaneElement { degree: 0, simplex: false, steps: vec![], monomials }
+                LaneElement { monomials, ..Self::without_functions() }
             }
             None => Self::lagrange(element.as_lagrange().as_ref(), nodes),
         }
     }
 
+    /// No function, as of a space on facets inside of a cell.
+    pub(crate) fn without_functions() -> Self {
+        LaneElement { degree: 0, simplex: false, steps: vec![], monomials: None }
+    }
+
+    /// Functions of some nodes, those to which dual functions are dual in the place of these.
+    pub(crate) fn before_duality(element: &Element, nodes: &[usize]) -> Self {
+        let monomials = element.as_table().map(|table| Monomials::new(table, nodes));
+        LaneElement { monomials, ..Self::without_functions() }
+    }
+
     fn lagrange(element: Option<&Lagrange>, nodes: Option<&[usize]>) -> Self {
         let Some(element) = element else {
-            return LaneElement { degree: 0, simplex: false, steps: vec![], monomials: None };
+            return Self::without_functions();
         };
         let simplex = element.shape.is_simplex();
         let steps_of = |node: &[u8; 3]| {
@@ -225,7 +238,7 @@ mod tests {
             }
             if degree > 0 {
                 let facet = element.facet_nodes(1);
-                let on_facet = LaneElement::new(&Element::Lagrange(element), Some(&facet));
+                let on_facet = LaneElement::new(&Element::Lagrange(element), Some(1));
                 on_facet.evaluate::<f64, 1, D>(&point, &mut basis);
                 assert!(basis.hessian.is_empty());
                 for (place, node) in facet.iter().enumerate() {

@@ -31,7 +31,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
             places[lane] += D;
         }
         let [weight] = L::gather_with_slopes::<1>(&cut.points, &cut.slopes, &places);
-        let this = self.facet_point(requirements, 0, &reference, (&cut.geometry, &cut.elements), None);
+        let this = self.facet_point(requirements, 0, &reference, (&cut.geometry, &cut.elements), None, &[]);
         let side = &self.buffers.sides[0];
         let (determinant, inverse) = (side.determinant, side.inverse);
         let geometry = &mut self.buffers.geometry;

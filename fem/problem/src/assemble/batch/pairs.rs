@@ -1,8 +1,9 @@
 //! The points of contact pairs: each lane has its own on both sides, so that basis functions are evaluated in lanes and
 //! not read from tables.
 
-// Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
-#![allow(clippy::needless_range_loop)]
+// Closures and iterator adaptors do not inherit a caller's target features, and copies of slices may become calls:
+// loops over lane values are plain.
+#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
 use forms_core::contract::{OppositePoint, PointGeometry, Requirements};
 
@@ -11,6 +12,7 @@ use super::cell_map::{curvature, inverse_transposed, shape_operator, surface, ta
 use super::side::{SideBuffers, SideTables};
 use crate::assemble::AssemblyError;
 use crate::assemble::batch::basis_in_lanes::{LaneBasis, LaneElement};
+use crate::assemble::groups::dual_functions::{DualFunctions, MOST_FUNCTIONS};
 use crate::assemble::groups::pair_groups::PairTables;
 use crate::lanes::{SimdLane, WIDEST};
 use crate::pairs::PairGroup;
@@ -80,8 +82,8 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
             Some(L::gather::<D>(normals, &later))
         };
         let lanes = [0, 1].map(|side: usize| (&pairs.geometry[side], &pairs.elements[side][..]));
-        let this = self.facet_point(requirements, 0, &own, lanes[0], None);
-        let other = self.facet_point(requirements, 1, &opposite, lanes[1], rigid);
+        let this = self.facet_point(requirements, 0, &own, lanes[0], None, &pairs.dual);
+        let other = self.facet_point(requirements, 1, &opposite, lanes[1], rigid, &[]);
         self.buffers.geometry = PointGeometry {
             weight: weight * this.element,
             position: this.position,
@@ -99,6 +101,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
     }
 
     /// Geometry and basis functions on one side, by the map's and the other elements' functions; the normal of a rigid surface is none of its cell's facets'.
+    /// Of each element, there may be dual functions of the units' covers.
     #[inline(always)]
     pub(super) fn facet_point(
         &mut self,
@@ -107,10 +110,12 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         reference: &[L; D],
         (of_map, elements): (&LaneElement, &[LaneElement]),
         rigid_normal: Option<[L; D]>,
+        dual: &[Option<DualFunctions>],
     ) -> FacetPoint<L, D> {
         let zero = L::splat(0.0);
         let read = [requirements.position, requirements.opposite_position][side];
         let placed = read || self.reads_functions(requirements) || self.tables[side].group.centre.is_some();
+        let (start, last) = (self.start, self.filled - 1);
         let reads = &self.buffers.reads[side];
         let PairBuffers { geometry, basis } = &mut self.buffers.pairs;
         let (tables, buffers) = (&self.tables[side], &mut self.buffers.sides[side]);
@@ -194,6 +199,13 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
             }
             let order = if reads.hessian { 2 } else { usize::from(reads.gradient) };
             evaluate(&elements[index], reference, order, basis);
+            if let Some(Some(dual)) = dual.get(index) {
+                let mut units = [0; WIDEST];
+                for lane in 0..L::WIDTH {
+                    units[lane] = start + lane.min(last);
+                }
+                combine(basis, dual, &units);
+            }
             take_basis(buffers, tables, index, basis, &point.normal);
             if reads.hessian {
                 take_hessians(buffers, tables, index, basis, geometry);
@@ -215,6 +227,39 @@ fn evaluate<L: SimdLane, const D: usize>(
         0 => element.evaluate::<L, 0, D>(point, basis),
         1 => element.evaluate::<L, 1, D>(point, basis),
         _ => element.evaluate::<L, 2, D>(point, basis),
+    }
+}
+
+/// Dual functions of the units' covers in the place of those to which they are dual.
+#[inline(always)]
+fn combine<L: SimdLane, const D: usize>(
+    basis: &mut LaneBasis<L, D>,
+    dual: &DualFunctions,
+    units: &[usize; WIDEST],
+) {
+    let (zero, count) = (L::splat(0.0), basis.value.len());
+    let mut values = [zero; MOST_FUNCTIONS];
+    let mut gradients = [[zero; D]; MOST_FUNCTIONS];
+    let mut places = [0; WIDEST];
+    for i in 0..count {
+        for j in 0..count {
+            for lane in 0..L::WIDTH {
+                places[lane] = (units[lane] * count + i) * count + j;
+            }
+            let [factor] = L::gather::<1>(&dual.matrices, &places);
+            values[i] = factor.multiply_add(basis.value[j], values[i]);
+            if basis.gradient.len() == count {
+                for axis in 0..D {
+                    gradients[i][axis] = factor.multiply_add(basis.gradient[j][axis], gradients[i][axis]);
+                }
+            }
+        }
+    }
+    for i in 0..count {
+        basis.value[i] = values[i];
+    }
+    for i in 0..basis.gradient.len() {
+        basis.gradient[i] = gradients[i];
     }
 }
 

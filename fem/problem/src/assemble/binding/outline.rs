@@ -177,16 +177,21 @@ impl Coupling {
         }))
     }
 
-    /// The test and trial nodes that means couple across the opposite facets of each own facet; the facets are sorted. None for other
+    /// The test and trial nodes that means and dual functions couple across the opposite facets of each own facet; the facets are sorted. None for other
     /// couplings: where one of the functions lives at the own facet, each pair of facets has all.
     pub fn across_opposite_facets<const D: usize>(
         &self,
-        spaces: [&Space<D>; 2],
+        tests: &[&Arc<Space<D>>],
+        trials: &[&Arc<Space<D>>],
         entities: &Entities,
         seen: Option<&[SeenAtFacets; 2]>,
     ) -> Vec<[Vec<u32>; 2]> {
         let mut all = Vec::new();
-        if !self.of_means || self.sides != [Side::Other; 2] {
+        let spaces = [tests[self.test], trials[self.trial]];
+        // Dual functions change with the whole cover of their facet.
+        let is_dual = |space: &&Arc<Space<D>>| space.elements().is_dual();
+        let of_covers = self.displacement.is_some() && tests.iter().chain(trials).any(is_dual);
+        if !(self.of_means || of_covers) || self.sides != [Side::Other; 2] {
             return all;
         }
         let mut start = 0;

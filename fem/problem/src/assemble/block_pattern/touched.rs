@@ -122,8 +122,7 @@ impl<const D: usize> BlockPattern<D> {
                 };
                 mark(row_nodes, column_nodes)?;
             }
-            for [rows, columns] in
-                coupling.across_opposite_facets([rows, columns_of], &entities, seen.as_ref())
+            for [rows, columns] in coupling.across_opposite_facets(&tests, &trials, &entities, seen.as_ref())
             {
                 mark(&rows, &columns)?;
             }

@@ -317,9 +317,11 @@ fn groups_of_pieces<const D: usize>(
         side.products.fill_with(|| None);
         let elements = binding.elements.iter().map(|element| {
             let own = &element.elements[shape];
-            let kept = local.map(|local| own.facet_nodes(usize::from(local))).unwrap_or_default();
-            let kept = (element.on_facets && element.degree > 0).then_some(&kept[..]);
-            LaneElement::new(own, kept)
+            match (element.on_facets && element.degree > 0, local) {
+                (true, Some(local)) => LaneElement::new(own, Some(usize::from(local))),
+                (true, None) => LaneElement::without_functions(),
+                (false, _) => LaneElement::new(own, None),
+            }
         });
         let geometry = LaneElement::new(&Element::Lagrange(mesh.element_of(shape)), None);
         let (slopes, elements) = (vec![], elements.collect());

@@ -94,6 +94,7 @@ pub(in crate::assemble) fn groups_with_means<const D: usize>(
                     group: weighted(&pairs.group, means.degree, weight),
                     geometry: pairs.geometry.clone(),
                     elements: pairs.elements.clone(),
+                    dual: pairs.dual.clone(),
                 })),
                 means: Some(UnitMeans {
                     weight,

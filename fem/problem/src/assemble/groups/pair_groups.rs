@@ -6,10 +6,11 @@ use std::sync::Arc;
 
 use forms_core::contract::{Integral, Pairing, Requirements};
 
+use super::dual_functions::{Covers, DualFunctions};
 use super::means::FurtherTables;
 use super::{Group, GroupSide, OwnPoints, Places};
 use crate::assemble::batch::basis_in_lanes::LaneElement;
-use crate::assemble::binding::{Binding, pair_error};
+use crate::assemble::binding::{Binding, Tabulated, pair_error};
 use crate::assemble::{Assembler, AssemblyError};
 use crate::element::{CellShape, Element};
 use crate::field::{Field, FieldView};
@@ -28,6 +29,8 @@ pub(in crate::assemble) struct PairTables<const D: usize> {
     pub geometry: [LaneElement; 2],
     /// The binding's elements on each side; of a space on facets, the traces that do not vanish.
     pub elements: [Vec<LaneElement>; 2],
+    /// Of each element, the dual functions of the units' covers; none of other elements.
+    pub dual: Vec<Option<DualFunctions>>,
 }
 
 /// Unknowns whose spaces are all that is needed.
@@ -73,6 +76,13 @@ pub(in crate::assemble) fn groups_of<const D: usize>(
     let form = binding.name;
     // Second derivatives are evaluated in lanes.
     let further = FurtherTables { means: requirements.reads_means(), ..FurtherTables::default() };
+    let is_dual = |element: &&Tabulated| {
+        let mut elements = pairs.groups.iter().map(|group| &element.elements[group.sides[0].0]);
+        element.on_facets && elements.any(Element::is_dual)
+    };
+    let covers_of =
+        |element| Some(element).filter(is_dual).map(|element| Arc::new(Covers::new(pairs, element)));
+    let covers: Vec<Option<Arc<Covers>>> = binding.elements.iter().map(covers_of).collect();
     let mut groups = Vec::new();
     // Groups that differ by the number of points have the same tables.
     let mut known: HashMap<(usize, CellShape, u8), GroupSide<D>> = HashMap::new();
@@ -101,19 +111,32 @@ pub(in crate::assemble) fn groups_of<const D: usize>(
             sides.push(GroupSide { cells, ..made.clone() });
             known.insert((side, shape, local), made);
         }
-        let elements = group.sides.map(|(shape, local)| {
-            let in_lanes = |element: &crate::assemble::binding::Tabulated| {
-                let own = &element.elements[shape];
-                let kept = own.facet_nodes(usize::from(local));
-                let kept = (element.on_facets && element.degree > 0).then_some(&kept[..]);
-                LaneElement::new(own, kept)
-            };
-            binding.elements.iter().map(in_lanes).collect()
-        });
+        let in_lanes = |element: &Tabulated, (shape, local): (CellShape, u8), of_cover: bool| {
+            let own = &element.elements[shape];
+            let facet = (element.on_facets && element.degree > 0).then_some(usize::from(local));
+            match facet.filter(|_| of_cover) {
+                Some(local) => LaneElement::before_duality(own, &own.facet_nodes(local)),
+                None => LaneElement::new(own, facet),
+            }
+        };
+        let [own, opposite] = group.sides;
+        let elements = [
+            binding
+                .elements
+                .iter()
+                .zip(&covers)
+                .map(|(e, cover)| in_lanes(e, own, cover.is_some()))
+                .collect(),
+            binding.elements.iter().map(|element| in_lanes(element, opposite, false)).collect(),
+        ];
+        let of_units = |covers: &Option<Arc<Covers>>| {
+            covers.as_ref().map(|covers| DualFunctions::of_units(covers, &group))
+        };
+        let dual = covers.iter().map(of_units).collect();
         let geometry =
             group.sides.map(|(shape, _)| LaneElement::new(&Element::Lagrange(mesh.element_of(shape)), None));
         let weights = vec![0.0; group.count];
-        let tables = PairTables { group, geometry, elements };
+        let tables = PairTables { group, geometry, elements, dual };
         groups.push(Group {
             place: place.to_owned(),
             sides,
