@@ -102,6 +102,18 @@ fn known_pressures_are_met_with_order_two() {
     }
 }
 
+/// Pages write formulations with a capital letter.
+#[test]
+fn names_are_found_in_small_and_capital_letters() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let asked =
+        ["--problems", "Hertz", "--formulations", "Nitsche θ = -1", "--degrees", "1", "--levels", "1"];
+    let rows = run(&asked, directory.path());
+    let names: Vec<_> = rows.iter().map(|row| (text(row, "problem"), text(row, "formulation"))).collect();
+    let expected = ["nitsche θ = -1", "nitsche θ = -1, unbiased"].map(|name| ("hertz".to_owned(), name.to_owned()));
+    assert_eq!(names, expected);
+}
+
 #[test]
 fn a_name_that_does_not_exist_is_refused_with_those_that_do() {
     let asked = ["--problems", "hertzz"];
