@@ -110,7 +110,8 @@ fn names_are_found_in_small_and_capital_letters() {
         ["--problems", "Hertz", "--formulations", "Nitsche θ = -1", "--degrees", "1", "--levels", "1"];
     let rows = run(&asked, directory.path());
     let names: Vec<_> = rows.iter().map(|row| (text(row, "problem"), text(row, "formulation"))).collect();
-    let expected = ["nitsche θ = -1", "nitsche θ = -1, unbiased"].map(|name| ("hertz".to_owned(), name.to_owned()));
+    let expected =
+        ["nitsche θ = -1", "nitsche θ = -1, unbiased"].map(|name| ("hertz".to_owned(), name.to_owned()));
     assert_eq!(names, expected);
 }
 
