@@ -163,9 +163,8 @@ impl Uzawa {
     where
         Dim: Dimension<D>,
     {
-        let (omega, touch, assembler) =
-            (bodies.omega(), bodies.touch(Sides::OwnWholeFacets), assembler(&bodies.space));
-        let (pairing, rule) = (bodies.pairing(Sides::OwnWholeFacets), rule(&bodies.space));
+        let (sides, assembler, omega) = (Sides::OwnWholeFacets, assembler(&bodies.space), bodies.omega());
+        let (pairing, touch, rule) = (bodies.pairing(sides), bodies.touch(sides), rule(&bodies.space));
         let multiplier = assembler.history_on_pairs(&pairing, rule, [0.0; D])?;
         bodies.follow_by(100.0, [Field::zero(&bodies.space)], |data, load, fields| {
             let data = rough::data_from(data).multiplier(multiplier.clone());
@@ -173,8 +172,8 @@ impl Uzawa {
             let solve =
                 |[u]: &[Field<D>; 1]| bodies.problem(&form, load).assembler(&assembler).start(u).solve();
             let update = |[u]: &[Field<D>; 1]| {
-                let traction = rough::traction(&data, u);
-                change((&assembler, &multiplier), || assembler.update_history(&traction, &multiplier))
+                let update = || assembler.update_history(&rough::traction(&data, u), &multiplier);
+                change((&assembler, &multiplier), update)
             };
             let (solved, newton) = iterate(solve, fields.clone(), update, bodies.pressure)?;
             Ok(SolvedLoad { traction: bodies.traction_of_forces(&solved)?, solved, newton })
