@@ -168,7 +168,7 @@ impl Rubber {
         })
     }
 
-    /// The path of a displacement and further fields, each state of which is solved from the one before.
+    /// The path of a displacement and further fields: each state is solved from the one before.
     ///
     /// # Errors
     /// No first step.

@@ -155,8 +155,7 @@ impl Sliding {
         Assembler::new(self.space.mesh()).with_quadrature(rule)
     }
 
-    /// The path of a displacement and further fields, each step of which is solved from the fields after the last one, with the Newton steps of each
-    /// problem.
+    /// The path of a displacement and further fields: each step is solved from the fields after the last one, with the Newton steps of each problem.
     ///
     /// # Errors
     /// A step that is not solved.

@@ -247,7 +247,7 @@ where
         gap_of_bodies(&self.materials(), &self.touch(Sides::Own))
     }
 
-    /// The path of a displacement and further fields, each load of which is solved from the fields after the last one.
+    /// The path of a displacement and further fields: each load is solved from the fields after the last one.
     ///
     /// # Errors
     /// A load that is not solved.
