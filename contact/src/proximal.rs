@@ -1,4 +1,5 @@
-//! Proximal point iteration: inequality constraints by a sequence of smooth problems in a displacement u and a latent variable ψ.
+//! Proximal point iteration: inequality constraints by a sequence of smooth problems in a displacement u, further fields, if any, and a latent
+//! variable ψ.
 //!
 //! Each problem minimises the energy plus 1/α_k times a distance from the last state. The constraint's slack is e^ψ, which is positive
 //! (Keith and Surowiec 2024; Dokken, Farrell, Keith, Papadopoulos and Surowiec 2025). The multiplier is (ψ_{k−1} − ψ_k)/α_k.
@@ -66,9 +67,9 @@ impl fmt::Display for ProximalHistory {
 
 /// A solution by the proximal point iteration.
 #[derive(Clone, Debug)]
-pub struct ProximalSolution<const D: usize> {
-    /// u and ψ, with the history of the last of Newton's solves.
-    pub solved: Solved<D, 2>,
+pub struct ProximalSolution<const D: usize, const N: usize = 2> {
+    /// All fields, u in front and ψ at the end, with the history of the last of Newton's solves.
+    pub solved: Solved<D, N>,
     /// (ψ_{k−1} − ψ_k)/α_k of the last iteration, in the space of ψ: the pressure or the force per area of the constraint.
     pub multiplier: Field<D>,
     /// The iterations.
@@ -108,20 +109,20 @@ pub enum ProximalError {
 
 /// One problem of the sequence.
 #[derive(Clone, Copy, Debug)]
-pub struct Proximal<'a, const D: usize> {
+pub struct Proximal<'a, const D: usize, const N: usize = 2> {
     /// α_k.
     pub alpha: f64,
-    /// u and ψ of the last problem, where Newton's method begins.
-    pub before: &'a [Field<D>; 2],
+    /// All fields of the last problem, u in front and ψ at the end, where Newton's method begins.
+    pub before: &'a [Field<D>; N],
 }
 
-impl<'a, const D: usize> Proximal<'a, D> {
+impl<'a, const D: usize, const N: usize> Proximal<'a, D, N> {
     /// ψ_k of the last problem.
     pub fn latent(&self) -> &'a Field<D> {
-        &self.before[1]
+        &self.before[N - 1]
     }
 
-    /// The problem of a law whose data have this α, on the spaces of u and ψ.
+    /// The problem of a law whose data have this α, on the spaces of all fields.
     ///
     /// # Errors
     /// A parameter of the law out of its range.
@@ -129,25 +130,25 @@ impl<'a, const D: usize> Proximal<'a, D> {
         &self,
         law: &impl ParameterRanges,
         direct: &Form<D>,
-        spaces: [&Arc<Space<D>>; 2],
-    ) -> Result<Problem<'a, D, 2>, AssemblyError> {
+        spaces: [&Arc<Space<D>>; N],
+    ) -> Result<Problem<'a, D, N>, AssemblyError> {
         law.check(direct.name())?;
-        Ok(Problem::new(direct, spaces).start([&self.before[0], &self.before[1]]))
+        Ok(Problem::new(direct, spaces).start(self.before))
     }
 }
 
-/// The proximal point iteration from u and ψ. `solve` solves one problem of it, that of a law of its kind, as
+/// The proximal point iteration from u, further fields, if any, and ψ. `solve` solves one problem of it, that of a law of its kind, as
 /// [`proximal_membrane`](mod@crate::laws::proximal_membrane) or [`proximal_obstacle`](mod@crate::laws::proximal_obstacle), at [`Proximal::alpha`] and
 /// [`Proximal::latent`].
 ///
 /// # Errors
 /// [`ProximalError`].
-pub fn solve_by_proximal_points<const D: usize, E: Into<Box<dyn Error + Send + Sync>>>(
-    start: [Field<D>; 2],
+pub fn solve_by_proximal_points<const D: usize, const N: usize, E: Into<Box<dyn Error + Send + Sync>>>(
+    start: [Field<D>; N],
     options: ProximalOptions,
-    mut solve: impl FnMut(Proximal<'_, D>) -> Result<Solved<D, 2>, E>,
+    mut solve: impl FnMut(Proximal<'_, D, N>) -> Result<Solved<D, N>, E>,
     mut progress: impl FnMut(&ProximalHistory),
-) -> Result<ProximalSolution<D>, ProximalError>
+) -> Result<ProximalSolution<D, N>, ProximalError>
 where
     Dim: Dimension<D>,
 {
@@ -166,14 +167,14 @@ where
             source: source.into(),
             history: history.clone(),
         })?;
-        let [u, latent] = &solved.fields;
+        let (u, latent) = (&solved.fields[0], &solved.fields[N - 1]);
         let moved = Field::combination(&[(1.0, u), (-1.0, &before[0])]).map_err(AssemblyError::other)?;
         let (moved, size) = (norms::norms(&assembler, &moved)?.h1, norms::norms(&assembler, u)?.h1);
         let change = if size > 0.0 { moved / size } else { moved };
         history.steps.push(ProximalStep { alpha, change, newton_steps: solved.iterations() });
         progress(&history);
         if change <= tolerance {
-            let multiplier = Field::combination(&[(1.0 / alpha, &before[1]), (-1.0 / alpha, latent)])
+            let multiplier = Field::combination(&[(1.0 / alpha, &before[N - 1]), (-1.0 / alpha, latent)])
                 .map_err(AssemblyError::other)?;
             return Ok(ProximalSolution { solved, multiplier, history });
         }

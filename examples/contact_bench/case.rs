@@ -4,6 +4,7 @@ use forms_fem::contract::PairQuadrature;
 use forms_fem::prelude::*;
 
 use crate::body;
+use crate::cut_body::CutBody;
 use crate::outcome::{Pressures, Refusal};
 
 /// The degree of quadrature at which pressures and gaps are measured.
@@ -47,6 +48,8 @@ pub struct Case {
     pub data: body::Data<2>,
     /// Name of the loaded boundary.
     pub loaded: String,
+    /// The body, where it is cut from the mesh; its surface is in the cells of the name in `contact`.
+    pub cut: Option<CutBody>,
     /// The obstacle or the surfaces that may touch.
     pub contact: Contact,
     /// Start of Newton's method; zero without one.
@@ -85,7 +88,9 @@ impl Case {
 
     /// The assembler with that rule.
     pub fn assembler(&self) -> Assembler<2> {
-        Assembler::new(self.mesh()).with_quadrature(Quadrature::Degree(self.rule()))
+        let whole = || Assembler::new(self.mesh());
+        let assembler = self.cut.as_ref().map_or_else(whole, |body| body.assembler.clone());
+        assembler.with_quadrature(Quadrature::Degree(self.rule()))
     }
 
     /// The own surface.
@@ -126,10 +131,13 @@ impl Case {
     /// The problem of a contact form in the displacement.
     pub fn problem<'a>(&'a self, contact: &Form<2>) -> Problem<'a, 2> {
         let gap = match self.contact {
-            Contact::Obstacle(_) => body::gap_to_obstacle(&self.data, &self.surface()),
-            Contact::Bodies(_) => body::gap_of_bodies(&self.data, &self.touch(Sides::Own)),
+            // Points inside of cells are not printed.
+            Contact::Obstacle(_) if self.cut.is_some() => None,
+            Contact::Obstacle(_) => Some(body::gap_to_obstacle(&self.data, &self.surface())),
+            Contact::Bodies(_) => Some(body::gap_of_bodies(&self.data, &self.touch(Sides::Own))),
         };
-        let problem = Problem::new(&(&self.balance() + contact), &self.space).observe(&gap);
+        let problem = Problem::new(&(&self.balance() + contact), &self.space);
+        let problem = gap.iter().fold(problem, |problem, gap| problem.observe(gap));
         let problem =
             problem.constrained(&self.constraints).assembler(self.assembler()).options(Self::options());
         self.start.iter().fold(problem, |problem, start| problem.start(start))
@@ -168,6 +176,9 @@ impl Case {
 
     /// A scalar on the own surface or at its pairs.
     fn measured(&self, scalar: &Expression<2>) -> Result<forms_fem::assemble::PointValues<2>, AssemblyError> {
+        if let Some(body) = &self.cut {
+            return body.at_surface(scalar);
+        }
         let assembler = Assembler::new(self.mesh());
         match &self.contact {
             Contact::Obstacle(own) => assembler.at_quadrature_points(scalar, Entity::Facets, own, MEASURED),

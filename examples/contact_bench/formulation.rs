@@ -8,10 +8,24 @@ use crate::rubber::{Pressed, Rubber};
 use crate::sliding::{Slid, Sliding};
 use crate::two_bodies::{AfterLoad, TwoBodies};
 
+/// The mesh of bodies that touch a rigid obstacle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meshing {
+    /// It fits the body.
+    Fitted,
+    /// The body is cut from it by a level set function.
+    Cut,
+}
+
 /// A formulation of contact.
 pub trait Formulation: Sync {
     /// Its name in tables, with its parameters.
     fn name(&self) -> String;
+
+    /// The mesh that it gets.
+    fn meshing(&self) -> Meshing {
+        Meshing::Fitted
+    }
 
     /// The solution of a case.
     ///

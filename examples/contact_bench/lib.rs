@@ -8,6 +8,7 @@
 pub mod balance;
 pub mod body;
 pub mod case;
+pub mod cut_body;
 pub mod filled;
 pub mod formulation;
 pub mod gradient;
@@ -28,8 +29,9 @@ pub mod table;
 pub mod two_bodies;
 
 pub use case::{Case, Contact, Sides};
+pub use cut_body::CutBody;
 pub use filled::{Filled, Step};
-pub use formulation::Formulation;
+pub use formulation::{Formulation, Meshing};
 pub use membrane::{Membrane, volume};
 pub use outcome::{Outcome, Pressures, Refusal};
 pub use posed::Posed;

@@ -4,7 +4,7 @@ use forms_fem::output::Failure;
 
 use crate::balance::balance;
 use crate::case::Case;
-use crate::formulation::Formulation;
+use crate::formulation::{Formulation, Meshing};
 use crate::gradient::{Gradient, gradient};
 use crate::outcome::{Outcome, Refusal, not_defined};
 use crate::problem::Problem;
@@ -45,7 +45,15 @@ impl<P: Problem> Posed for P {
         level: usize,
         degree: usize,
     ) -> Result<(usize, Answer), Failure> {
-        let (case, further) = (self.case(level, degree)?, self.further_cases(level, degree)?);
+        let (case, further) = match formulation.meshing() {
+            Meshing::Fitted => (self.case(level, degree)?, self.further_cases(level, degree)?),
+            Meshing::Cut => match self.cut_case(level, degree)? {
+                Some(case) => (case, vec![]),
+                None => {
+                    return Ok((0, Answer::NotDefined("no cut body is given for the problem".to_owned())));
+                }
+            },
+        };
         let answer = Answer::timed(
             || solve_all(formulation, &case, &further),
             |found, seconds| {

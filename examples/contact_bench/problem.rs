@@ -30,6 +30,14 @@ pub trait Problem: Sync {
     /// A mesh or conditions that cannot be made.
     fn case(&self, level: usize, degree: usize) -> Result<Case, Failure>;
 
+    /// The same problem of a body that is cut from a mesh by a level set function, if there is one.
+    ///
+    /// # Errors
+    /// As [`Problem::case`].
+    fn cut_case(&self, _level: usize, _degree: usize) -> Result<Option<Case>, Failure> {
+        Ok(None)
+    }
+
     /// The known pressure at a place of the own surface, for a resultant of the pressure.
     fn exact_pressure(&self, _place: [f64; 2], _force: f64) -> Option<f64> {
         None

@@ -118,6 +118,13 @@ impl Measured {
         Measured { newton: steps.sum(), worst_newton, ..Measured::default() }
     }
 
+    /// The Newton steps of loads, with the number of problems where a load is more than one.
+    pub fn of_loads<'a>(loads: impl Iterator<Item = &'a [usize]> + Clone) -> Measured {
+        let steps = loads.clone().flatten().copied();
+        let (problems, loads) = (steps.clone().count(), loads.count());
+        Measured { outer: (problems > loads).then_some(problems), ..Measured::of_newton(steps) }
+    }
+
     /// With the pressures along the contact, compared with the known ones, where they are known at all points.
     pub fn compared(
         mut self,

@@ -73,8 +73,8 @@ pub struct Sliding {
 pub struct Slid {
     /// The force on the boundary that is moved.
     pub force: [f64; 2],
-    /// Newton steps.
-    pub newton: usize,
+    /// Newton steps of each problem that was solved for the step.
+    pub newton: Vec<usize>,
 }
 
 impl Sliding {
@@ -83,15 +83,20 @@ impl Sliding {
         Omega::on("all")
     }
 
-    /// The pairs as a region: on segments that face one opposite facet, or at points of whole facets.
-    pub fn touch(&self, sides: Sides) -> Touch {
+    /// The pairs: on segments that face one opposite facet, or at points of whole facets.
+    pub fn pairing(&self, sides: Sides) -> Pairing {
         let [own, opposite] = self.surfaces;
         let pairing = match sides {
             Sides::Both => Pairing::between(own, opposite).at(PairQuadrature::Pieces),
             Sides::Own => Pairing::onto(own, opposite).at(PairQuadrature::Pieces),
             Sides::OwnWholeFacets => Pairing::onto(own, opposite).at(PairQuadrature::WholeFacets),
         };
-        Touch::on(pairing.within_reach(10.0 * self.approach))
+        pairing.within_reach(10.0 * self.approach)
+    }
+
+    /// The pairs as a region.
+    pub fn touch(&self, sides: Sides) -> Touch {
+        Touch::on(self.pairing(sides))
     }
 
     /// Continuous scalars on the own surface.
@@ -126,23 +131,51 @@ impl Sliding {
     pub fn follow_all<const N: usize>(
         &self,
         form: &Form<2>,
-        mut fields: [Field<2>; N],
+        fields: [Field<2>; N],
         options: NewtonOptions,
     ) -> Result<Vec<Slid>, Refusal> {
+        let assembler = self.assembler();
+        self.follow_by(fields, |supports, fields| {
+            let problem = Problem::new(form, fields.each_ref().map(Field::space)).constrained(supports);
+            let solved = problem.assembler(&assembler).options(options.clone()).start(fields).solve()?;
+            let newton = vec![solved.iterations()];
+            Ok((solved, newton))
+        })
+    }
+
+    /// The problem of a whole form in u with these supports.
+    pub fn problem<'a>(&'a self, form: &Form<2>, supports: &'a Constraints<2>) -> Problem<'a, 2> {
+        let problem = Problem::new(form, &self.space).constrained(supports);
+        problem.assembler(self.assembler()).options(crate::Case::options())
+    }
+
+    /// The assembler of all integrals.
+    pub fn assembler(&self) -> Assembler<2> {
         let rule = Quadrature::Degree(2 * self.space.degree() + 2);
-        let assembler = Assembler::new(self.space.mesh()).with_quadrature(rule);
-        let spaces = fields.each_ref().map(|field| Arc::clone(field.space()));
+        Assembler::new(self.space.mesh()).with_quadrature(rule)
+    }
+
+    /// The path of a displacement and further fields: each step is solved from the fields after the last one, with the Newton steps of each problem.
+    ///
+    /// # Errors
+    /// A step that is not solved.
+    pub fn follow_by<const N: usize>(
+        &self,
+        mut fields: [Field<2>; N],
+        step: impl Fn(&Constraints<2>, &[Field<2>; N]) -> Result<(Solved<2, N>, Vec<usize>), Refusal>,
+    ) -> Result<Vec<Slid>, Refusal> {
         let mut path = vec![];
         for (number, way) in self.ways.iter().enumerate() {
             let mut supports = Constraints::new(&self.space);
             supports.fix(self.held, |_| [0.0; 2])?;
             supports.fix(self.moved, |_| *way)?;
-            let problem = Problem::new(form, spaces.each_ref()).constrained(&supports).assembler(&assembler);
-            let solved = problem.options(options.clone()).start(&fields).solve();
-            let failed = |why| Refusal::Failed(format!("step {}: {}", number + 1, Refusal::from(why)));
-            let solved = solved.map_err(failed)?;
+            let failed = |why| match why {
+                Refusal::Failed(why) => Refusal::Failed(format!("step {}: {why}", number + 1)),
+                other => other,
+            };
+            let (solved, newton) = step(&supports, &fields).map_err(failed)?;
             let force = solved.reaction_of(0, self.moved)?;
-            path.push(Slid { force: [force[0], force[1]], newton: solved.iterations() });
+            path.push(Slid { force: [force[0], force[1]], newton });
             fields = solved.fields;
         }
         Ok(path)

@@ -1,5 +1,6 @@
 //! Two elastic bodies with friction, in the plane or in space, under one load after the other: what a formulation gets there.
 
+use forms_fem::contract::PairQuadrature;
 use forms_fem::forms;
 use forms_fem::prelude::*;
 
@@ -26,6 +27,14 @@ pub mod bodies {
     /// The surfaces that may touch.
     #[pairs]
     pub struct Touch;
+    /// The own surface.
+    #[facets]
+    pub struct Own;
+
+    /// The area of each node of the own surface.
+    pub fn areas(v: Test<Scalar>) -> Form {
+        integral(Own, v)
+    }
 
     /// Σ a_i(u,v).
     pub fn balance(u: Unknown<Vector>, v: Test<Vector>) -> Form {
@@ -63,6 +72,11 @@ pub mod bodies {
     pub fn known(l: Vector) -> Vector {
         this(l)
     }
+
+    /// The traction of a pressure that is a field on the own surface.
+    pub fn pressed(l: Scalar) -> Vector {
+        -this(l) * toward
+    }
 }
 
 /// A load: conditions on displacements, and the coefficient of friction while they are reached.
@@ -87,6 +101,10 @@ pub struct TwoBodies<const D: usize> {
     pub lame: [f64; 2],
     /// The loads, one after the other.
     pub loads: Vec<Load<D>>,
+    /// A typical pressure \[stress\].
+    pub pressure: f64,
+    /// A typical change of the gap \[length\].
+    pub approach: f64,
 }
 
 /// The bodies after a load.
@@ -98,8 +116,26 @@ pub struct AfterLoad<const D: usize> {
     pub tractions: forms_fem::assemble::PointValues<D>,
     /// The residual by unknown of the displacement: reactions where values are prescribed.
     pub residual: Vec<f64>,
-    /// Newton steps.
-    pub newton: usize,
+    /// Newton steps of each problem that was solved for the load.
+    pub newton: Vec<usize>,
+}
+
+/// The solution of one load.
+pub struct SolvedLoad<const D: usize, const N: usize> {
+    /// The displacement, and further fields.
+    pub solved: Solved<D, N>,
+    /// The traction of the opposite body on the own surface.
+    pub traction: Expression<D>,
+    /// Newton steps of each problem.
+    pub newton: Vec<usize>,
+}
+
+impl<const D: usize, const N: usize> SolvedLoad<D, N> {
+    /// That of one problem.
+    pub fn of(solved: Solved<D, N>, traction: Expression<D>) -> Self {
+        let newton = vec![solved.iterations()];
+        SolvedLoad { solved, traction, newton }
+    }
 }
 
 impl<const D: usize> TwoBodies<D>
@@ -116,7 +152,8 @@ where
         let [own, opposite] = self.surfaces.each_ref().map(String::as_str);
         match sides {
             Sides::Both => Pairing::between(own, opposite),
-            Sides::Own | Sides::OwnWholeFacets => Pairing::onto(own, opposite),
+            Sides::Own => Pairing::onto(own, opposite),
+            Sides::OwnWholeFacets => Pairing::onto(own, opposite).at(PairQuadrature::WholeFacets),
         }
     }
 
@@ -136,7 +173,8 @@ where
         data().lambda(lambda).mu(mu).gamma0(self.young)
     }
 
-    fn assembler(&self) -> Assembler<D> {
+    /// The assembler of all integrals.
+    pub fn assembler(&self) -> Assembler<D> {
         let degree = 2 * self.space.degree() + 2;
         Assembler::new(self.space.mesh()).with_quadrature(Quadrature::Degree(degree))
     }
@@ -151,12 +189,18 @@ where
         form: impl Fn(Data<D>) -> Form<D>,
         traction: impl Fn(Data<D>, &Field<D>) -> Expression<D>,
     ) -> Result<Vec<AfterLoad<D>>, Refusal> {
-        let step = |data: &Data<D>, load: &Load<D>, [u]: &[Field<D>; 1]| {
-            let problem = Problem::new(&form(data.clone()), &self.space).constrained(&load.supports);
-            let problem = problem.assembler(self.assembler()).options(crate::Case::options());
-            problem.observe(&self.observed()).start(u).solve()
-        };
-        self.all_loads(stiffness, [Field::zero(&self.space)], step, |data, [u]| traction(data, u))
+        self.follow_by(stiffness, [Field::zero(&self.space)], |data, load, [u]| {
+            let problem = self.problem(&form(data.clone()), load).observe(&self.observed());
+            let solved = problem.start(u).solve()?;
+            let traction = traction(data, solved.field());
+            Ok(SolvedLoad::of(solved, traction))
+        })
+    }
+
+    /// The problem of a whole form in u under a load.
+    pub fn problem<'a>(&'a self, form: &Form<D>, load: &'a Load<D>) -> Problem<'a, D> {
+        let problem = Problem::new(form, &self.space).constrained(&load.supports);
+        problem.assembler(self.assembler()).options(crate::Case::options())
     }
 
     /// The path of a form in u and fields on the own surface from a start of each, with γ₀ as a multiple of E, options of Newton's method and the
@@ -171,36 +215,61 @@ where
         form: impl Fn(Data<D>) -> Form<D>,
         traction: impl Fn(Data<D>, &[Field<D>; N]) -> Expression<D>,
     ) -> Result<Vec<AfterLoad<D>>, Refusal> {
-        let step = |data: &Data<D>, load: &Load<D>, fields: &[Field<D>; N]| {
+        self.follow_by(stiffness, start, |data, load, fields| {
             let problem = Problem::new(&form(data.clone()), fields.each_ref().map(Field::space));
             let problem = problem.constrained(&load.supports).assembler(self.assembler());
-            problem.options(options.clone()).start(fields).solve()
-        };
-        self.all_loads(stiffness, start, step, traction)
+            let solved = problem.options(options.clone()).start(fields).solve()?;
+            let traction = traction(data, &solved.fields);
+            Ok(SolvedLoad::of(solved, traction))
+        })
+    }
+
+    /// Forces of contact on the nodes of the own surface, divided by the nodes' areas, as a traction.
+    ///
+    /// # Errors
+    /// Data that do not fit.
+    pub fn traction_of_forces(&self, solved: &Solved<D>) -> Result<Expression<D>, Refusal> {
+        let (data, own) = (self.materials(), self.surfaces[0].as_str());
+        let form = balance(&data, &self.omega());
+        let elastic = solved.assembler().residual(&form, &[solved.field()], &[&self.space])?;
+        let scalars = Space::scalar(self.space.mesh(), self.space.degree())?;
+        let areas = self.assembler().linear_form(&areas(&data, &Own::on(own)), &scalars)?;
+        let mut values = vec![0.0; self.space.unknowns()];
+        for node in self.space.nodes_on(own)? {
+            for at in D * node as usize..D * (node as usize + 1) {
+                values[at] = (elastic[at] - solved.residual[at]) / areas[node as usize];
+            }
+        }
+        Ok(known(&data, &Field::from_values(&self.space, values)?))
     }
 
     fn observed(&self) -> Functional<D> {
         gap_of_bodies(&self.materials(), &self.touch(Sides::Own))
     }
 
-    fn all_loads<const N: usize>(
+    /// The path of a displacement and further fields: each load is solved from the fields after the last one.
+    ///
+    /// # Errors
+    /// A load that is not solved.
+    pub fn follow_by<const N: usize>(
         &self,
         stiffness: f64,
         mut fields: [Field<D>; N],
-        step: impl Fn(&Data<D>, &Load<D>, &[Field<D>; N]) -> Result<Solved<D, N>, NewtonError>,
-        traction: impl Fn(Data<D>, &[Field<D>; N]) -> Expression<D>,
+        step: impl Fn(Data<D>, &Load<D>, &[Field<D>; N]) -> Result<SolvedLoad<D, N>, Refusal>,
     ) -> Result<Vec<AfterLoad<D>>, Refusal> {
         let mut path = vec![];
         for (number, load) in self.loads.iter().enumerate() {
             let data = self.data(stiffness, load, &fields[0]);
-            let failed = |why| Refusal::Failed(format!("load {}: {}", number + 1, Refusal::from(why)));
-            let solved = step(&data, load, &fields).map_err(failed)?;
-            let tractions = traction(data, &solved.fields);
+            let failed = |why| match why {
+                Refusal::Failed(why) => Refusal::Failed(format!("load {}: {why}", number + 1)),
+                other => other,
+            };
+            let SolvedLoad { solved, traction, newton } = step(data, load, &fields).map_err(failed)?;
             path.push(AfterLoad {
                 u: solved.fields[0].clone(),
-                tractions: self.assembler().at_pairs(&tractions, &self.pairing(Sides::Own), MEASURED)?,
+                tractions: solved.assembler().at_pairs(&traction, &self.pairing(Sides::Own), MEASURED)?,
                 residual: solved.residual[..self.space.unknowns()].to_vec(),
-                newton: solved.iterations(),
+                newton,
             });
             fields = solved.fields;
         }

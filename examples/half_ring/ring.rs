@@ -67,9 +67,15 @@ impl Formulation {
         }
     }
 
-    /// Slow ones that are for comparison on the first mesh.
+    /// In u only: slow ones that are for comparison on the first mesh.
     pub fn on_one_mesh(self) -> bool {
         matches!(self, Formulation::AveragedAlone | Formulation::Displacement)
+    }
+
+    /// In u only whole steps go too far, as K multiplies the error of J.
+    fn options(self) -> NewtonOptions {
+        let line_search = if self.on_one_mesh() { LineSearch::OnResidual } else { LineSearch::Off };
+        NewtonOptions { line_search, ..NewtonOptions::default() }
     }
 
     /// Degree 1, with twice as many cells along.
@@ -252,6 +258,7 @@ impl Ring<'_> {
             let solved = Problem::new(&form(step.factor), spaces)
                 .assembler(self.assembler)
                 .constrained(&held)
+                .options(self.formulation.options())
                 .increment(step)
                 .each_step(count)
                 .solve()?;
@@ -305,7 +312,8 @@ impl Ring<'_> {
             }
             let next = way + (self.setting.force - force) / slope;
             let problem = Problem::new(&form(next), spaces).assembler(self.assembler);
-            let solved = problem.constrained(held).start(&state).solve()?;
+            let problem = problem.constrained(held).options(self.formulation.options());
+            let solved = problem.start(&state).solve()?;
             let found = -2.0 * solved.reaction_of(0, "top")?[1];
             slope = (found - force) / (next - way);
             (way, force, state) = (next, found, solved.fields);

@@ -13,8 +13,9 @@ pub use self::averaged_nitsche::*;
 /// The variation of ∫ W(F̄) − ∫ T(u)·v = ℓ(v), where the traction is that of the same averaged deformation, P(F̄) n. The body is that of
 /// [`rubber`](fn@crate::operators::rubber::averaged_density), the contact that of [`frictional_nitsche`](super::frictional_nitsche).
 ///
-/// Where K/μ is above 100, Newton's method takes ten or more steps, or fails: [`averaged_problem`] has the same solution with one p per cell as a
-/// second unknown, in a few steps.
+/// In u only K multiplies the error of J after a step. The line search on the residual is the default, for whole steps go too far there; where K/μ is
+/// above 100 Newton's method takes ten or more steps, or fails. [`averaged_problem`] has the same solution with one p per cell as a second unknown, in a
+/// few steps.
 ///
 /// Choose the quadrature rule, as `Quadrature::Degree(4)` for degree 1: the integrands are no polynomials, and the degree that is estimated is too high.
 #[forms]
@@ -78,13 +79,8 @@ contact_law!(averaged_nitsche {
     non_negative: slip_stress,
     non_negative: friction,
     coefficient: friction,
-    line_search_by: line_search,
+    line_search: OnResidual,
 });
-
-/// Friction goes back and forth between stick and slip. Without it whole steps need fewer iterates.
-fn line_search<const D: usize>(law: &averaged_nitsche::Model<D>) -> LineSearch {
-    super::mixed_nitsche::line_search(law.data.slip_stress, law.data.friction)
-}
 
 /// The direct problem with one p per cell, on the spaces of u and p, `Space::of(&mesh, Elements::Lagrange(0), Scope::Cell, &[])`.
 ///
@@ -99,7 +95,8 @@ where
 {
     let form = model.with_pressure();
     model.check(form.name())?;
-    let options = NewtonOptions { line_search: line_search(model), ..NewtonOptions::default() };
+    let line_search = super::mixed_nitsche::line_search(model.data.slip_stress, model.data.friction);
+    let options = NewtonOptions { line_search, ..NewtonOptions::default() };
     Ok(Problem::new(&form, spaces).options(options))
 }
 

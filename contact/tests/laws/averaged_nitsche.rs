@@ -80,6 +80,21 @@ fn a_pressure_per_cell_changes_nothing_but_the_steps() {
     }
 }
 
+/// K multiplies the error of J after a step: whole ones turn a cell inside out.
+#[test]
+fn the_line_search_ends_where_whole_steps_fail() {
+    let [pair, ..] = plane_pairs(8);
+    let space = Space::vector(&pair.mesh, 1).unwrap();
+    let mut held = Constraints::new(&space);
+    held.fix("top", |_| [0.0, -0.025]).unwrap();
+    let problem = ContactProblem::new(&space, model(data(1000.0 * MU, 0.0, 0.0)), held);
+    let problem = problem.quadrature(Quadrature::Degree(4));
+    let searched = problem.direct().unwrap().solve().unwrap();
+    let whole = problem.direct().unwrap().options(NewtonOptions::default()).solve();
+    assert!(searched.iterations() < 40, "{}", searched.iterations());
+    assert!(whole.is_err(), "{}", whole.unwrap().iterations());
+}
+
 /// F = diag(1, J) on bent cells.
 #[test]
 fn a_layer_has_one_pressure() {

@@ -1,6 +1,10 @@
 //! A log barrier on the gap, −(g − ĝ)² ln(g/ĝ): ĝ from the size of the change of the gap down by tenths.
 
-use contact_bench::{Case, Contact, Formulation, Membrane, Outcome, Refusal, Sides};
+use contact_bench::two_bodies::SolvedLoad;
+use contact_bench::{
+    AfterLoad, Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides, Slid, Sliding,
+    TwoBodies,
+};
 use forms_contact::laws::barrier_obstacle::stiffness;
 use forms_fem::prelude::*;
 
@@ -49,6 +53,59 @@ mod volume {
     }
 }
 
+#[forms(dimension = 2)]
+mod rubber {
+    pub use contact_bench::rubber::{Omega, Surface};
+    use contact_bench::rubber::{body, distance};
+    use forms_contact::operators::barrier::barrier_pressure;
+    #[includes(contact_bench::rubber::Data, forms_contact::operators::barrier::Data)]
+    pub struct Data {}
+    pub fn on_flat(u: Unknown<Vector>, p: Unknown<Scalar>, v: Test<Vector>, q: Test<Scalar>) -> Form {
+        body(u, p, v, q)
+            + integral(Surface, barrier_pressure(distance(u) + clearance) * dot(v, obstacle_normal))
+    }
+    pub fn gaps(u: Unknown<Vector>, p: Unknown<Scalar>) -> Functional {
+        integral(Surface, distance(u) + clearance + 0 * p)
+    }
+}
+
+#[forms]
+mod rough {
+    pub use contact_bench::two_bodies::bodies::{Omega, Touch};
+    use contact_bench::two_bodies::bodies::{balance, separation};
+    use forms_contact::operators::barrier::barrier_pressure;
+    use forms_contact::operators::bodies::own_gamma;
+    use forms_contact::operators::friction::{ball_projection, slip_limit, tangential};
+    #[includes(contact_bench::two_bodies::bodies::Data, forms_contact::operators::barrier::Data)]
+    pub struct Data {}
+    pub fn traction(u: Vector) -> Vector {
+        let p = barrier_pressure(separation(u) + clearance);
+        let held = -own_gamma() * tangential(jump(u - displacement_before), toward);
+        ball_projection(held, slip_limit(p)) - p * toward
+    }
+    pub fn between(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        balance(u, v) - integral(Touch, dot(traction(u), jump(v)))
+    }
+    pub fn gaps(u: Unknown<Vector>) -> Functional {
+        integral(Touch, separation(u) + clearance)
+    }
+}
+
+#[forms(dimension = 2)]
+mod drawn {
+    use contact_bench::sliding::balance;
+    pub use contact_bench::sliding::{Omega, Touch};
+    use forms_contact::operators::barrier::barrier_pressure;
+    #[includes(contact_bench::sliding::Data, forms_contact::operators::barrier::Data)]
+    pub struct Data {}
+    pub fn between(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        balance(u, v) + integral(Touch(u), barrier_pressure(gap + clearance) * dot(toward, jump(v)))
+    }
+    pub fn gaps(u: Unknown<Vector>) -> Functional {
+        integral(Touch(u), gap + clearance)
+    }
+}
+
 /// The last ĝ, as a part of the problem's change of the gap.
 pub struct Barrier {
     tenths: i32,
@@ -74,6 +131,32 @@ impl Barrier {
         }
         Ok(found.after(newton))
     }
+
+    /// The last ĝ, which paths take at once: the state before is near. Their clearance is half of it.
+    fn last(&self, approach: f64) -> f64 {
+        approach * 0.1_f64.powi(self.tenths)
+    }
+
+    fn between<const D: usize>(&self, bodies: &TwoBodies<D>) -> Result<Vec<AfterLoad<D>>, Refusal>
+    where
+        Dim: Dimension<D>,
+    {
+        let (omega, touch, reach) = (bodies.omega(), bodies.touch(Sides::Own), self.last(bodies.approach));
+        bodies.follow_by(10.0, [Field::zero(&bodies.space)], |given, load, [u]| {
+            let data = rough::data_from(given).barrier_stiffness(stiffness(bodies.pressure, reach));
+            let data = data.activation_gap(reach).clearance(0.5 * reach);
+            let problem = bodies.problem(&rough::between(&data, &omega, &touch), load).options(options());
+            let solved = problem.keep_positive(&rough::gaps(&data, &touch)).start(u).solve()?;
+            let traction = rough::traction(&data, solved.field());
+            Ok(SolvedLoad::of(solved, traction))
+        })
+    }
+}
+
+/// Gaps stay positive where values are prescribed in the tangent's steps, too.
+fn options() -> NewtonOptions {
+    let prescribed_values = PrescribedValues::ByTangent;
+    NewtonOptions { prescribed_values, max_iterations: 100, ..Case::options() }
 }
 
 /// The solution of contact terms in u whose gaps stay positive.
@@ -83,9 +166,7 @@ fn guarded(
     (form, gaps): (Form<2>, Functional<2>),
     pressure: impl Fn(&Field<2>) -> Expression<2>,
 ) -> Result<Outcome, Refusal> {
-    let prescribed_values = PrescribedValues::ByTangent;
-    let options = NewtonOptions { prescribed_values, max_iterations: 100, ..Case::options() };
-    let solved = case.problem(&form).start(start).options(options).keep_positive(&gaps).solve()?;
+    let solved = case.problem(&form).start(start).options(options()).keep_positive(&gaps).solve()?;
     let pressures = case.pressures(&pressure(solved.field()))?;
     Ok(Outcome::of(case, &solved, pressures)?.of_form(&case.balance() + &form))
 }
@@ -124,5 +205,41 @@ impl Formulation for Barrier {
             Ok(membrane.outcome(&solved, pressures))
         };
         self.descend((&membrane.above, membrane.approach), step)
+    }
+
+    fn press(&self, ring: &Rubber) -> Result<Pressed, Refusal> {
+        let reach = self.last(ring.end as f64);
+        let data = rubber::data_from(ring.data(0.0)).barrier_stiffness(stiffness(ring.pressure, reach));
+        let data = data.activation_gap(reach).clearance(0.5 * reach);
+        let form = rubber::on_flat(&data, &ring.omega(), &ring.surface());
+        let gaps = rubber::gaps(&data, &ring.surface());
+        // The body is moved in steps that the gaps allow, and not the flat.
+        ring.follow_moved(|attempt, held, start| {
+            let problem = attempt.problem(&form).constrained(held).options(options()).keep_positive(&gaps);
+            attempt.solved(problem.start(start))
+        })
+    }
+
+    fn rub(&self, bodies: &TwoBodies<2>) -> Result<Vec<AfterLoad<2>>, Refusal> {
+        self.between(bodies)
+    }
+
+    fn stack(&self, bodies: &TwoBodies<3>) -> Result<Vec<AfterLoad<3>>, Refusal> {
+        self.between(bodies)
+    }
+
+    fn slide(&self, bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {
+        let (omega, touch, reach) = (bodies.omega(), bodies.touch(Sides::Own), self.last(bodies.approach));
+        let data = drawn::data_from(bodies.data.clone());
+        let data = data.barrier_stiffness(stiffness(bodies.pressure, reach));
+        let data = data.activation_gap(reach).clearance(0.5 * reach);
+        let (form, gaps) = (drawn::between(&data, &omega, &touch), drawn::gaps(&data, &touch));
+        // The bodies touch at one point at first.
+        bodies.follow_by([Field::zero(&bodies.space)], |supports, [u]| {
+            let problem = bodies.problem(&form, supports).options(options()).keep_positive(&gaps);
+            let solved = problem.start(u).solve()?;
+            let newton = vec![solved.iterations()];
+            Ok((solved, newton))
+        })
     }
 }

@@ -1,8 +1,13 @@
 //! Bounds on the unknowns at nodes, which is a dual multiplier for each of them: nothing is below the obstacle at a node, and forces act there.
 
 use contact_bench::outcome::not_defined;
-use contact_bench::{Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, body};
+use contact_bench::{
+    AfterLoad, Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Slid, Sliding,
+    TwoBodies, body,
+};
 use forms_fem::prelude::*;
+
+const TWO_BODIES: &str = "the gap of two bodies is no bound on one unknown";
 
 /// Bounds at nodes.
 pub struct NodalBounds;
@@ -45,7 +50,7 @@ impl Formulation for NodalBounds {
 
     fn solve(&self, case: &Case) -> Result<Outcome, Refusal> {
         if let Contact::Bodies(_) = case.contact {
-            return Err(not_defined("the gap of two bodies is no bound on one unknown"));
+            return Err(not_defined(TWO_BODIES));
         }
         let bounds = bounds_of(case)?;
         let problem = Problem::new(&case.balance(), &case.space).constrained(&case.constraints);
@@ -73,5 +78,17 @@ impl Formulation for NodalBounds {
             Ok(Some(bounds))
         };
         ring.follow_all([u, p], |_| ring.body(), bounded)
+    }
+
+    fn rub(&self, _bodies: &TwoBodies<2>) -> Result<Vec<AfterLoad<2>>, Refusal> {
+        Err(not_defined(TWO_BODIES))
+    }
+
+    fn stack(&self, _bodies: &TwoBodies<3>) -> Result<Vec<AfterLoad<3>>, Refusal> {
+        Err(not_defined(TWO_BODIES))
+    }
+
+    fn slide(&self, _bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {
+        Err(not_defined(TWO_BODIES))
     }
 }

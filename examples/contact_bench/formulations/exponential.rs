@@ -1,7 +1,8 @@
 //! A pressure that falls exponentially with the gap: p₀ exp(−g/c).
 
 use contact_bench::{
-    Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides, Slid, Sliding,
+    AfterLoad, Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides, Slid, Sliding,
+    TwoBodies,
 };
 use forms_fem::prelude::*;
 
@@ -65,6 +66,25 @@ mod drawn {
     }
 }
 
+#[forms]
+mod rough {
+    pub use contact_bench::two_bodies::bodies::{Omega, Touch};
+    use contact_bench::two_bodies::bodies::{balance, separation};
+    use forms_contact::operators::bodies::own_gamma;
+    use forms_contact::operators::exponential_closure::exponential_pressure;
+    use forms_contact::operators::friction::{ball_projection, slip_limit, tangential};
+    #[includes(contact_bench::two_bodies::bodies::Data, forms_contact::operators::exponential_closure::Data)]
+    pub struct Data {}
+    pub fn traction(u: Vector) -> Vector {
+        let p = exponential_pressure(separation(u));
+        let held = -own_gamma() * tangential(jump(u - displacement_before), toward);
+        ball_projection(held, slip_limit(p)) - p * toward
+    }
+    pub fn between(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        balance(u, v) - integral(Touch, dot(traction(u), jump(v)))
+    }
+}
+
 /// The length over which the pressure falls by e, as a part of the problem's change of the gap.
 pub struct Exponential {
     part: f64,
@@ -73,6 +93,22 @@ pub struct Exponential {
 /// The one variant.
 pub fn all() -> Vec<Exponential> {
     vec![Exponential { part: 0.01 }]
+}
+
+impl Exponential {
+    /// Springs of 10 E/h hold what sticks.
+    fn between<const D: usize>(&self, bodies: &TwoBodies<D>) -> Result<Vec<AfterLoad<D>>, Refusal>
+    where
+        Dim: Dimension<D>,
+    {
+        let (omega, touch) = (bodies.omega(), bodies.touch(Sides::Own));
+        let data = |given| {
+            let data = rough::data_from(given).closed_pressure(bodies.pressure);
+            data.closure_length(self.part * bodies.approach)
+        };
+        let form = |given| rough::between(&data(given), &omega, &touch);
+        bodies.follow(10.0, form, |given, u| rough::traction(&data(given), u))
+    }
 }
 
 impl Formulation for Exponential {
@@ -105,6 +141,14 @@ impl Formulation for Exponential {
             rubber::data_from(ring.data(way)).closed_pressure(ring.pressure).closure_length(length)
         };
         ring.follow(|way| rubber::on_flat(&data(way), &ring.omega(), &ring.surface()))
+    }
+
+    fn rub(&self, bodies: &TwoBodies<2>) -> Result<Vec<AfterLoad<2>>, Refusal> {
+        self.between(bodies)
+    }
+
+    fn stack(&self, bodies: &TwoBodies<3>) -> Result<Vec<AfterLoad<3>>, Refusal> {
+        self.between(bodies)
     }
 
     fn slide(&self, bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {

@@ -22,6 +22,7 @@ fn all() -> Vec<Box<dyn Formulation>> {
     add(&mut all, barrier::all());
     add(&mut all, exponential::all());
     add(&mut all, third_medium::all());
+    add(&mut all, cut_nitsche::all());
     all
 }
 

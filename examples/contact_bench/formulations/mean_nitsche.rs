@@ -2,7 +2,10 @@
 
 use contact_bench::outcome::not_defined;
 use contact_bench::solution::contact_forces;
-use contact_bench::{Case, Contact, Formulation, Outcome, Refusal, Sides, Slid, Sliding};
+use contact_bench::two_bodies::SolvedLoad;
+use contact_bench::{
+    AfterLoad, Case, Contact, Formulation, Outcome, Pressed, Refusal, Rubber, Sides, Slid, Sliding, TwoBodies,
+};
 use forms_fem::prelude::*;
 
 #[forms(dimension = 2)]
@@ -39,12 +42,58 @@ mod drawn {
     }
 }
 
+#[forms]
+mod rough {
+    pub use contact_bench::two_bodies::bodies::{Omega, Touch};
+    use contact_bench::two_bodies::bodies::{balance, separation};
+    use forms_contact::operators::bodies::{own_gamma, own_traction};
+    use forms_contact::operators::friction::{augmented_traction, ball_projection, slip_limit, tangential};
+    #[includes(contact_bench::two_bodies::bodies::Data)]
+    pub struct Data {}
+    fn augmented(w: Vector) -> Vector {
+        let slip = jump(w - displacement_before);
+        augmented_traction(own_traction(w), separation(w), slip, own_gamma(), toward)
+    }
+    fn power(w: Vector, e: Vector) -> Scalar {
+        let pressure = neg_part(mean(dot(augmented(w), toward)));
+        let held = ball_projection(mean(tangential(augmented(w), toward)), slip_limit(pressure));
+        dot(held, mean(tangential(e, toward))) - pressure * mean(dot(e, toward))
+    }
+    pub fn of_facets(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        balance(u, v) - means(Touch, 0, power(u, jump(v)))
+    }
+    pub fn of_vertices(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        balance(u, v) - means(Touch, 1, power(u, jump(v)))
+    }
+}
+
+const RIGID: &str = "means over facets exist on pairs only";
+
 /// Nitsche's method with means of gaps.
 pub struct MeanNitsche;
 
 /// The one variant.
 pub fn all() -> Vec<MeanNitsche> {
     vec![MeanNitsche]
+}
+
+impl MeanNitsche {
+    fn between<const D: usize>(&self, bodies: &TwoBodies<D>) -> Result<Vec<AfterLoad<D>>, Refusal>
+    where
+        Dim: Dimension<D>,
+    {
+        let (omega, touch) = (bodies.omega(), bodies.touch(Sides::Own));
+        bodies.follow_by(13.0, [Field::zero(&bodies.space)], |given, load, [u]| {
+            let data = rough::data_from(given);
+            let form = match bodies.space.degree() {
+                1 => rough::of_facets(&data, &omega, &touch),
+                _ => rough::of_vertices(&data, &omega, &touch),
+            };
+            let solved = bodies.problem(&form, load).start(u).solve()?;
+            let traction = bodies.traction_of_forces(&solved)?;
+            Ok(SolvedLoad::of(solved, traction))
+        })
+    }
 }
 
 impl Formulation for MeanNitsche {
@@ -54,7 +103,7 @@ impl Formulation for MeanNitsche {
 
     fn solve(&self, case: &Case) -> Result<Outcome, Refusal> {
         if let Contact::Obstacle(_) = case.contact {
-            return Err(not_defined("means over facets exist on pairs only"));
+            return Err(not_defined(RIGID));
         }
         let (data, touch) = (law::data_from(case.data.clone()), case.touch(Sides::Own));
         let form = match case.space.degree() {
@@ -64,6 +113,18 @@ impl Formulation for MeanNitsche {
         let solved = case.problem(&form).solve()?;
         let forces = contact_forces(case, &solved)?;
         Ok(Outcome::of(case, &solved, case.pressures_of_forces(&forces)?)?.of_form(&case.balance() + &form))
+    }
+
+    fn press(&self, _ring: &Rubber) -> Result<Pressed, Refusal> {
+        Err(not_defined(RIGID))
+    }
+
+    fn rub(&self, bodies: &TwoBodies<2>) -> Result<Vec<AfterLoad<2>>, Refusal> {
+        self.between(bodies)
+    }
+
+    fn stack(&self, bodies: &TwoBodies<3>) -> Result<Vec<AfterLoad<3>>, Refusal> {
+        self.between(bodies)
     }
 
     fn slide(&self, bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {

@@ -2,7 +2,7 @@
 
 use contact_bench::outcome::not_defined;
 use contact_bench::{
-    AfterLoad, Case, Contact, Formulation, Outcome, Refusal, Sides, Slid, Sliding, TwoBodies,
+    AfterLoad, Case, Contact, Formulation, Outcome, Pressed, Refusal, Rubber, Sides, Slid, Sliding, TwoBodies,
 };
 use forms_fem::prelude::*;
 
@@ -99,6 +99,8 @@ mod stacked {
     }
 }
 
+const RIGID: &str = "a rigid obstacle has no mesh: this is the augmented Lagrangian";
+
 /// Multipliers with a condition per function.
 pub struct Mortar {
     /// Of the multipliers.
@@ -132,7 +134,7 @@ impl Formulation for Mortar {
 
     fn solve(&self, case: &Case) -> Result<Outcome, Refusal> {
         if let Contact::Obstacle(_) = case.contact {
-            return Err(not_defined("a rigid obstacle has no mesh: this is the augmented Lagrangian"));
+            return Err(not_defined(RIGID));
         }
         let (data, own) = (law::data_from(case.data.clone()), law::Own::on(case.own()));
         let form = law::between(&data, &case.bodies(), &case.load(), &case.touch(Sides::Own), &own);
@@ -143,6 +145,10 @@ impl Formulation for Mortar {
         let solved = problem.options(NewtonOptions::default()).start(&start).solve()?;
         let pressures = case.known_pressures(&solved.fields[1])?;
         Ok(Outcome::of(case, &solved, pressures)?.of_form(form))
+    }
+
+    fn press(&self, _ring: &Rubber) -> Result<Pressed, Refusal> {
+        Err(not_defined(RIGID))
     }
 
     fn slide(&self, bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {

@@ -1,7 +1,11 @@
 //! Proximal Galerkin: the gap is e^ψ with ψ on the own surface, and the pressure is (ψ before − ψ)/α.
 
 use contact_bench::outcome::not_defined;
-use contact_bench::{Case, Contact, Formulation, Membrane, Outcome, Refusal, Sides};
+use contact_bench::two_bodies::{SolvedLoad, pressed};
+use contact_bench::{
+    AfterLoad, Case, Contact, Formulation, Membrane, Outcome, Pressed, Refusal, Rubber, Sides, Slid, Sliding,
+    TwoBodies,
+};
 use forms_contact::proximal::{Proximal, ProximalOptions, ProximalSolution, solve_by_proximal_points};
 use forms_fem::prelude::*;
 
@@ -43,6 +47,58 @@ mod volume {
     pub fn above(u: Unknown<Scalar>, psi: Unknown<Scalar>, v: Test<Scalar>, w: Test<Scalar>) -> Form {
         let slack = exp(before + whole * (psi - before)) * (1 + (1 - whole) * (psi - before));
         balance(u, v) + integral(Omega, (psi - before) / alpha * v + (height(u) - slack) * w)
+    }
+}
+
+#[forms(dimension = 2)]
+mod rubber {
+    pub use contact_bench::rubber::{Omega, Surface};
+    use contact_bench::rubber::{body, distance};
+    #[includes(contact_bench::rubber::Data)]
+    pub struct Data {
+        alpha: Param,
+        before: Given<Scalar>,
+    }
+    pub fn on_flat(
+        u: Unknown<Vector>,
+        p: Unknown<Scalar>,
+        psi: Unknown<Scalar>,
+        v: Test<Vector>,
+        q: Test<Scalar>,
+        w: Test<Scalar>,
+    ) -> Form {
+        let pressed = (before - psi) / alpha * dot(v, obstacle_normal);
+        body(u, p, v, q) + integral(Surface, pressed + (distance(u) - exp(psi)) * w)
+    }
+}
+
+#[forms(dimension = 3)]
+mod stacked {
+    pub use contact_bench::two_bodies::bodies::{Omega, Touch};
+    use contact_bench::two_bodies::bodies::{balance, separation};
+    #[includes(contact_bench::two_bodies::bodies::Data)]
+    pub struct Data {
+        alpha: Param,
+        before: Given<Scalar>,
+    }
+    pub fn between(u: Unknown<Vector>, psi: Unknown<Scalar>, v: Test<Vector>, w: Test<Scalar>) -> Form {
+        let pressed = this(before - psi) / alpha * dot(toward, jump(v));
+        balance(u, v) + integral(Touch, pressed + (separation(u) - exp(this(psi))) * this(w))
+    }
+}
+
+#[forms(dimension = 2)]
+mod drawn {
+    use contact_bench::sliding::balance;
+    pub use contact_bench::sliding::{Omega, Touch};
+    #[includes(contact_bench::sliding::Data)]
+    pub struct Data {
+        alpha: Param,
+        before: Given<Scalar>,
+    }
+    pub fn between(u: Unknown<Vector>, psi: Unknown<Scalar>, v: Test<Vector>, w: Test<Scalar>) -> Form {
+        let pressed = this(before - psi) / alpha * dot(toward, jump(v));
+        balance(u, v) + integral(Touch(u), pressed + (gap - exp(this(psi))) * this(w))
     }
 }
 
@@ -104,15 +160,27 @@ impl ProximalGalerkin {
     }
 
     /// The iteration, with the Newton steps of each problem.
-    fn iterate(
+    fn iterate<const D: usize, const N: usize>(
         &self,
         pressure: f64,
-        start: [Field<2>; 2],
-        step: impl Fn(Proximal<'_, 2>) -> Result<Solved<2, 2>, NewtonError>,
-    ) -> Result<(ProximalSolution<2>, Vec<usize>), Refusal> {
+        start: [Field<D>; N],
+        step: impl Fn(Proximal<'_, D, N>) -> Result<Solved<D, N>, NewtonError>,
+    ) -> Result<(ProximalSolution<D, N>, Vec<usize>), Refusal>
+    where
+        Dim: Dimension<D>,
+    {
         let found = solve_by_proximal_points(start, self.options(pressure), step, |_| ())?;
         let newton = found.history.steps.iter().map(|step| step.newton_steps).collect();
         Ok((found, newton))
+    }
+
+    /// Paths are followed by whole problems with ψ of the displacement's degree: other variants are those of one problem.
+    fn follows(&self) -> Result<(), Refusal> {
+        match (self.latent, self.inner) {
+            (Latent::Equal, Inner::Whole) => Ok(()),
+            (Latent::Cells, _) => Err(not_defined("ψ is on a surface, which has no cells of its own")),
+            (Latent::Equal, _) => Err(not_defined("paths take whole problems")),
+        }
     }
 
     fn options(&self, pressure: f64) -> ProximalOptions {
@@ -165,5 +233,57 @@ impl Formulation for ProximalGalerkin {
         let (found, newton) = self.iterate(membrane.pressure, start, step)?;
         let pressures = membrane.known_pressures(&found.multiplier)?;
         Ok(membrane.outcome(&found.solved, pressures).after(newton))
+    }
+
+    fn press(&self, ring: &Rubber) -> Result<Pressed, Refusal> {
+        self.follows()?;
+        let (scalars, held, [u, p]) = (ring.scalars()?, ring.held_at(0.0)?, ring.spaces.each_ref());
+        ring.follow_by([u, p, &scalars].map(Field::zero), |attempt| {
+            let step = |at: Proximal<'_, 2, 3>| {
+                let data = rubber::data_from(ring.data(attempt.way)).alpha(at.alpha).before(at.latent());
+                let form = rubber::on_flat(&data, &ring.omega(), &ring.surface());
+                attempt.solved(attempt.problem(&form).constrained(&held).start(at.before))
+            };
+            let [u, p, _] = attempt.before.clone();
+            Ok(self.iterate(ring.pressure, [u, p, ring.latent(&scalars, attempt.way)?], step)?.0.solved)
+        })
+    }
+
+    fn rub(&self, _bodies: &TwoBodies<2>) -> Result<Vec<AfterLoad<2>>, Refusal> {
+        Err(not_defined("friction is no bound on a gap, which ψ keeps"))
+    }
+
+    fn stack(&self, bodies: &TwoBodies<3>) -> Result<Vec<AfterLoad<3>>, Refusal> {
+        self.follows()?;
+        let (omega, touch, space) = (bodies.omega(), bodies.touch(Sides::Own), &bodies.space);
+        let scalars = Space::on_facets(space.mesh(), &bodies.surfaces[0], space.degree())?;
+        bodies.follow_by(1.0, [space, &scalars].map(Field::zero), |given, load, [u, _]| {
+            let step = |at: Proximal<'_, 3>| {
+                let data = stacked::data_from(given.clone()).alpha(at.alpha).before(at.latent());
+                let problem = Problem::new(&stacked::between(&data, &omega, &touch), [space, &scalars]);
+                let problem = problem.constrained(&load.supports).assembler(bodies.assembler());
+                problem.start(at.before).solve()
+            };
+            let (found, newton) = self.iterate(bodies.pressure, [u.clone(), Field::zero(&scalars)], step)?;
+            let traction = pressed(&given, &found.multiplier);
+            Ok(SolvedLoad { solved: found.solved, traction, newton })
+        })
+    }
+
+    fn slide(&self, bodies: &Sliding) -> Result<Vec<Slid>, Refusal> {
+        self.follows()?;
+        let (omega, touch, space) = (bodies.omega(), bodies.touch(Sides::OwnWholeFacets), &bodies.space);
+        let scalars = bodies.scalars(space.degree())?;
+        bodies.follow_by([bodies.start.clone(), Field::zero(&scalars)], |supports, [u, _]| {
+            let step = |at: Proximal<'_, 2>| {
+                let data = drawn::data_from(bodies.data.clone()).alpha(at.alpha).before(at.latent());
+                let problem = Problem::new(&drawn::between(&data, &omega, &touch), [space, &scalars]);
+                let problem = problem.constrained(supports).assembler(bodies.assembler());
+                problem.start(at.before).solve()
+            };
+            let start = [u.clone(), Field::zero(&scalars)];
+            let (found, newton) = self.iterate(bodies.pressure, start, step)?;
+            Ok((found.solved, newton))
+        })
     }
 }

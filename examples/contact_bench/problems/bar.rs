@@ -136,6 +136,7 @@ impl Bar {
             constraints,
             data: data.obstacle_gap(|x: &[f64; 2]| HEIGHT + x[1]),
             loaded: "left".to_owned(),
+            cut: None,
             contact: Contact::Obstacle("bottom".to_owned()),
             start: None,
             pressure: 300.0,

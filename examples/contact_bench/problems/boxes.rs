@@ -71,6 +71,9 @@ impl Boxes {
             surfaces: ["covered", "upper bottom"].map(str::to_owned),
             young: 1.0,
             lame: super::lame(1.0, 0.3),
+            // Both are half as high as the way in parts of E.
+            pressure: 4.0 * WAY,
+            approach: 4.0 * WAY,
         })
     }
 }
@@ -117,7 +120,7 @@ impl Posed for Boxes {
                 no_gradient: Some("not measured".to_owned()),
                 penetration: worst / (4.0 * WAY),
                 quantities: quantities(&bodies, &path).map_err(|why| why.to_string())?,
-                ..Measured::of_newton(path.iter().map(|after| after.newton))
+                ..Measured::of_loads(path.iter().map(|after| &after.newton[..]))
             })
         };
         let answer = Answer::timed(|| formulation.stack(&bodies), measure)?;

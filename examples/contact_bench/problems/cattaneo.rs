@@ -67,12 +67,15 @@ impl Cattaneo {
             }
             loads.push(Load { supports: supports(more)?, friction: FRICTION });
         }
+        let hertz = Hertz::of_line_between(FORCE, RADIUS, MODULUS);
         Ok(TwoBodies {
             space,
             surfaces: SURFACES.map(str::to_owned),
             young: YOUNG,
             lame: super::lame(YOUNG, POISSON),
             loads,
+            pressure: hertz.pressure(0.0),
+            approach: 0.5 * hertz.reach * hertz.reach / RADIUS,
         })
     }
 }
@@ -171,9 +174,9 @@ impl Posed for Cattaneo {
             let measured = Measured {
                 seconds,
                 no_gradient: Some("not measured".to_owned()),
-                penetration: worst * RADIUS / (0.5 * hertz.reach * hertz.reach),
+                penetration: worst / bodies.approach,
                 quantities: quantities(&path, hertz),
-                ..Measured::of_newton(path.iter().map(|after| after.newton))
+                ..Measured::of_loads(path.iter().map(|after| &after.newton[..]))
             };
             Ok(measured.compared(&pressures, |x| x[0], |x| Some(hertz.pressure(x[0]))))
         };

@@ -103,7 +103,7 @@ impl Posed for DrawnDie {
                 no_gradient: Some("not measured".to_owned()),
                 penetration: f64::NAN,
                 quantities: quantities(&path),
-                ..Measured::of_newton(path.iter().map(|slid| slid.newton))
+                ..Measured::of_loads(path.iter().map(|slid| &slid.newton[..]))
             })
         };
         let answer = Answer::timed(|| formulation.slide(&bodies), measure)?;

@@ -6,6 +6,7 @@ use forms_fem::prelude::*;
 
 use crate::body;
 use crate::case::{Case, Contact};
+use crate::cut_body::CutBody;
 use crate::outcome::Outcome;
 use crate::problem::{Problem, Quantity};
 
@@ -17,6 +18,30 @@ const WAY: f64 = 0.15;
 
 /// Half of a ball of radius 0.4 about z = 0.5, round side down.
 pub struct HalfBall;
+
+impl HalfBall {
+    /// The problem on a mesh, with the names of the flat side, the axis and the surface.
+    fn on(mesh: &Mesh<2>, degree: usize, [flat, axis]: [&str; 2], contact: &str) -> Result<Case, Failure> {
+        let space = Space::vector(mesh, degree)?;
+        let mut constraints = Constraints::new(&space);
+        constraints.fix(flat, |_| [0.0, -WAY])?;
+        constraints.fix_component(axis, 0, |_| 0.0)?;
+        let [lambda, mu] = super::lame(YOUNG, 0.3);
+        let data = body::data().lambda(lambda).mu(mu).young(YOUNG).axial(1.0);
+        Ok(Case {
+            space,
+            constraints,
+            data: data.obstacle_normal([0.0, -1.0]).obstacle_gap(|x: &[f64; 2]| x[1]),
+            // There is no load.
+            loaded: flat.to_owned(),
+            cut: None,
+            contact: Contact::Obstacle(contact.to_owned()),
+            start: None,
+            pressure: 4000.0,
+            approach: 0.05,
+        })
+    }
+}
 
 impl Problem for HalfBall {
     fn name(&self) -> String {
@@ -34,23 +59,16 @@ impl Problem for HalfBall {
         let turned = quarter.nodes().iter().map(|[x, y]| [*y, CENTRE - x]).collect();
         let mut mesh = quarter.with_nodes(turned)?;
         mesh.name_facets("contact", "circle", |x| x[0] < 0.75 * RADIUS)?;
-        let space = Space::vector(&mesh, degree)?;
-        let mut constraints = Constraints::new(&space);
-        constraints.fix("left", |_| [0.0, -WAY])?;
-        constraints.fix_component("bottom", 0, |_| 0.0)?;
-        let [lambda, mu] = super::lame(YOUNG, 0.3);
-        let data = body::data().lambda(lambda).mu(mu).young(YOUNG).axial(1.0);
-        Ok(Case {
-            space,
-            constraints,
-            data: data.obstacle_normal([0.0, -1.0]).obstacle_gap(|x: &[f64; 2]| x[1]),
-            // There is no load.
-            loaded: "circle".to_owned(),
-            contact: Contact::Obstacle("contact".to_owned()),
-            start: None,
-            pressure: 4000.0,
-            approach: 0.05,
-        })
+        Self::on(&mesh, degree, ["left", "bottom"], "contact")
+    }
+
+    fn cut_case(&self, level: usize, degree: usize) -> Result<Option<Case>, Failure> {
+        let (cells, size) = (9 << level, 1.1 * RADIUS);
+        let mesh = rectangle([0.0, CENTRE - size], [size, CENTRE], [cells; 2], CellShape::Triangle, 1)?;
+        let body = CutBody::of(&mesh, |x| x[0].hypot(x[1] - CENTRE) - RADIUS)?;
+        let mut case = Self::on(&mesh, degree, ["top", "left"], "all")?;
+        body.hold_outside(&mut case.constraints)?;
+        Ok(Some(Case { cut: Some(body), ..case }))
     }
 
     fn quantities(&self, case: &Case, found: &Outcome) -> Result<Vec<Quantity>, Failure> {

@@ -51,15 +51,12 @@ impl HalfRing {
         };
         let displacements = Space::of(&mesh, displacements, Scope::Nodes, &[2])?;
         let pressures = Space::of(&mesh, pressures.0, pressures.1, &[])?;
-        let mut constraints = Constraints::new(&displacements);
-        constraints.fix("top", |_| [0.0; 2])?;
-        constraints.fix_component("left", 0, |_| 0.0)?;
         let (mu, bulk) = (YOUNG / (2.0 * (1.0 + POISSON)), YOUNG / (3.0 * (1.0 - 2.0 * POISSON)));
         let distance = |x: &[f64; 2]| x[1] + OUTSIDE;
         Ok(Rubber {
             spaces: [displacements, pressures],
-            constraints,
             held: "top",
+            mirror: "left",
             touching: "bottom",
             data: rubber::data().mu(mu).bulk_modulus(bulk).obstacle_normal([0.0, -1.0]).flat(distance),
             distance,

@@ -9,6 +9,7 @@ use forms_fem::prelude::*;
 use super::grading::graded;
 use crate::body;
 use crate::case::{Case, Contact};
+use crate::cut_body::CutBody;
 use crate::outcome::Outcome;
 use crate::problem::{Problem, Quantity};
 
@@ -61,6 +62,35 @@ fn far(x: f64, y: f64) -> [f64; 2] {
 /// Half of the block.
 pub struct Line;
 
+impl Line {
+    /// The problem on a mesh, with the whole surface or a part of it.
+    fn on(mesh: &Mesh<2>, degree: usize, contact: &str) -> Result<Case, Failure> {
+        let space = Space::vector(mesh, degree)?;
+        let mut constraints = Constraints::new(&space);
+        constraints.fix_component("left", 0, |_| 0.0)?;
+        for side in ["right", "bottom"] {
+            constraints.fix(side, |x| {
+                let [aside, up] = far(x[0], x[1]);
+                [aside, up + GAP]
+            })?;
+        }
+        let [lambda, mu] = super::lame(1.0, POISSON);
+        let data = body::data().lambda(lambda).mu(mu).young(1.0).obstacle_normal([0.0, 1.0]);
+        Ok(Case {
+            space,
+            constraints,
+            data: data.obstacle_gap(|x: &[f64; 2]| GAP + 0.5 * x[0] * x[0]),
+            // There is no load.
+            loaded: "right".to_owned(),
+            cut: None,
+            contact: Contact::Obstacle(contact.to_owned()),
+            start: None,
+            pressure: 0.5 * modulus() * REACH,
+            approach: 0.5 * REACH * REACH,
+        })
+    }
+}
+
 impl Problem for Line {
     fn name(&self) -> String {
         "hertz".to_owned()
@@ -77,28 +107,22 @@ impl Problem for Line {
             [graded(s, 2.0 * REACH, size), -graded(1.0 - t, 2.0 * REACH, size)]
         })?;
         mesh.name_facets("contact", "top", |x| x[0] < 2.0 * REACH)?;
-        let space = Space::vector(&mesh, degree)?;
-        let mut constraints = Constraints::new(&space);
-        constraints.fix_component("left", 0, |_| 0.0)?;
-        for side in ["right", "bottom"] {
-            constraints.fix(side, |x| {
-                let [aside, up] = far(x[0], x[1]);
-                [aside, up + GAP]
-            })?;
-        }
-        let [lambda, mu] = super::lame(1.0, POISSON);
-        let data = body::data().lambda(lambda).mu(mu).young(1.0).obstacle_normal([0.0, 1.0]);
-        Ok(Case {
-            space,
-            constraints,
-            data: data.obstacle_gap(|x: &[f64; 2]| GAP + 0.5 * x[0] * x[0]),
-            // There is no load.
-            loaded: "top".to_owned(),
-            contact: Contact::Obstacle("contact".to_owned()),
-            start: None,
-            pressure: 0.5 * modulus() * REACH,
-            approach: 0.5 * REACH * REACH,
-        })
+        Self::on(&mesh, degree, "contact")
+    }
+
+    fn cut_case(&self, level: usize, degree: usize) -> Result<Option<Case>, Failure> {
+        let (size, across, down) = (SIZE * REACH, 12 << level, (12 << level) + 1);
+        let height = 2.0 * REACH / (6 << level) as f64;
+        // Rows of nodes above and below the surface, which is at another height of each cell.
+        let mesh = structured([across, down], CellShape::Triangle, 1, |[s, t]: [f64; 2]| {
+            let depth = graded((1.0 - t) * down as f64 / across as f64, 2.0 * REACH, size);
+            let near = (-depth / (4.0 * height)).exp();
+            [graded(s, 2.0 * REACH, size), height * (0.5 + 0.4 * near * (29.0 * s).sin()) - depth]
+        })?;
+        let body = CutBody::of(&mesh, |x| x[1])?;
+        let mut case = Self::on(&mesh, degree, "all")?;
+        body.hold_outside(&mut case.constraints)?;
+        Ok(Some(Case { cut: Some(body), ..case }))
     }
 
     fn exact_pressure(&self, place: [f64; 2], force: f64) -> Option<f64> {

@@ -87,6 +87,7 @@ impl Problem for Rings {
             constraints,
             data: body::data().lambda(lambda).mu(mu).young(1.0).wall_pressure(load),
             loaded: "inner left".to_owned(),
+            cut: None,
             contact: Contact::Bodies(["inner right", "outer left"].map(str::to_owned)),
             start: None,
             pressure: self.pressure(),

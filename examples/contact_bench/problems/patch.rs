@@ -45,6 +45,7 @@ impl Problem for Patch {
             constraints,
             data: body::data().lambda(lambda).mu(mu).young(1.0).traction([0.0, -1.0]),
             loaded: "upper top".to_owned(),
+            cut: None,
             contact: Contact::Bodies(["lower top", "upper bottom"].map(str::to_owned)),
             pressure: 1.0,
             approach: 1.0,

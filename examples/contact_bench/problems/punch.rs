@@ -84,6 +84,7 @@ impl Problem for Punch {
             data: data.obstacle_normal([0.0, 1.0]).obstacle_gap(GAP),
             // There is no load.
             loaded: "right".to_owned(),
+            cut: None,
             contact: Contact::Obstacle("contact".to_owned()),
             start: None,
             pressure: 0.3 * YOUNG * WAY / HALF,

@@ -34,6 +34,7 @@ fn case_at(place: usize, level: usize, degree: usize) -> Result<Case, Failure> {
         data: data.obstacle_gap(move |x: &[f64; 2]| GAP + 0.5 * (x[0] - s).powi(2)),
         // There is no load.
         loaded: "left".to_owned(),
+        cut: None,
         contact: Contact::Obstacle("contact".to_owned()),
         start: None,
         pressure: 0.1,

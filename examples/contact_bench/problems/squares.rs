@@ -49,6 +49,7 @@ impl Problem for Squares {
             constraints,
             data,
             loaded: "sides".to_owned(),
+            cut: None,
             contact: Contact::Bodies(["lower top", "upper bottom"].map(str::to_owned)),
             start: None,
             pressure: 0.5,

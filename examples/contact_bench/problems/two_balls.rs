@@ -108,6 +108,7 @@ impl Problem for TwoBalls {
             data,
             // There is no load.
             loaded: "lower right".to_owned(),
+            cut: None,
             contact: Contact::Bodies(surfaces.map(str::to_owned)),
             start: None,
             pressure: 1e5,

@@ -8,6 +8,7 @@ use forms_fem::prelude::*;
 
 use crate::body;
 use crate::case::{Case, Contact};
+use crate::cut_body::CutBody;
 use crate::outcome::Outcome;
 use crate::problem::{Problem, Quantity};
 
@@ -25,6 +26,11 @@ pub const PRESSURES: [f64; 5] = [0.05, 0.2, 0.5, 0.8, 1.2];
 pub struct Wavy {
     /// p̄/p*, p* = π E* d.
     pub part: f64,
+}
+
+/// The depth of a part of the rows of cells.
+fn depth(part: f64) -> f64 {
+    DEPTH * (0.03 * part + 0.97 * part.powi(3))
 }
 
 /// p* with E = 1.
@@ -62,25 +68,10 @@ impl Wavy {
         let inside = q - (PI * x).sin().powi(2);
         if inside > 0.0 { 2.0 * mean * (PI * x).cos() * inside.sqrt() / q } else { 0.0 }
     }
-}
 
-impl Problem for Wavy {
-    fn name(&self) -> String {
-        if self.part == 0.5 { "wavy".to_owned() } else { format!("wavy_{}", self.part) }
-    }
-
-    fn statement(&self) -> &'static str {
-        "a flat on a strip with the surface d cos 2πx, E = 1, pressed to a part q of p* = πE*d (Westergaard)"
-    }
-
-    fn case(&self, level: usize, degree: usize) -> Result<Case, Failure> {
-        let cells = [16 << level, 12 << level];
-        let mut mesh = structured(cells, CellShape::Quadrilateral, 1, |[s, t]: [f64; 2]| {
-            let up = 1.0 - t;
-            [self.place(s), -DEPTH * (0.03 * up + 0.97 * up.powi(3))]
-        })?;
-        mesh.name_facets("contact", "top", |_| true)?;
-        let space = Space::vector(&mesh, degree)?;
+    /// The problem on a mesh, with a name of its surface.
+    fn on(&self, mesh: &Mesh<2>, degree: usize, contact: &str) -> Result<Case, Failure> {
+        let space = Space::vector(mesh, degree)?;
         let mut constraints = Constraints::new(&space);
         let way = self.way() + GAP;
         constraints.fix("bottom", |_| [0.0, way])?;
@@ -94,12 +85,46 @@ impl Problem for Wavy {
             constraints,
             data: data.obstacle_gap(|x: &[f64; 2]| GAP + WAVE * (1.0 - (2.0 * PI * x[0]).cos())),
             // There is no load.
-            loaded: "top".to_owned(),
-            contact: Contact::Obstacle("contact".to_owned()),
+            loaded: "left".to_owned(),
+            cut: None,
+            contact: Contact::Obstacle(contact.to_owned()),
             start: None,
             pressure: self.part * full(),
             approach: WAVE,
         })
+    }
+}
+
+impl Problem for Wavy {
+    fn name(&self) -> String {
+        if self.part == 0.5 { "wavy".to_owned() } else { format!("wavy_{}", self.part) }
+    }
+
+    fn statement(&self) -> &'static str {
+        "a flat on a strip with the surface d cos 2πx, E = 1, pressed to a part q of p* = πE*d (Westergaard)"
+    }
+
+    fn case(&self, level: usize, degree: usize) -> Result<Case, Failure> {
+        let cells = [16 << level, 12 << level];
+        let place = |[s, t]: [f64; 2]| [self.place(s), -depth(1.0 - t)];
+        let mut mesh = structured(cells, CellShape::Quadrilateral, 1, place)?;
+        mesh.name_facets("contact", "top", |_| true)?;
+        self.on(&mesh, degree, "contact")
+    }
+
+    fn cut_case(&self, level: usize, degree: usize) -> Result<Option<Case>, Failure> {
+        let (across, down) = (16 << level, (12 << level) + 1);
+        let height = depth(1.0 / down as f64);
+        // Rows of nodes above and below the surface, which is at another height of each cell.
+        let mesh = structured([across, down], CellShape::Triangle, 1, |[s, t]: [f64; 2]| {
+            let depth = depth(1.0 - t);
+            let near = (-depth / (4.0 * height)).exp();
+            [self.place(s), t * height * (0.5 + 0.4 * near * (29.0 * s).sin()) - depth]
+        })?;
+        let body = CutBody::of(&mesh, |x| x[1])?;
+        let mut case = self.on(&mesh, degree, "all")?;
+        body.hold_outside(&mut case.constraints)?;
+        Ok(Some(Case { cut: Some(body), ..case }))
     }
 
     fn exact_pressure(&self, place: [f64; 2], _force: f64) -> Option<f64> {

@@ -102,6 +102,65 @@ fn known_pressures_are_met_with_order_two() {
     }
 }
 
+/// Pages write formulations with a capital letter.
+#[test]
+fn names_are_found_in_small_and_capital_letters() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let asked =
+        ["--problems", "Hertz", "--formulations", "Nitsche θ = -1", "--degrees", "1", "--levels", "1"];
+    let rows = run(&asked, directory.path());
+    let names: Vec<_> = rows.iter().map(|row| (text(row, "problem"), text(row, "formulation"))).collect();
+    let expected =
+        ["nitsche θ = -1", "nitsche θ = -1, unbiased"].map(|name| ("hertz".to_owned(), name.to_owned()));
+    assert_eq!(names, expected);
+}
+
+/// A surface that no mesh fits has the known numbers, too; that of the ball is a polygon.
+#[test]
+fn a_cut_body_has_known_pressures_and_forces() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let asked = [
+        "--problems",
+        "hertz,wavy,half_ball,patch",
+        "--formulations",
+        "cut",
+        "--degrees",
+        "2",
+        "--levels",
+        "2",
+    ];
+    let rows = run(&asked, directory.path());
+    assert_eq!(rows.iter().filter(|row| row["level"] == 1).count(), 6);
+    for row in rows.iter().filter(|row| row["level"] == 1) {
+        let label = format!("{}, {}", text(row, "problem"), text(row, "formulation"));
+        let known = match text(row, "problem").as_str() {
+            "hertz" => ("force", 0.00215769, 1e-3),
+            "wavy" => ("mean pressure/p*", 0.5, 1e-4),
+            _ => ("reaction", 277.4, 6e-3),
+        };
+        let found = quantity(row, known.0);
+        assert!((found / known.1 - 1.0).abs() < known.2, "{label}: {found}");
+    }
+    for row in rows.iter().filter(|row| row["level"] == 0) {
+        let gradient = &row["answer"]["solved"]["gradient"];
+        let (Some(adjoint), Some(difference)) =
+            (gradient["adjoint"].as_f64(), gradient["difference"].as_f64())
+        else {
+            assert_eq!(row["problem"], "patch", "{row}");
+            continue;
+        };
+        assert!((adjoint / difference - 1.0).abs() < 1e-6, "{adjoint} {difference}: {row}");
+    }
+    // The end of contact is at an edge of cells of the wave.
+    let of = |problem: &str| -> Vec<f64> {
+        let found = rows.iter().filter(|row| row["problem"] == problem);
+        found.map(|row| number(row, "pressure_error")).collect()
+    };
+    let (wave, parabola) = (of("wavy"), of("hertz"));
+    assert!(wave.chunks(2).all(|pair| pair[1] < 0.4 * pair[0] && pair[1] < 2e-3), "{wave:?}");
+    assert!(parabola.iter().all(|error| *error < 5e-2), "{parabola:?}");
+}
+
 #[test]
 fn a_name_that_does_not_exist_is_refused_with_those_that_do() {
     let asked = ["--problems", "hertzz"];

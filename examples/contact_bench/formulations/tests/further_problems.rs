@@ -98,6 +98,24 @@ fn a_half_ring_has_the_force_of_two_other_programs() {
     }
 }
 
+/// What is held open by ĝ/2 or c presses more at small ways.
+#[test]
+fn a_half_ring_has_this_force_by_outer_iterations_and_barriers() {
+    let formulations = "uzawa,proximal Galerkin,log barrier";
+    let asked =
+        ["--problems", "half_ring", "--degrees", "2", "--levels", "1", "--formulations", formulations];
+    let all = rows(&asked);
+    for (formulation, tolerance) in
+        [("uzawa", 2e-2), ("proximal Galerkin", 2e-2), ("log barrier, ĝ/d = 0.01", 3e-2)]
+    {
+        let row = all.iter().find(|row| row["formulation"] == formulation).expect("a row");
+        let force = quantity(row, "F(2)");
+        assert!((force / 4.589 - 1.0).abs() < tolerance, "{formulation}: {force}");
+        let growth = quantity(row, "∫(J − 1) there");
+        assert!((growth + 0.1342).abs() < 1e-3, "{formulation}: {growth}");
+    }
+}
+
 /// 64 facets along, most of them far from contact, where multipliers fall from node to node below the rounding of the system.
 #[test]
 fn multipliers_far_from_contact_are_found_on_a_finer_mesh() {

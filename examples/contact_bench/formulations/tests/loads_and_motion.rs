@@ -109,6 +109,32 @@ fn boxes_in_space_have_the_energy_of_another_program() {
     }
 }
 
+/// On the first mesh with degree 1 the force and the energy of Nitsche's method are met by all that converge to the same solution; a gap that is held open, or
+/// pressed, changes both by a part of it.
+#[test]
+fn boxes_are_pressed_by_each_formulation_alike() {
+    let formulations = "nitsche θ = 0,mean gaps,proximal Galerkin,log barrier,exponential,uzawa";
+    let asked = ["--problems", "boxes", "--formulations", formulations, "--degrees", "1", "--levels", "1"];
+    let all = rows(&asked);
+    let of = |formulation: &str| {
+        let row = &solved(&all, "boxes", formulation)[0];
+        ["reaction 4", "energy 4"].map(|name| quantity(row, name))
+    };
+    let expected = of("nitsche θ = 0");
+    for (formulation, tolerance) in [
+        ("mean gaps, nitsche θ = 0", 1e-3),
+        ("proximal Galerkin", 1.5e-3),
+        ("uzawa", 3e-3),
+        ("log barrier, ĝ/d = 0.1", 1e-2),
+        ("log barrier, ĝ/d = 0.01", 4e-3),
+        ("exponential, c/d = 0.01", 5e-3),
+    ] {
+        for (found, expected) in of(formulation).into_iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < tolerance, "{formulation}: {found} {expected}");
+        }
+    }
+}
+
 /// GetFEM's numbers at the points of whole facets, with E over the diameter of the same cells.
 #[test]
 fn the_force_of_a_drawn_die_varies_as_in_another_program() {
