@@ -54,7 +54,7 @@ fn draw(runs: &[Run], out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
         }
     }
     forces.write_png("out/half_ring_forces.png")?;
-    newton.y_range(0.0, 55.0).write_png("out/half_ring_newton.png")?;
+    newton.write_png("out/half_ring_newton.png")?;
     let Some(run) = runs.iter().find(|run| run.formulation == Formulation::TaylorHood) else { return Ok(()) };
     if let (Some(p), Some(last)) = (&run.pressure, run.steps.last()) {
         let height = last.way - OUTSIDE;
