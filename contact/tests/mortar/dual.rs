@@ -22,6 +22,9 @@ mod product {
     pub fn area(u: State<Vector>, q: Test<Scalar>) -> Form {
         integral(Touch(u), this(q))
     }
+    pub fn pressed(u: Unknown<Vector>, v: Test<Vector>, p: State<Scalar>) -> Form {
+        integral(Touch(u), this(p) * dot(toward, jump(v)))
+    }
 }
 
 #[test]
@@ -46,6 +49,28 @@ fn functions_are_dual_over_covered_facets_and_have_the_areas_of_hats_over_others
             assert!((value - expected).abs() < 1e-15, "{row} {column}: {value} {expected}");
         }
     }
+}
+
+#[test]
+fn known_dual_fields_are_refused_where_their_functions_change() {
+    let mesh = bodies(CellShape::Quadrilateral, [9, 8]);
+    let space = Space::vector(&mesh, 1).unwrap();
+    let own = "layer top";
+    let (u, assembler) = (Field::zero(&space), Assembler::new(&mesh));
+    let tangent = |traces: &Arc<Space<2>>, pairing: Pairing| {
+        let form = product::pressed(&product::Touch::on(pairing), Field::zero(traces));
+        assembler.residual(&form, &[&u], &[&space]).unwrap();
+        assembler.tangent(&form, &[&u], &[&space]).map(|_| ()).map_err(|error| error.to_string())
+    };
+    let (dual, hats) = (dual(&mesh, own, &[]), multipliers(&mesh, own, 1, &[]));
+    let on_points = || Pairing::onto(own, "block bottom");
+    let on_pieces = || on_points().at(PairQuadrature::Pieces);
+    let error = tangent(&dual, on_pieces()).unwrap_err();
+    assert!(error.contains("the dual functions of `p` change with the cover of moving segments"), "{error}");
+    assert!(error.contains("Elements::Bernstein(1)"), "{error}");
+    // Hats do not change, and neither do covers that are whole facets.
+    tangent(&hats, on_pieces()).unwrap();
+    tangent(&dual, on_points()).unwrap();
 }
 
 /// Degrees of displacements, and dual multipliers.
