@@ -182,6 +182,22 @@ fn two_discs_merge() {
     assert!((last + 0.152_925_32).abs() < 5e-6, "{last}");
 }
 
+/// With φ of degree 2 on quadrilaterals, whose boundaries are curved within cells.
+#[test]
+fn two_discs_merge_with_degree_2() {
+    let cells = 16;
+    let space = Space::scalar(&square(cells, CellShape::Quadrilateral), 2).unwrap();
+    let apart = |x: &[f64; 2]| (x[0].abs() - 0.45).hypot(x[1]) - 0.2;
+    let initial = Field::interpolate(&space, apart).unwrap();
+    let options = LevelSetOptions { iterations: 40, ..LevelSetOptions::new(2.0 / cells as f64) };
+    let run = LevelSetDescent { problem: &Wells, initial, options }.run(None, &mut |_| Ok(())).unwrap();
+    let rows = &run.state.history;
+    let last = rows[rows.len() - 1].criterion;
+    println!("{last:.6} after {} steps, {:?}", rows.len() - 1, run.state.finish);
+    assert_eq!((rows[0].parts, rows[rows.len() - 1].parts), (2, 1));
+    assert!((last + 0.152_925_32).abs() < 2e-5, "{last}");
+}
+
 #[test]
 fn interrupted_descents_end_with_the_same_bits() {
     for descent in [two_discs(16), full_square(16)] {
