@@ -1,4 +1,4 @@
-//! `docs/cut_domains.md`.
+//! `docs/cut_domains.md` and `docs/level_set_descent.md`.
 
 use forms_contact::ContactProblem;
 use forms_contact::laws::cut_nitsche;

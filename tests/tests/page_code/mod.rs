@@ -22,7 +22,7 @@ mod smooth;
 mod tresca;
 
 /// The pages with blocks in Rust, and what compiles them elsewhere.
-const PAGES: [(&str, Option<&str>); 22] = [
+const PAGES: [(&str, Option<&str>); 23] = [
     ("adaptivity", None),
     ("bounds", None),
     ("coming_from", Some("the documentation tests of this crate")),
@@ -35,6 +35,7 @@ const PAGES: [(&str, Option<&str>); 22] = [
     ("gap_pressures", None),
     ("inverse_problems", None),
     ("language", None),
+    ("level_set_descent", None),
     ("mean_gaps", None),
     ("mesh_parts", Some("the documentation test of `MeshPart`")),
     ("mortar", None),
