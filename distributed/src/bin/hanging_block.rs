@@ -1,6 +1,6 @@
 //! Elasticity of degree 2 in space on the processes that started this:
 //! `mpirun -n 4 hanging_block [cells along an edge] [direct | cg] [u]`. Tells seconds and iterations, and u where asked for.
-//! `hanging_block [cells along an edge] multigrid` is the same on one thread of one process by `forms_fem` alone.
+//! `hanging_block [cells along an edge] multigrid [threads]` is the same in one process by `forms_fem` only.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -15,13 +15,14 @@ fn run(world: &World) -> Result<(), Box<dyn Error>> {
     let given = |place| std::env::args().nth(place);
     let divisions = given(1).map_or(Ok(4), |number| number.parse())?;
     let name = given(2).unwrap_or_else(|| "cg".to_owned());
+    let start = Instant::now();
     let block = HangingBlock::new(divisions, Given::constant([0.0, 0.0, -1.0]))?;
     if name == "multigrid" && world.size() == 1 {
-        return by_multigrid(world, block);
+        let threads = given(3).map_or(Ok(1), |number| number.parse())?;
+        return by_multigrid(world, block, Threads::new(threads), start);
     }
     let method = Method::named(&name)?;
     let HangingBlock { form, space, constraints } = block;
-    let start = Instant::now();
     let mut solver = PetscSolver::new(world, &constraints, method)?;
     let u = Problem::new(&form, &space)
         .threads(Threads::new(1))
@@ -43,12 +44,15 @@ fn run(world: &World) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The multigrid of `forms_fem`, to the same tolerance.
-fn by_multigrid(world: &World, block: HangingBlock) -> Result<(), Box<dyn Error>> {
+/// The multigrid of `forms_fem`, to the same tolerance, for a block that was made from `start` on.
+fn by_multigrid(
+    world: &World,
+    block: HangingBlock,
+    threads: Threads,
+    start: Instant,
+) -> Result<(), Box<dyn Error>> {
     let HangingBlock { form, space, constraints } = block;
-    let (assembler, threads) = (Assembler::new(space.mesh()), Threads::new(1));
-    let assembler = assembler.with_threads(threads);
-    let start = Instant::now();
+    let assembler = Assembler::new(space.mesh()).with_threads(threads);
     let options =
         MultigridSolverOptions { tolerance: TOLERANCE, threads, ..MultigridSolverOptions::default() };
     let mut solver = MultigridSolver::new(&constraints, options)?;
