@@ -7,7 +7,8 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use forms_distributed::cases::hanging_block::HangingBlock;
-use forms_distributed::cases::report::tell;
+use forms_distributed::cases::parts::Case;
+use forms_distributed::cases::report::{largest, peak, tell};
 use forms_distributed::{Method, PetscSolver, TOLERANCE, World};
 use forms_fem::prelude::*;
 
@@ -24,20 +25,22 @@ fn run(world: &World) -> Result<(), Box<dyn Error>> {
     let method = Method::named(&name)?;
     let HangingBlock { form, space, constraints } = block;
     let mut solver = PetscSolver::new(world, &constraints, method)?;
-    let u = Problem::new(&form, &space)
+    let solved = Problem::new(&form, &space)
         .threads(Threads::new(1))
         .on(world)
         .constrained(&constraints)
         .solver(&mut solver)
-        .solve()?
-        .into_field();
-    let report = solver.report();
+        .solve()?;
+    let seconds = start.elapsed().as_secs_f64();
+    let (u, report) = (solved.field(), solver.report());
     tell(world, "unknowns", &[space.unknowns() as f64]);
     tell(world, "iterations", &report.iterations.iter().map(|count| *count as f64).collect::<Vec<_>>());
     tell(world, "residual", &[report.largest_residual]);
     tell(world, "matrix_seconds", &[report.assembly_seconds]);
     tell(world, "solve_seconds", &[report.solve_seconds]);
-    tell(world, "seconds", &[start.elapsed().as_secs_f64()]);
+    tell(world, "seconds", &[seconds]);
+    tell(world, "megabytes", &[largest(world, peak())?]);
+    tell(world, "size", &[solved.functional(&Case::size(u))?]);
     if given(3).as_deref() == Some("u") {
         tell(world, "u", u.values());
     }
@@ -56,17 +59,20 @@ fn by_multigrid(
     let options =
         MultigridSolverOptions { tolerance: TOLERANCE, threads, ..MultigridSolverOptions::default() };
     let mut solver = MultigridSolver::new(&constraints, options)?;
-    Problem::new(&form, &space)
+    let solved = Problem::new(&form, &space)
         .assembler(&assembler)
         .constrained(&constraints)
         .solver(&mut solver)
         .solve()?;
+    let seconds = start.elapsed().as_secs_f64();
     let report = solver.report();
     tell(world, "unknowns", &[space.unknowns() as f64]);
     tell(world, "iterations", &report.iterations.iter().map(|count| *count as f64).collect::<Vec<_>>());
     tell(world, "residual", &[report.largest_residual]);
     tell(world, "solve_seconds", &[report.setup_seconds + report.solve_seconds]);
-    tell(world, "seconds", &[start.elapsed().as_secs_f64()]);
+    tell(world, "seconds", &[seconds]);
+    tell(world, "megabytes", &[peak()]);
+    tell(world, "size", &[solved.functional(&Case::size(solved.field()))?]);
     Ok(())
 }
 

@@ -15,7 +15,7 @@ use forms_distributed::cases::motions::Motion;
 use forms_distributed::cases::pair_histories;
 use forms_distributed::cases::part_steps::{FACTORS, HALF, Softening, softening};
 use forms_distributed::cases::parts::{Case, whole};
-use forms_distributed::cases::report::{tell, tell_steps};
+use forms_distributed::cases::report::{largest, peak, tell, tell_steps};
 use forms_distributed::{MeshPart, Method, PartCheckpoint, PetscSolver, World};
 use forms_fem::constraints::RigidMap;
 use forms_fem::cut::Cut;
@@ -244,19 +244,6 @@ fn ball(mut part: MeshPart<'_, 3>, method: Method) -> Outcome {
     let adjoint = problem.adjoint(u)?.on(&part).solver(&mut solver).solve()?;
     tell(world, "adjoint", &whole(&part, adjoint.field())?);
     Ok(())
-}
-
-/// The largest of all processes' numbers.
-fn largest(world: &World, own: f64) -> Result<f64, Box<dyn Error>> {
-    Ok(world.gather(own.to_bits())?.into_iter().map(f64::from_bits).fold(f64::NAN, f64::max))
-}
-
-/// The largest memory of this process so far \[MB\]; NaN where the system does not tell.
-fn peak() -> f64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    let kibibytes = line.and_then(|line| line.trim().strip_suffix(" kB")?.parse::<f64>().ok());
-    kibibytes.map_or(f64::NAN, |count| count * 1024.0 / 1e6)
 }
 
 /// A problem that parts refuse, by a name.
