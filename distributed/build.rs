@@ -18,6 +18,10 @@ const RELIED_ON: [(&str, bool, &str); 5] = [
     ("PETSC_HAVE_MUMPS", true, "MUMPS is there"),
 ];
 
+/// Programs that divide graphs: the definition of one that PETSc has, and its name there.
+const PARTITIONERS: [(&str, &str); 2] =
+    [("PETSC_HAVE_PTSCOTCH", "ptscotch"), ("PETSC_HAVE_PARMETIS", "parmetis")];
+
 fn main() -> ExitCode {
     if env::var_os("CARGO_FEATURE_PETSC").is_none() {
         return ExitCode::SUCCESS;
@@ -51,6 +55,8 @@ fn find() -> Result<(), Box<dyn Error>> {
             return Err(format!("this PETSc cannot be used: {path} {how} {name}; {meaning}").into());
         }
     }
+    let partitioner = PARTITIONERS.iter().find(|(name, _)| defines(name)).map_or("", |(_, program)| program);
+    println!("cargo:rustc-env=PETSC_PARTITIONER={partitioner}");
     Ok(())
 }
 

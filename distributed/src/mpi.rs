@@ -17,6 +17,7 @@ pub struct Predefined {
 }
 
 unsafe extern "C" {
+    static ompi_mpi_comm_self: Predefined;
     static ompi_mpi_double: Predefined;
     static ompi_mpi_uint64_t: Predefined;
     static ompi_mpi_op_sum: Predefined;
@@ -66,6 +67,11 @@ unsafe extern "C" {
 
 fn handle(object: *const Predefined) -> Handle {
     object.cast_mut().cast()
+}
+
+/// `MPI_COMM_SELF`.
+pub fn this_process() -> Handle {
+    handle(&raw const ompi_mpi_comm_self)
 }
 
 /// `MPI_DOUBLE`.

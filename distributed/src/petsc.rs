@@ -14,7 +14,7 @@ pub type Code = c_int;
 pub type Index = i32;
 /// `MPI_Comm` of Open MPI.
 pub type Communicator = *mut c_void;
-/// `Vec`, `Mat`, `KSP`, `PC`, `MatNullSpace` and `VecScatter`: pointers to what PETSc alone knows.
+/// `Vec`, `Mat`, `KSP`, `PC`, `MatNullSpace`, `MatPartitioning`, `IS` and `VecScatter`: pointers to what PETSc alone knows.
 pub type Object = *mut c_void;
 
 /// `PETSC_TRUE`.
@@ -153,6 +153,36 @@ unsafe extern "C" {
     pub fn PCFieldSplitSetSchurFactType(preconditioner: Object, kind: c_int) -> Code;
     pub fn PCFieldSplitSetSchurPre(preconditioner: Object, kind: c_int, matrix: Object) -> Code;
 
+    pub fn PetscMallocA(
+        count: c_int,
+        clear: c_int,
+        line: c_int,
+        function: *const c_char,
+        file: *const c_char,
+        bytes: usize,
+        memory: *mut *mut c_void,
+        ...
+    ) -> Code;
+    pub fn MatCreateMPIAdj(
+        comm: Communicator,
+        rows: Index,
+        columns: Index,
+        starts: *mut Index,
+        neighbours: *mut Index,
+        weights: *mut Index,
+        graph: *mut Object,
+    ) -> Code;
+    pub fn MatPartitioningCreate(comm: Communicator, partitioning: *mut Object) -> Code;
+    pub fn MatPartitioningSetAdjacency(partitioning: Object, graph: Object) -> Code;
+    pub fn MatPartitioningSetType(partitioning: Object, name: *const c_char) -> Code;
+    pub fn MatPartitioningSetVertexWeights(partitioning: Object, weights: *const Index) -> Code;
+    pub fn MatPartitioningSetNParts(partitioning: Object, count: Index) -> Code;
+    pub fn MatPartitioningSetFromOptions(partitioning: Object) -> Code;
+    pub fn MatPartitioningApply(partitioning: Object, parts: *mut Object) -> Code;
+    pub fn MatPartitioningDestroy(partitioning: *mut Object) -> Code;
+
+    pub fn ISGetIndices(rows: Object, list: *mut *const Index) -> Code;
+    pub fn ISRestoreIndices(rows: Object, list: *mut *const Index) -> Code;
     pub fn ISCreateStride(
         comm: Communicator,
         count: Index,

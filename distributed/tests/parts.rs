@@ -106,6 +106,21 @@ fn diffusion_on_pieces_of_a_curve_is_the_same() {
     check(&[3, 7], &["divided", "4", "2", "direct"], &of(2));
 }
 
+/// With six times the weight of the others at the top, where each square has two cells, the parts have the same weight to a tenth.
+#[test]
+fn cells_are_divided_by_their_weights() {
+    let arguments = ["weighted", "6", "1", "direct"];
+    check(&[3], &arguments, &solution("divided", &cube(6, CellShape::Tetrahedron), 1));
+    for processes in [2, 3, 4, 7] {
+        let told = told(processes, &arguments);
+        let weights = &read(&told)["weights"];
+        let sum: f64 = weights.iter().sum();
+        assert_eq!(sum, 6.0 * 216.0 + 5.0 * 72.0);
+        let largest = weights.iter().fold(0.0, |largest: f64, weight| largest.max(*weight));
+        assert!(largest < 1.1 * sum / processes as f64, "{weights:?} on {processes}");
+    }
+}
+
 #[test]
 fn elasticity_on_boxes_is_the_same_by_both_solvers() {
     let expected = solution("hanging", &cube(4, CellShape::Hexahedron), 2);
@@ -158,6 +173,19 @@ fn a_ball_on_a_flat_is_the_same_with_its_adjoint_state() {
         ]);
         check(processes, &["ball", "4", "2", method], &expected);
     }
+}
+
+/// Relations between unknowns: of one node, of two surfaces, and of all nodes of a surface. Some nodes are on several sides, where a process may
+/// know the condition of one only.
+#[test]
+fn related_unknowns_are_the_same() {
+    let of = |name, degree| solution(name, &cube(3, CellShape::Hexahedron), degree);
+    check(&PROCESSES, &["slides", "3", "1", "direct"], &of("slides", 1));
+    check(&[4], &["slides", "3", "2", "direct"], &of("slides", 2));
+    check(&PROCESSES, &["periodic", "3", "1", "direct"], &of("periodic", 1));
+    check(&[3], &["periodic", "3", "2", "direct"], &of("periodic", 2));
+    check(&PROCESSES, &["rigid", "3", "2", "direct"], &of("rigid", 2));
+    check(&[2], &["rigid", "3", "2", "cg"], &of("rigid", 2));
 }
 
 /// A directory of a test, gone at its end.
@@ -314,7 +342,9 @@ fn what_is_not_divided_is_refused() {
         ("refined", "3", "refinement is not available on a mesh that is divided"),
         ("cut", "3", "a cut is not available on a mesh that is divided"),
         ("on facets", "3", "are not available on a mesh that is divided"),
-        ("sliding", "3", "relations between unknowns (sliding, periodic, rigid, mean values) are not"),
+        ("tied", "3", "the surface \"front\" is divided among processes"),
+        ("mean", "3", "a mean value is not available on a mesh that is divided"),
+        ("split", "3", "has some of the unknowns of a relation"),
         ("interior", "3", "interior facets"),
         ("reaction", "3", "a reaction of one process is not available on a mesh that is divided"),
         ("functional", "3", "and `part.functional(..)` for a functional"),

@@ -4,6 +4,7 @@
 
 use std::error::Error;
 use std::process::ExitCode;
+use std::time::Instant;
 
 use forms_contact::threshold::of_law;
 use forms_distributed::cases::ball_on_flat::{is_near, place, pressed};
@@ -14,12 +15,16 @@ use forms_distributed::cases::motions::Motion;
 use forms_distributed::cases::pair_histories;
 use forms_distributed::cases::part_steps::{FACTORS, HALF, Softening, softening};
 use forms_distributed::cases::parts::{Case, whole};
-use forms_distributed::cases::report::{tell, tell_steps};
+use forms_distributed::cases::report::{largest, peak, tell, tell_steps};
 use forms_distributed::{MeshPart, Method, PartCheckpoint, PetscSolver, World};
+use forms_fem::constraints::RigidMap;
 use forms_fem::cut::Cut;
 use forms_fem::output::{VtuFile, VtuSeries};
 use forms_fem::prelude::*;
 use forms_fem::time::Mass;
+
+/// The weight of a cell at the top, in a mesh that is divided by weights.
+const HEAVY: u32 = 6;
 
 type Outcome = Result<(), Box<dyn Error>>;
 
@@ -29,21 +34,41 @@ fn run(world: &World) -> Outcome {
     let divisions = given(2).map_or(Ok(4), |number| number.parse())?;
     let degree = given(3).map_or(Ok(1), |number| number.parse())?;
     let method = Method::named(given(4).as_deref().unwrap_or("direct"))?;
+    let start = Instant::now();
     let cube = |shape| world.cuboid([0.0; 3], [1.0; 3], [divisions; 3], shape, 1);
     match name.as_str() {
         "diffusion" | "hanging" | "rubber" | "memory" => {
-            solve(&cube(CellShape::Hexahedron)?, &name, degree, method)
+            solve(&cube(CellShape::Hexahedron)?, &name, degree, method, start)
         }
-        "tetrahedra" => solve(&cube(CellShape::Tetrahedron)?, &name, degree, method),
+        "slides" => solve(&cube(CellShape::Hexahedron)?, &name, degree, method, start),
+        "periodic" => {
+            let part = cube(CellShape::Hexahedron)?.with_surfaces(&["left", "right"])?;
+            solve(&part, &name, degree, method, start)
+        }
+        "rigid" => {
+            let part = cube(CellShape::Hexahedron)?.with_surfaces(&["top"])?;
+            solve(&part, &name, degree, method, start)
+        }
+        "tetrahedra" => solve(&cube(CellShape::Tetrahedron)?, &name, degree, method, start),
         // All processes have this mesh, and drop it.
         "divided" => {
             let mesh = cuboid([0.0; 3], [1.0; 3], [divisions; 3], CellShape::Tetrahedron, 1)?;
-            solve(&world.divide(&mesh)?, &name, degree, method)
+            solve(&world.divide(&mesh)?, &name, degree, method, start)
+        }
+        "weighted" => {
+            let mesh = cuboid([0.0; 3], [1.0; 3], [divisions; 3], CellShape::Tetrahedron, 1)?;
+            let mut weights = vec![1; mesh.cell_count()];
+            mesh.facet_region("top")?.iter().for_each(|facet| weights[facet.cell as usize] = HEAVY);
+            let part = world.divide_weighted(&mesh, |cell| weights[cell])?;
+            let heavy = part.facet_region("top")?.len() as u64;
+            let own = part.cell_count() as u64 + u64::from(HEAVY - 1) * heavy;
+            tell(world, "weights", &world.gather(own)?.iter().map(|own| *own as f64).collect::<Vec<_>>());
+            solve(&part, "divided", degree, method, start)
         }
         // The first process has it.
         "scattered" => {
             let part = world.scatter(|| scattered(given(5).as_deref()))?;
-            solve(&part, &name, degree, method)
+            solve(&part, &name, degree, method, start)
         }
         "missing" => world.read_gmsh::<3>("no/such.msh").map(drop).map_err(Into::into),
         "mixed" => mixed(&cube(CellShape::Hexahedron)?, method),
@@ -65,10 +90,12 @@ fn run(world: &World) -> Outcome {
     }
 }
 
-fn solve(part: &MeshPart<'_, 3>, name: &str, degree: usize, method: Method) -> Outcome {
+/// Solves a case on a part that was made from `start` on.
+fn solve(part: &MeshPart<'_, 3>, name: &str, degree: usize, method: Method, start: Instant) -> Outcome {
     let (world, case, before) = (part.world(), Case::new(name, part, degree)?, part.world().traffic());
     let mut solver = PetscSolver::for_part(part, &[&case.held], method)?;
     let solved = case.problem().on(part).solver(&mut solver).solve()?;
+    let seconds = start.elapsed().as_secs_f64();
     let (u, now, steps) = (solved.field(), world.traffic(), solved.iterations() as f64);
     let (messages, bytes) = (now.messages - before.messages, now.bytes - before.bytes);
     let calls = (now.collective - before.collective) as f64;
@@ -79,6 +106,8 @@ fn solve(part: &MeshPart<'_, 3>, name: &str, degree: usize, method: Method) -> O
     );
     let iterations = solver.report().iterations.iter().map(|count| *count as f64);
     tell(world, "iterations", &iterations.collect::<Vec<_>>());
+    tell(world, "solve_seconds", &[solver.report().solve_seconds]);
+    tell(world, "seconds", &[seconds]);
     tell(world, "megabytes", &[largest(world, peak())?]);
     if name == "memory" {
         return Ok(());
@@ -217,19 +246,6 @@ fn ball(mut part: MeshPart<'_, 3>, method: Method) -> Outcome {
     Ok(())
 }
 
-/// The largest of all processes' numbers.
-fn largest(world: &World, own: f64) -> Result<f64, Box<dyn Error>> {
-    Ok(world.gather(own.to_bits())?.into_iter().map(f64::from_bits).fold(f64::NAN, f64::max))
-}
-
-/// The largest memory of this process so far \[MB\]; NaN where the system does not tell.
-fn peak() -> f64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    let kibibytes = line.and_then(|line| line.trim().strip_suffix(" kB")?.parse::<f64>().ok());
-    kibibytes.map_or(f64::NAN, |count| count * 1024.0 / 1e6)
-}
-
 /// A problem that parts refuse, by a name.
 fn refused(part: &MeshPart<'_, 3>, name: &str) -> Outcome {
     let mut case = Case::new("rubber", part, 1)?;
@@ -245,9 +261,13 @@ fn refused(part: &MeshPart<'_, 3>, name: &str) -> Outcome {
             return Ok(PetscSolver::for_part(part, &[&traces], Method::Direct).map(drop)?);
         }
         "nearest" => case.held.fix_nearest(&[0.5; 3], [0.0; 3])?,
-        "sliding" => {
+        "tied" => case.held.periodic("front", "back", &RigidMap::translation([0.0, 1.0, 0.0]))?,
+        "mean" => case.held.mean_value("all", 0, 0.0)?,
+        "split" => {
+            let far = case.space.nearest_node(&[1.0; 3]).unwrap_or_default();
+            let near = case.space.nearest_node(&[0.0; 3]).unwrap_or_default();
             case.held = Constraints::new(&case.space);
-            case.held.slide("top", |_| [0.6, 0.0, 0.8], |_| 0.0)?;
+            case.held.sum("ends", &[(3 * far + 1, 1.0), (3 * near + 1, -1.0)], 0.0)?;
         }
         "interior" => {
             case.form =

@@ -2,6 +2,7 @@
 
 use std::error::Error;
 
+use forms_fem::constraints::RigidMap;
 use forms_fem::prelude::*;
 
 use super::hanging_block::HangingBlock;
@@ -55,24 +56,46 @@ pub struct Case {
 }
 
 impl Case {
-    /// Diffusion with u = x at the top and 0 at the left; `rubber`, a cube that is stretched and sheared by half of its length; or `hanging`,
-    /// an elastic one under its weight.
+    /// Diffusion with u = x at the top and 0 at the left; `rubber`, a cube that is stretched and sheared by half of its length; `hanging`,
+    /// an elastic one under its weight. Relations between unknowns have `periodic`, rubber that is sheared and goes on beyond two sides;
+    /// `slides`, rubber whose top and right side slide along oblique planes; and `rigid`, the elastic block with a rigid top.
     ///
     /// # Errors
     /// A degree that does not exist, a mesh without these sides.
     pub fn new(name: &str, mesh: &Mesh<3>, degree: usize) -> Result<Self, Box<dyn Error>> {
         let regions = forms::Regions::default().side("right");
         let model = forms::Model { data: forms::data().mu(1.0).lambda(3.0), regions };
-        if name == "hanging" {
+        if ["hanging", "rigid"].contains(&name) {
             let block = HangingBlock::on(mesh, Given::constant([0.0, 0.0, -1.0]))?;
-            return Ok(Case { form: block.form, space: block.space, held: block.constraints });
+            let mut held = block.constraints;
+            if name == "rigid" {
+                held = Constraints::new(&block.space);
+                held.fix("left", |_| [0.0; 3])?;
+                held.rigid_body("top")?;
+            }
+            return Ok(Case { form: block.form, space: block.space, held });
         }
-        let is_rubber = name == "rubber";
+        let is_rubber = ["rubber", "periodic", "slides"].contains(&name);
         let space = if is_rubber { Space::vector(mesh, degree)? } else { Space::scalar(mesh, degree)? };
         let mut held = Constraints::new(&space);
+        match name {
+            "rubber" => {
+                held.fix("left", |_| [0.0; 3])?;
+                held.fix("right", |_| [0.5, 0.25, 0.0])?;
+            }
+            "periodic" => {
+                held.fix("bottom", |_| [0.0; 3])?;
+                held.fix_component("top", 1, |x| 0.2 + 0.1 * (std::f64::consts::TAU * x[0]).sin())?;
+                held.periodic("left", "right", &RigidMap::translation([1.0, 0.0, 0.0]))?;
+            }
+            "slides" => {
+                held.fix("bottom", |_| [0.0; 3])?;
+                held.slide("top", |_| [0.6, 0.0, 0.8], |_| 0.1)?;
+                held.slide("right", |_| [0.8, 0.6, 0.0], |x| 0.1 * x[2])?;
+            }
+            _ => {}
+        }
         if is_rubber {
-            held.fix("left", |_| [0.0; 3])?;
-            held.fix("right", |_| [0.5, 0.25, 0.0])?;
             return Ok(Case { form: model.rubber().into(), space, held });
         }
         held.fix("top", |x| x[0])?;

@@ -9,6 +9,7 @@ use forms_fem::mesh::{BOUNDARY, Facet, Mesh, MeshError, RegionNames, straight_ma
 
 use super::MeshPart;
 use super::boxes::boxes;
+use super::graph::owners;
 use super::partition::{Partition, Subdomain};
 use super::shared_nodes::Vertices;
 use crate::error::PetscError;
@@ -117,14 +118,62 @@ impl World {
         Ok(MeshPart::new(self, mesh, Vertices { numbers, sharers }))
     }
 
-    /// This process's part of a mesh that all processes have, and can drop afterwards: a piece of the curve along which the mesh's cells are walked.
+    /// This process's part of a mesh that all processes have, and can drop afterwards. PT-Scotch or ParMETIS divides the graph of the cells, if
+    /// PETSc has one of them; else a part is a piece of the curve along which the mesh's cells are walked.
     ///
     /// # Errors
     /// [`PetscError::Unfit`] of a mesh with rigid surfaces or hanging nodes; [`PetscError::TooManyProcesses`].
     pub fn divide<const D: usize>(&self, mesh: &Mesh<D>) -> Result<MeshPart<'_, D>, PetscError> {
-        let partition = Partition::new(self, mesh);
-        let own = partition.and_then(|partition| partition.subdomain(self.rank()).map_err(unfit));
-        Ok(self.agree(own)?.into_part(self))
+        self.divide_weighted(mesh, |_| 1)
+    }
+
+    /// As [`World::divide`], with a weight of each cell: the work that it brings, as many times that of the lightest. Parts have about the same
+    /// weight. Cells at contact surfaces have more work than others.
+    ///
+    /// ```no_run
+    /// # let world = forms_distributed::World::start()?;
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = rectangle([0.0; 2], [1.0; 2], [8; 2], CellShape::Triangle, 1)?;
+    /// let mut weights = vec![1; mesh.cell_count()];
+    /// mesh.facet_region("bottom")?.iter().for_each(|facet| weights[facet.cell as usize] = 4);
+    /// let part = world.divide_weighted(&mesh, |cell| weights[cell])?.with_surfaces(&["bottom"])?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`World::divide`].
+    pub fn divide_weighted<const D: usize>(
+        &self,
+        mesh: &Mesh<D>,
+        weight: impl Fn(usize) -> u32,
+    ) -> Result<MeshPart<'_, D>, PetscError> {
+        let owners = if self.rank() == 0 { self.owners(mesh, weight) } else { Ok(None) };
+        let owners = self.agree(owners)?;
+        let known = self.gather(u64::from(owners.is_some()))?[0] == 1;
+        let of_first: Option<Vec<usize>> = if known {
+            // Zeros of the others change nothing.
+            let own = owners.unwrap_or_else(|| vec![0; mesh.cell_count()]);
+            let all = self.sum(&own.into_iter().map(|rank| rank as f64).collect::<Vec<_>>())?;
+            Some(all.into_iter().map(|rank| rank as usize).collect())
+        } else {
+            None
+        };
+        let partition = Partition::new(self, mesh, of_first.as_deref());
+        Ok(self.agree(partition.subdomain(self.rank()).map_err(unfit))?.into_part(self))
+    }
+
+    /// The process of each cell, where a program divides the graph of the cells.
+    fn owners<const D: usize>(
+        &self,
+        mesh: &Mesh<D>,
+        weight: impl Fn(usize) -> u32,
+    ) -> Result<Option<Vec<usize>>, PetscError> {
+        let (processes, cells) = (self.size(), mesh.cell_count());
+        if cells < processes {
+            return Err(PetscError::TooManyProcesses { processes, cells });
+        }
+        let weights: Vec<u32> = (0..cells).map(weight).collect();
+        owners(mesh, processes, &weights)
     }
 
     /// This process's part of a mesh in a Gmsh file ([`Mesh::read_gmsh`]), as [`World::scatter`].
@@ -164,10 +213,26 @@ impl World {
         &self,
         make: impl FnOnce() -> Result<Mesh<D>, E>,
     ) -> Result<MeshPart<'_, D>, PetscError> {
+        self.scatter_weighted(make, |_, _| 1)
+    }
+
+    /// As [`World::scatter`], with a weight of each cell of the mesh, as [`World::divide_weighted`] has it.
+    ///
+    /// # Errors
+    /// As [`World::scatter`].
+    pub fn scatter_weighted<const D: usize, E: Display>(
+        &self,
+        make: impl FnOnce() -> Result<Mesh<D>, E>,
+        weight: impl Fn(&Mesh<D>, usize) -> u32,
+    ) -> Result<MeshPart<'_, D>, PetscError> {
         let is_first = self.rank() == 0;
         let mesh = if is_first { make().map(Some).map_err(|error| error.to_string()) } else { Ok(None) };
         let mesh = self.succeed_on_first(mesh)?.flatten();
-        let partition = mesh.as_ref().map(|mesh| Partition::new(self, mesh)).transpose();
+        let partition = mesh.as_ref().map(|mesh| {
+            let owners = self.owners(mesh, |cell| weight(mesh, cell))?;
+            Ok::<_, PetscError>(Partition::new(self, mesh, owners.as_deref()))
+        });
+        let partition = partition.transpose();
         let partition = self.succeed_on_first(partition.map_err(|error| error.to_string()))?.flatten();
         let mut own = Ok(None);
         // The first process has its own piece, and one other at a time.

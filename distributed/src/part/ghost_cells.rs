@@ -23,8 +23,8 @@ struct CellsAtSurfaces<const D: usize> {
 }
 
 impl<const D: usize> MeshPart<'_, D> {
-    /// This part with some surfaces whole on each process, for contact pairs between them: a [`Pairing`] may have these surfaces, and facets
-    /// that are named within them. Each process has copies of all cells at the surfaces ([`MeshPart::ghost_cells`]) with their unknowns.
+    /// This part with some surfaces whole on each process, for contact pairs between them, periodic conditions and rigid bodies: a [`Pairing`]
+    /// or a relation between unknowns may have these surfaces, and facets that are named within them. Each process has copies of all cells at the surfaces ([`MeshPart::ghost_cells`]) with their unknowns.
     /// All else is of the process's own cells: integrals over cells, facets and own facets of pairs, regions, files. Spaces come afterwards.
     ///
     /// ```no_run

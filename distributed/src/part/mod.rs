@@ -6,6 +6,7 @@ mod divided_unknowns;
 mod divided_vectors;
 mod division;
 mod ghost_cells;
+mod graph;
 mod partition;
 mod shared_nodes;
 mod unknown_rows;
@@ -59,8 +60,9 @@ use crate::world::World;
 /// ```
 ///
 /// Load steps, motions and histories take `.on(&part)` in the same way, [`VtuFile::on`](forms_fem::output::VtuFile::on) writes all parts, and
-/// [`PartCheckpoint`] keeps them. Contact pairs need surfaces that each process has whole: [`MeshPart::with_surfaces`]. Refused by name: integrals
-/// over interior facets, relations between unknowns, bounds, projections to continuous spaces, adaptivity.
+/// [`PartCheckpoint`] keeps them. Contact pairs, periodic conditions and rigid bodies need surfaces that each process has whole:
+/// [`MeshPart::with_surfaces`]. Refused by name: integrals over interior facets, mean values, hanging nodes, bounds, projections to continuous
+/// spaces, adaptivity.
 pub struct MeshPart<'w, const D: usize> {
     world: &'w World,
     mesh: Mesh<D>,

@@ -1,5 +1,4 @@
-//! Partition of a mesh into subdomains, one for each process, along the curve on which its cells are walked; and the subdomains as lists
-//! of numbers, which go from process to process.
+//! Partition of a mesh into subdomains, one for each process, and the subdomains as lists of numbers, which go from process to process.
 
 use std::collections::BTreeMap;
 
@@ -9,14 +8,13 @@ use forms_fem::mesh::{BOUNDARY, EVERYWHERE, Facet, Mesh, MeshError, RegionNames}
 use super::MeshPart;
 use super::shared_nodes::Vertices;
 use super::words::{Words, add, facet_of, word_of};
-use crate::error::PetscError;
 use crate::world::World;
 
 /// A mesh with the processes that its vertices go to.
 pub(super) struct Partition<'m, const D: usize> {
     mesh: &'m Mesh<D>,
-    /// The first cell of each process on the curve, and the number of all.
-    starts: Vec<usize>,
+    /// The cells of each process, ascending.
+    cells: Vec<Vec<u32>>,
     /// The processes of each vertex that several have, ascending.
     sharers: BTreeMap<u32, Vec<usize>>,
 }
@@ -35,16 +33,23 @@ pub(super) struct Subdomain<const D: usize> {
 const NOBODY: usize = usize::MAX;
 
 impl<'m, const D: usize> Partition<'m, D> {
-    pub fn new(world: &World, mesh: &'m Mesh<D>) -> Result<Self, PetscError> {
-        let (processes, cells) = (world.size(), mesh.cell_count());
-        if cells < processes {
-            return Err(PetscError::TooManyProcesses { processes, cells });
+    /// The partition with a process for each cell, or without these one along the curve on which the cells are walked.
+    pub fn new(world: &World, mesh: &'m Mesh<D>, owners: Option<&[usize]>) -> Self {
+        let processes = world.size();
+        let mut cells = vec![vec![]; processes];
+        match owners {
+            Some(owners) => owners.iter().zip(0..).for_each(|(owner, cell)| cells[*owner].push(cell)),
+            None => {
+                for (rank, cells) in cells.iter_mut().enumerate() {
+                    cells.extend(&mesh.cell_order().cells()[world.part_of(rank, mesh.cell_count())]);
+                    cells.sort_unstable();
+                }
+            }
         }
-        let starts: Vec<usize> = (0..=processes).map(|rank| world.part_of(rank, cells).start).collect();
         let mut first = vec![NOBODY; mesh.node_count()];
         let mut sharers: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-        for rank in 0..processes {
-            for cell in &mesh.cell_order().cells()[starts[rank]..starts[rank + 1]] {
+        for (rank, cells) in cells.iter().enumerate() {
+            for cell in cells {
                 for vertex in mesh.cell_vertices(*cell as usize) {
                     let known = &mut first[*vertex as usize];
                     if *known == NOBODY {
@@ -58,15 +63,13 @@ impl<'m, const D: usize> Partition<'m, D> {
                 }
             }
         }
-        Ok(Partition { mesh, starts, sharers })
+        Partition { mesh, cells, sharers }
     }
 
     /// The cells of a process.
     pub fn subdomain(&self, rank: usize) -> Result<Subdomain<D>, MeshError> {
         let mesh = self.mesh;
-        let mut cells = mesh.cell_order().cells()[self.starts[rank]..self.starts[rank + 1]].to_vec();
-        cells.sort_unstable();
-        let part = mesh.part_of_cells(cells)?;
+        let part = mesh.part_of_cells(self.cells[rank].clone())?;
         let is_cut = |facet: &&Facet| {
             let parent = Facet { cell: part.cells[facet.cell as usize], local: facet.local };
             mesh.boundary_facets().binary_search(&parent).is_err()

@@ -5,7 +5,8 @@ use std::rc::Rc;
 use forms_fem::linear_algebra::rigid_motions;
 use forms_fem::prelude::*;
 use forms_fem::solve::DividedVectors;
-use forms_fem::solve::divided::prescribed_by_all;
+use forms_fem::solve::divided::conditions_of_all;
+use forms_fem::solve::elimination::Elimination;
 
 use super::divided_unknowns::DividedUnknowns;
 use super::divided_vectors::SpacesOnPart;
@@ -77,26 +78,18 @@ pub(super) fn rows<const D: usize>(
     Ok(NodeRows { rows: Rows { count, block, own: start..next }, places, held, fields, divided })
 }
 
-/// The unknowns that no process prescribes, ascending.
+/// The unknowns that no process prescribes or gives by others, ascending.
 fn free_unknowns<const D: usize>(
     world: &World,
     vectors: &Rc<SpacesOnPart>,
     constraints: &[&Constraints<D>],
 ) -> Result<Vec<usize>, PetscError> {
-    let relations = constraints.iter().any(|one| !one.relations().is_empty());
-    let what = "relations between unknowns (sliding, periodic, rigid, mean values)".to_owned();
-    world.agree(if relations { Err(PetscError::Divided { what }) } else { Ok(()) })?;
-    let mut offset = 0;
-    let own = constraints.iter().flat_map(|one| {
-        let start = offset;
-        offset += one.space().unknowns();
-        one.prescribed().iter().map(move |(unknown, value)| (start + unknown, *value))
-    });
-    let own = own.collect();
-    let failed =
-        |error: forms_fem::solve::CommunicationError| PetscError::Unfit { message: error.to_string() };
-    let prescribed = prescribed_by_all(&**vectors, vectors.count(), &own).map_err(failed)?;
-    Ok((0..vectors.count()).filter(|unknown| !prescribed.contains_key(unknown)).collect())
+    let failed = |error: &dyn std::error::Error| PetscError::Unfit { message: error.to_string() };
+    let own = world.agree(Elimination::of(constraints).map_err(|error| failed(&error)))?;
+    let all = conditions_of_all(&**vectors, world.rank(), own.size(), own.conditions());
+    let (prescribed, relations) = world.agree(all.map_err(|error| failed(&error)))?;
+    let is_free = |unknown: &usize| !prescribed.contains_key(unknown) && !relations.contains_key(unknown);
+    Ok((0..vectors.count()).filter(is_free).collect())
 }
 
 /// This process's rows of an orthonormal basis of the rigid motions of all nodes.

@@ -17,6 +17,7 @@ use groups::{NONE, Plan};
 use super::csr::CsrMatrix;
 use super::error::{LinearAlgebraError, check_size};
 use super::pattern::SparsityPattern;
+use super::small_inverse::small_inverse;
 use super::threads::Threads;
 use super::transpose::Transpose;
 
@@ -209,7 +210,7 @@ impl BlockElimination {
             }
         }
         let scales: Vec<f64> = members.iter().map(|member| scales[*member as usize]).collect();
-        let inverse = pivots::inverse(own, &scales)?;
+        let inverse = small_inverse(own, &scales)?;
         let left = multiply(&beside, &inverse, size, size);
         let solved = multiply(&inverse, &right, size, columns.len());
         let product = multiply(&beside, &solved, size, columns.len());

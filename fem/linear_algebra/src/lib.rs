@@ -50,6 +50,8 @@ pub mod restriction;
 pub mod rigid_motions;
 #[doc(hidden)]
 pub mod singularity;
+#[doc(hidden)]
+pub mod small_inverse;
 pub mod spectrum;
 pub mod symbolic;
 pub mod symmetric_eigen;

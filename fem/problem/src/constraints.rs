@@ -3,6 +3,7 @@
 mod equations;
 mod error;
 mod hanging_nodes;
+mod joined;
 mod mean_value;
 mod periodic;
 mod rigid_body;
@@ -15,6 +16,7 @@ use std::sync::Arc;
 pub use equations::Relation;
 pub use error::ConstraintsError;
 use forms_core::contract::FieldValue;
+pub(crate) use joined::Dependence;
 pub use rigid_map::RigidMap;
 
 use crate::instantiate::instantiate;
@@ -31,7 +33,7 @@ pub struct Constraints<const D: usize> {
 
 /// The numbers of constraints. Of no dimension, and shared, so that programs do not compile what clones and drops them.
 #[derive(Clone, Debug, Default)]
-struct Conditions {
+pub(crate) struct Conditions {
     prescribed: BTreeMap<usize, f64>,
     relations: BTreeMap<usize, Relation>,
     // The conditions that prescribed unknowns come from.
@@ -258,6 +260,15 @@ impl<const D: usize> Constraints<D> {
             return Err(ConstraintsError::NoNodes { place: place.to_owned(), elements, scope });
         }
         Ok(nodes)
+    }
+
+    /// The nodes of a region that a condition relates to each other. On a piece of a mesh they are known where each process has the whole surface.
+    fn nodes_to_relate(&self, region: &str, place: &str) -> Result<Vec<u32>, ConstraintsError> {
+        if !self.space.mesh().is_piece() {
+            return self.nodes_on(region, place);
+        }
+        self.nodes_on(region, place)?;
+        Ok(self.space.nodes_on_whole_surface(region)?)
     }
 
     pub(crate) fn check_component(&self, place: &str, component: usize) -> Result<usize, ConstraintsError> {

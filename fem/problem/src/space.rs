@@ -367,24 +367,7 @@ impl<const D: usize> Space<D> {
     pub fn nodes_on(&self, region: &str) -> Result<Vec<u32>, MeshError> {
         let mesh = &self.mesh;
         let mut nodes: Vec<u32> = if let Ok(sides) = mesh.sides_of(region) {
-            let of_shape = |shape: CellShape| {
-                let local = (0..shape.facets()).map(|facet| self.element_of(shape).facet_nodes(facet));
-                (shape, local.collect::<Vec<_>>())
-            };
-            let local: PerShape<_> = mesh.shapes().into_iter().map(of_shape).collect();
-            let mut nodes = Vec::new();
-            for facet in sides.iter().flatten() {
-                let of_entity = self.nodes_at(facet.cell, Some(facet.local));
-                match self.facet_region() {
-                    Some(_) => nodes.extend_from_slice(of_entity),
-                    None if of_entity.is_empty() => {}
-                    None => {
-                        let local = &local[mesh.cell_shape(facet.cell as usize)][usize::from(facet.local)];
-                        nodes.extend(local.iter().map(|&node| of_entity[node]));
-                    }
-                }
-            }
-            nodes
+            self.nodes_of(sides.iter().flatten())
         } else if let Ok(cells) = mesh.cell_region(region) {
             cells.iter().flat_map(|&cell| self.cell_nodes(cell as usize)).copied().collect()
         } else {
@@ -393,6 +376,40 @@ impl<const D: usize> Space<D> {
         nodes.sort_unstable();
         nodes.dedup();
         Ok(nodes)
+    }
+
+    /// All nodes on a surface, ascending; of a piece of a mesh also those that only other processes' cells have.
+    ///
+    /// # Errors
+    /// Those of [`Mesh::facets_of_surface`].
+    pub(crate) fn nodes_on_whole_surface(&self, name: &str) -> Result<Vec<u32>, MeshError> {
+        let mut nodes = self.nodes_of(self.mesh.facets_of_surface(name)?.iter());
+        nodes.sort_unstable();
+        nodes.dedup();
+        Ok(nodes)
+    }
+
+    /// The nodes of facets.
+    fn nodes_of<'f>(&self, facets: impl Iterator<Item = &'f Facet>) -> Vec<u32> {
+        let mesh = &self.mesh;
+        let of_shape = |shape: CellShape| {
+            let local = (0..shape.facets()).map(|facet| self.element_of(shape).facet_nodes(facet));
+            (shape, local.collect::<Vec<_>>())
+        };
+        let local: PerShape<_> = mesh.shapes().into_iter().map(of_shape).collect();
+        let mut nodes = Vec::new();
+        for facet in facets {
+            let of_entity = self.nodes_at(facet.cell, Some(facet.local));
+            match self.facet_region() {
+                Some(_) => nodes.extend_from_slice(of_entity),
+                None if of_entity.is_empty() => {}
+                None => {
+                    let local = &local[mesh.cell_shape(facet.cell as usize)][usize::from(facet.local)];
+                    nodes.extend(local.iter().map(|&node| of_entity[node]));
+                }
+            }
+        }
+        nodes
     }
 
     /// Search for cells by position; built at the first call.

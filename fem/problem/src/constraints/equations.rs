@@ -29,12 +29,8 @@ impl<const D: usize> Constraints<D> {
         terms: &[(usize, f64)],
         value: f64,
     ) -> Result<(), ConstraintsError> {
-        let Substituted { mut rest, right, scale, earlier } = self.substituted(terms, value);
-        let Some((pivot, divisor)) = rest
-            .iter()
-            .map(|(k, a)| (*k, *a))
-            .reduce(|best, next| if next.1.abs() > best.1.abs() * (1.0 + ROUNDING) { next } else { best })
-        else {
+        let Substituted { mut rest, right, scale, earlier } = self.conditions.substituted(terms, value);
+        let Some((pivot, divisor)) = pivot(&rest) else {
             return self.check_remainder(place, terms, right, scale, earlier);
         };
         rest.remove(&pivot);
@@ -55,7 +51,7 @@ impl<const D: usize> Constraints<D> {
     ) -> Result<(), ConstraintsError> {
         let equation: Vec<(usize, f64)> =
             [(dependent, 1.0)].into_iter().chain(terms.iter().map(|(unknown, a)| (*unknown, -a))).collect();
-        let Substituted { mut rest, right, scale, earlier } = self.substituted(&equation, value);
+        let Substituted { mut rest, right, scale, earlier } = self.conditions.substituted(&equation, value);
         if rest.is_empty() {
             return self.check_remainder(place, &equation, right, scale, earlier);
         }
@@ -74,18 +70,60 @@ impl<const D: usize> Constraints<D> {
         Ok(())
     }
 
+    /// Checks that an equation without an unknown follows from the earlier ones.
+    fn check_remainder(
+        &self,
+        place: &str,
+        terms: &[(usize, f64)],
+        right: f64,
+        scale: f64,
+        earlier: Option<Arc<str>>,
+    ) -> Result<(), ConstraintsError> {
+        if self.conditions.is_rounding(terms, right, scale) {
+            return Ok(());
+        }
+        let node = terms[0].0 / self.space.components();
+        Err(ConstraintsError::Contradiction {
+            place: place.to_owned(),
+            earlier: earlier.map_or_else(String::new, |origin| origin.to_string()),
+            node,
+            position: self.space.positions()[node].to_vec(),
+            difference: right,
+        })
+    }
+}
+
+/// The unknown with the largest coefficient, the first of several.
+pub(super) fn pivot(terms: &BTreeMap<usize, f64>) -> Option<(usize, f64)> {
+    let larger = |best: (usize, f64), next: (usize, f64)| {
+        if next.1.abs() > best.1.abs() * (1.0 + ROUNDING) { next } else { best }
+    };
+    terms.iter().map(|(unknown, a)| (*unknown, *a)).reduce(larger)
+}
+
+/// An equation between free unknowns: what earlier conditions give is put in.
+pub(super) struct Substituted {
+    pub(super) rest: BTreeMap<usize, f64>,
+    pub(super) right: f64,
+    /// The largest size on the right-hand side.
+    pub(super) scale: f64,
+    /// The last condition that was put in.
+    earlier: Option<Arc<str>>,
+}
+
+impl Conditions {
     /// An equation with what is known put in.
-    fn substituted(&self, terms: &[(usize, f64)], value: f64) -> Substituted {
+    pub(super) fn substituted(&self, terms: &[(usize, f64)], value: f64) -> Substituted {
         let mut rest = BTreeMap::new();
         let mut right = value;
         let mut scale = value.abs();
         let mut earlier: Option<Arc<str>> = None;
         for &(unknown, coefficient) in terms {
-            if let Some(known) = self.conditions.prescribed.get(&unknown) {
+            if let Some(known) = self.prescribed.get(&unknown) {
                 right -= coefficient * known;
                 scale = scale.max((coefficient * known).abs());
-                earlier = self.conditions.origins.get(&unknown).cloned().or(earlier);
-            } else if let Some(relation) = self.conditions.relations.get(&unknown) {
+                earlier = self.origins.get(&unknown).cloned().or(earlier);
+            } else if let Some(relation) = self.relations.get(&unknown) {
                 right -= coefficient * relation.value;
                 scale = scale.max((coefficient * relation.value).abs());
                 for &(free, inner) in &relation.terms {
@@ -101,44 +139,14 @@ impl<const D: usize> Constraints<D> {
         Substituted { rest, right, scale, earlier }
     }
 
-    /// Checks that an equation without an unknown follows from the earlier ones.
-    fn check_remainder(
-        &self,
-        place: &str,
-        terms: &[(usize, f64)],
-        right: f64,
-        scale: f64,
-        earlier: Option<Arc<str>>,
-    ) -> Result<(), ConstraintsError> {
-        // A value of sin 2πx is zero up to rounding of the largest one.
+    /// Whether what is left of the right-hand side of an equation is rounding: a value of sin 2πx is zero up to that of the largest one.
+    pub(super) fn is_rounding(&self, terms: &[(usize, f64)], right: f64, scale: f64) -> bool {
         let coefficient = terms.iter().fold(0.0_f64, |largest, (_, a)| largest.max(a.abs()));
-        if right.abs() <= ROUNDING * scale.max(coefficient * self.conditions.largest) {
-            return Ok(());
-        }
-        let node = terms[0].0 / self.space.components();
-        Err(ConstraintsError::Contradiction {
-            place: place.to_owned(),
-            earlier: earlier.map_or_else(String::new, |origin| origin.to_string()),
-            node,
-            position: self.space.positions()[node].to_vec(),
-            difference: right,
-        })
+        right.abs() <= ROUNDING * scale.max(coefficient * self.largest)
     }
-}
 
-/// An equation between free unknowns: what earlier conditions give is put in.
-struct Substituted {
-    rest: BTreeMap<usize, f64>,
-    right: f64,
-    /// The largest size on the right-hand side.
-    scale: f64,
-    /// The last condition that was put in.
-    earlier: Option<Arc<str>>,
-}
-
-impl Conditions {
     /// Makes a free unknown a given one, also where other relations use it.
-    fn give(&mut self, unknown: usize, relation: Relation) {
+    pub(super) fn give(&mut self, unknown: usize, relation: Relation) {
         for user in self.users.remove(&unknown).unwrap_or_default() {
             let Some(mut old) = self.relations.remove(&user) else { continue };
             let mut terms: BTreeMap<usize, f64> = old.terms.drain(..).collect();

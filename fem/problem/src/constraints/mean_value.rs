@@ -23,6 +23,7 @@ impl<const D: usize> Constraints<D> {
     {
         let place = format!("the mean value over region \"{region}\"");
         let components = self.check_component(&place, component)?;
+        self.space.mesh().without_pieces("a mean value", crate::mesh::TAKE_THE_WHOLE)?;
         self.nodes_on(region, &place)?;
         let weights = basis_integrals(&self.space, region)
             .map_err(|error| ConstraintsError::Integral { place: place.clone(), why: error.to_string() })?;

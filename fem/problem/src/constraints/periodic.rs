@@ -5,15 +5,15 @@ use crate::coincident::{Coincident, distance};
 
 impl<const D: usize> Constraints<D> {
     /// u at the image of each node of `from`, which must be a node of `to`, equals u at the node; vectors of D
-    /// components are turned with it.
+    /// components are turned with it. On a part of a mesh each process has both regions whole (`part.with_surfaces(..)`).
     ///
     /// # Errors
-    /// Unknown regions, a node without a partner (the first one, with the distance to the nearest), a map that leaves all
+    /// Unknown regions, on a part of a mesh regions that are not whole, a node without a partner (the first one, with the distance to the nearest), a map that leaves all
     /// nodes where they are, so that nothing would be said, a map that turns tensors or other values, or a contradiction
     /// to earlier conditions.
     pub fn periodic(&mut self, from: &str, to: &str, map: &RigidMap<D>) -> Result<(), ConstraintsError> {
         let place = format!("regions \"{from}\" and \"{to}\"");
-        let (masters, slaves) = (self.nodes_on(from, &place)?, self.nodes_on(to, &place)?);
+        let (masters, slaves) = (self.nodes_to_relate(from, &place)?, self.nodes_to_relate(to, &place)?);
         let components = self.space.components();
         let is_vector = self.space.shape() == [D];
         if !is_vector && components > 1 && map.rotation != RigidMap::translation([0.0; D]).rotation {

@@ -14,10 +14,10 @@ impl<const D: usize> Constraints<D> {
     /// The nodes of a region move as one rigid body: u(x) = a + W x with a skew W, the small rotation of linear
     /// elasticity. Three of its unknowns (six in space) stay free and give all others. A load on the region acts on the
     /// body by its resultant and moment alone: a traction F/|Γ| states the total force F, and what the body feels is F
-    /// whatever shape the traction has.
+    /// whatever shape the traction has. On a part of a mesh each process has the region whole (`part.with_surfaces(..)`).
     ///
     /// # Errors
-    /// A space without vectors of D components, an unknown region, or a contradiction to earlier conditions.
+    /// A space without vectors of D components, an unknown region, on a part of a mesh one that is not whole, or a contradiction to earlier conditions.
     pub fn rigid_body(&mut self, region: &str) -> Result<(), ConstraintsError> {
         self.rigid_body_from(region, &RigidMap::translation([0.0; D]))
     }
@@ -33,7 +33,7 @@ impl<const D: usize> Constraints<D> {
         let place = format!("region \"{region}\"");
         self.check_vectors(&place)?;
         check_motion(motion, &place)?;
-        let nodes = self.nodes_on(region, &place)?;
+        let nodes = self.nodes_to_relate(region, &place)?;
         let before = |node: &u32| self.space.positions()[*node as usize];
         let moved: Vec<f64> = nodes.iter().flat_map(|node| motion.displacement(&before(node))).collect();
         let positions: Vec<[f64; D]> = nodes.iter().map(|node| motion.apply(&before(node))).collect();

@@ -26,10 +26,10 @@ impl<const D: usize> Constraints<D> {
 
     /// Prescribed u · n on a region of facets, with the mean of the outward normals of the facets around each node,
     /// weighted by their area elements there: on a smooth boundary. Where it has an edge or corner, state one
-    /// condition for each smooth part.
+    /// condition for each smooth part. On a part of a mesh each process has the region whole (`part.with_surfaces(..)`).
     ///
     /// # Errors
-    /// As [`Constraints::slide`]; also a region of cells or interior facets, or a space that is not continuous.
+    /// As [`Constraints::slide`]; also a region that is not whole, one of cells or interior facets, or a space that is not continuous.
     pub fn slide_along(
         &mut self,
         region: &str,
@@ -37,7 +37,7 @@ impl<const D: usize> Constraints<D> {
     ) -> Result<(), ConstraintsError> {
         let place = format!("region \"{region}\"");
         self.check_vectors(&place)?;
-        let nodes = self.nodes_on(region, &place)?;
+        let nodes = self.nodes_to_relate(region, &place)?;
         let space = self.space.clone();
         if *space.scope() != Scope::Nodes {
             let (elements, scope) = (space.elements().clone(), space.scope().clone());
@@ -47,7 +47,7 @@ impl<const D: usize> Constraints<D> {
         let of_shape = |shape| (shape, space.element_of(shape).node_points::<D>());
         let points: PerShape<_> = mesh.shapes().into_iter().map(of_shape).collect();
         let mut normals = vec![[0.0; D]; nodes.len()];
-        for facet in mesh.facet_region(region)? {
+        for facet in mesh.facets_of_surface(region)? {
             let shape = mesh.cell_shape(facet.cell as usize);
             let corners = shape.facet_vertices(facet.local.into());
             let corner = |place: usize| shape.vertex_points()[corners[place]];

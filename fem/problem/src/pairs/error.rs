@@ -172,8 +172,8 @@ pub enum PairError {
     HeldPoints,
     /// Dual functions over moving covers where they are neither unknowns nor test functions.
     #[error(
-        "the dual functions of `{field}` change with the cover of moving segments, and this derivative would hold them: tangents know them as unknowns \
-         and test functions. Take `Elements::Bernstein(1)`, or leave out `.at(PairQuadrature::Pieces)`"
+        "the dual functions of `{field}` change with the cover of moving segments: only tangents by unknowns have that change. \
+         Take `Elements::Bernstein(1)`, or leave out `.at(PairQuadrature::Pieces)`"
     )]
     DualFunctions {
         /// Name of the field.

@@ -62,6 +62,18 @@ pub enum CommunicationError {
         /// The thing, in words.
         what: String,
     },
+    /// A relation between unknowns of which a process has some and lacks others.
+    #[error(
+        "a process has some of the unknowns of a relation (sliding, periodic, rigid) and lacks others; name its regions in \
+         `part.with_surfaces(..)` before spaces are made"
+    )]
+    SplitRelation,
+    /// Conditions of several processes.
+    #[error("conditions of several processes contradict each other: one is off by {difference}")]
+    Contradiction {
+        /// The difference, as a number of the unknown's unit.
+        difference: String,
+    },
     /// A given field that does not go on in the copies of other processes' cells.
     #[error(
         "the field `{field}` has other values on copies of cells than on the process that owns them; take \

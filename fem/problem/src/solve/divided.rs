@@ -1,11 +1,14 @@
 //! Vectors over unknowns whose mesh is divided: each process has the entries of its piece, with the same values where pieces meet.
 
+mod conditions;
+
 use std::any::Any;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::rc::Rc;
 
+pub use conditions::conditions_of_all;
 use forms_core::contract::Source;
 
 use super::communicator::{CommunicationError, Communicator, agreed};
@@ -53,8 +56,7 @@ pub trait DividedVectors {
 ///
 /// # Errors
 /// Those of [`DividedVectors::add_up`].
-#[doc(hidden)]
-pub fn prescribed_by_all(
+fn prescribed_by_all(
     vectors: &dyn DividedVectors,
     size: usize,
     own: &BTreeMap<usize, f64>,

@@ -158,6 +158,12 @@ impl Elimination {
         held
     }
 
+    /// Prescribed values, by unknown, and unknowns that free ones give.
+    #[doc(hidden)]
+    pub fn conditions(&self) -> (&BTreeMap<usize, f64>, &BTreeMap<usize, Relation>) {
+        (&self.prescribed, &self.relations)
+    }
+
     /// Prescribed values, by unknown.
     pub(crate) fn prescribed(&self) -> &BTreeMap<usize, f64> {
         &self.prescribed

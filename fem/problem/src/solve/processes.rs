@@ -10,7 +10,7 @@ use forms_core::contract::{Entity, Region};
 use super::communicator::{
     CommunicationError, Communicator, Fingerprint, agreed, agreed_or, on_part_of_cells, summed,
 };
-use super::divided::{DividedVectors, check_ghost_values, prescribed_by_all};
+use super::divided::{DividedVectors, check_ghost_values, conditions_of_all};
 use super::elimination::Elimination;
 use crate::assemble::{Assembler, AssemblyError};
 use crate::contract::Form;
@@ -118,20 +118,18 @@ impl<'a> Processes<'a> {
         agreed(self.communicator, form, own)
     }
 
-    /// An elimination of what any process prescribes, from that of this one.
+    /// An elimination of what any process prescribes or relates, from that of this one.
     ///
     /// # Errors
-    /// [`CommunicationError::Divided`] of relations between unknowns; a failed exchange.
+    /// Those of [`conditions_of_all`].
     pub fn elimination(&self, form: &'static str, own: Elimination) -> Result<Elimination, AssemblyError> {
-        let Some(divided) = &self.divided else { return Ok(own) };
-        self.refuse(
-            form,
-            [(!own.only_prescribes(), "relations between unknowns (sliding, periodic, rigid, mean values)")],
-        )?;
+        let (Some(divided), Some(all)) = (&self.divided, self.communicator) else { return Ok(own) };
         let failed = |source| AssemblyError::Communication { form, source };
-        let prescribed = prescribed_by_all(&**divided, own.size(), own.prescribed()).map_err(failed)?;
+        let known = conditions_of_all(&**divided, all.rank(), own.size(), own.conditions()).map_err(failed);
+        let (prescribed, relations) = self.all_succeed(form, known)?;
         let unfit = |source: LinearAlgebraError| AssemblyError::LinearAlgebra { form, source };
-        Elimination::new(own.size(), &prescribed).map_err(unfit)
+        let made = Elimination::new(own.size(), &prescribed).map_err(unfit)?;
+        made.with_relations(relations).map_err(unfit)
     }
 
     /// The sum of what all processes assembled of a vector over the unknowns, each over its own cells.

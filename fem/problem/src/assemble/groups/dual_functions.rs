@@ -15,6 +15,7 @@ use std::sync::Arc;
 
 use crate::assemble::binding::Tabulated;
 use crate::element::{CellShape, Element};
+use crate::linear_algebra::small_inverse::small_inverse;
 use crate::mesh::Facet;
 use crate::pairs::{PairGroup, Pairs};
 
@@ -162,14 +163,14 @@ impl Cover {
         (0..count * count).map(entry).collect()
     }
 
-    /// A = (ε 1 + (1 − ε) P)⁻¹.
+    /// A = (ε 1 + (1 − ε) P)⁻¹. Assembly refuses the numbers of a cover without one by name.
     fn dual_functions(&self) -> Vec<f64> {
         let (count, sliver) = (self.count(), self.open().powi(2));
         let mut combined = self.quotients();
         for (k, entry) in combined.iter_mut().enumerate() {
             *entry = (1.0 - sliver) * *entry + if k % (count + 1) == 0 { sliver } else { 0.0 };
         }
-        inverse(combined, count)
+        small_inverse(combined, &vec![1.0; count]).unwrap_or_else(|| vec![f64::NAN; count * count])
     }
 
     /// δA A⁻¹ = −A δC of a change δM of ∫ φ_i φ_j; that of the areas has its rows' sums.
@@ -229,32 +230,6 @@ pub(in crate::assemble) fn moments_by_feet<const D: usize>(
         }
     }
     rates
-}
-
-/// The inverse of a matrix that is stored row after row, by Gauss and Jordan's method. Matrices C of covers have one.
-fn inverse(mut matrix: Vec<f64>, size: usize) -> Vec<f64> {
-    let mut inverse = vec![0.0; size * size];
-    (0..size).for_each(|i| inverse[i * size + i] = 1.0);
-    for k in 0..size {
-        let size_at = |row: &usize| matrix[row * size + k].abs();
-        let pivot_row = (k..size).max_by(|a, b| size_at(a).total_cmp(&size_at(b))).unwrap_or(k);
-        let pivot = matrix[pivot_row * size + k];
-        for values in [&mut matrix, &mut inverse] {
-            for j in 0..size {
-                values.swap(k * size + j, pivot_row * size + j);
-                values[k * size + j] /= pivot;
-            }
-        }
-        for row in (0..size).filter(|row| *row != k) {
-            let factor = matrix[row * size + k];
-            for values in [&mut matrix, &mut inverse] {
-                for j in 0..size {
-                    values[row * size + j] -= factor * values[k * size + j];
-                }
-            }
-        }
-    }
-    inverse
 }
 
 #[cfg(test)]
