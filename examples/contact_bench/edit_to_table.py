@@ -14,7 +14,8 @@ import subprocess
 import sys
 import time
 
-HERE = pathlib.Path(__file__).parent
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
 
 
 def edited(text):
@@ -31,19 +32,19 @@ def main(formulation="nitsche", problems="lame,hertz,wavy", *options):
     run = ["cargo", "run", "--release", "--locked", "--bin", "contact_bench", "--", "--problems", problems, "--formulations", name, *options]
     build = run[: run.index("--")]
     build[1] = "build"
-    subprocess.run(build, cwd=HERE, check=True)
+    subprocess.run(build, cwd=ROOT, check=True)
     load = os.getloadavg()[0]
     try:
         path.write_text(edited(before))
         start, used = time.perf_counter(), os.times()
-        subprocess.run(build, cwd=HERE, check=True)
+        subprocess.run(build, cwd=ROOT, check=True)
         built = time.perf_counter()
-        subprocess.run(run, cwd=HERE, check=True)
+        subprocess.run(run, cwd=ROOT, check=True)
         end, after = time.perf_counter(), os.times()
     finally:
         path.write_text(before)
     processor = sum(after[2:4]) - sum(used[2:4])
-    print(f"{name} on {problems}: {end - start:.1f} s, of which {built - start:.1f} s to build; {processor:.1f} s of processor time; load before {load:.2f}")
+    print(f"{name} on {problems}: {end - start:.1f} s, {built - start:.1f} s of them to build; {processor:.1f} s of processor time; load before {load:.2f}")
 
 
 if __name__ == "__main__":
