@@ -116,7 +116,7 @@ impl Membrane {
             return Ok(assembler.at_quadrature_points(scalar, Entity::Cells, "all", rule)?);
         };
         let pieces = cut.cut.body()?;
-        let zero = volume::known(&self.data, &Field::zero(&Space::discontinuous_scalar(pieces.mesh(), 0)?));
+        let zero = volume::known(&self.data, Field::zero(&Space::discontinuous_scalar(pieces.mesh(), 0)?));
         let places = Assembler::new(pieces.mesh()).at_quadrature_points(&zero, Entity::Cells, "all", rule)?;
         let values = assembler.at_points(scalar, &places.positions)?.values;
         Ok(PointValues { values, ..places })
