@@ -110,7 +110,13 @@ const MAKERS: [Maker; 45] = [
             ("out/topology_compliance.png", "topology_compliance.png"),
         ],
     },
-    Maker { arguments: &["--bin", "closing_c"], pictures: &[("out/closing_c.png", "closing_c.png")] },
+    Maker {
+        arguments: &["--bin", "closing_c"],
+        pictures: &[
+            ("out/closing_c.png", "closing_c.png"),
+            ("out/closing_c_animation.png", "closing_c_animation.png"),
+        ],
+    },
     Maker {
         arguments: &["--bin", "rigid_punch"],
         pictures: &[
@@ -376,7 +382,7 @@ fn make(maker: &Maker, root: &Path) -> Result<(), Box<dyn Error>> {
 }
 
 /// Names of the pictures that are reduced.
-const REDUCED: [&str; 3] = ["tutorial_", "closing_c", "pressed_knot"];
+const REDUCED: [&str; 3] = ["tutorial_", "closing_c.png", "pressed_knot"];
 
 /// Most bytes of them.
 const MOST_BYTES: usize = 150_000;

@@ -107,8 +107,15 @@ const STEPS: usize = 3;
 /// Length over which densities are smoothed.
 const RADIUS: f64 = 0.02;
 
+/// Whether a place of the boundary is on the part of the top that the pad presses.
+pub fn is_end(x: &[f64; 2]) -> bool {
+    x[0] > 0.75 && (x[1] - 0.5).abs() < 1e-9
+}
+
 /// A C: the arm above a gap of medium is given, and the densities below are wanted.
 pub struct Closing {
+    /// Cells across.
+    pub across: usize,
     pub displacements: Arc<Space<2>>,
     pub smooth: Arc<Space<2>>,
     pub cells: Arc<Space<2>>,
@@ -130,7 +137,7 @@ impl Closing {
         mesh.name_cells("arm", |x| x[1] > UPPER)?;
         mesh.name_cells("gap", |x| x[1] > LOWER && x[1] < UPPER)?;
         mesh.name_cells("design", |x| x[1] < LOWER)?;
-        mesh.name_facets("end", "top", |x| x[0] > 0.75)?;
+        mesh.name_facets("end", "boundary", is_end)?;
         let on_design = |degree: usize, scope: Scope| {
             Space::of(&mesh, Elements::Lagrange(degree), scope.within("design"), &[])
         };
@@ -138,6 +145,7 @@ impl Closing {
         let mut held = Constraints::new(&displacements);
         held.fix("left", |_| [0.0; 2])?;
         Ok(Closing {
+            across,
             displacements,
             held,
             smooth: on_design(1, Scope::Nodes)?,

@@ -5,6 +5,7 @@
 //!
 //! A formulation of your own is a program of one file: implement [`Formulation`], and call `contact_bench::program(&[&MyFormulation])` in `main`.
 
+mod at_once;
 pub mod balance;
 pub mod body;
 pub mod case;

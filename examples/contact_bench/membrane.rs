@@ -1,8 +1,10 @@
 //! A membrane over an obstacle: contact in the volume, and what a formulation gets there.
 
+use forms_fem::assemble::PointValues;
 use forms_fem::forms;
 use forms_fem::prelude::*;
 
+use crate::cut_body::CutBody;
 use crate::outcome::{Outcome, Pressures, Refusal};
 
 /// The degree of quadrature at which forces and heights are measured.
@@ -11,7 +13,10 @@ const MEASURED: usize = 8;
 /// A membrane of tension 1, and what contact terms are written in.
 #[forms(dimension = 2)]
 pub mod volume {
-    /// Data of the obstacle.
+    use forms_contact::operators::ghost_penalty::scalar_ghost;
+
+    /// Data of the obstacle, and of the ghost penalty where the membrane is cut from a mesh.
+    #[includes(forms_contact::operators::ghost_penalty::Data)]
     pub struct Data {
         /// φ, the obstacle's height.
         pub obstacle: Given<Scalar>,
@@ -20,6 +25,12 @@ pub mod volume {
     /// The membrane.
     #[cells]
     pub struct Omega;
+    /// The rim of a membrane that is cut from a mesh.
+    #[interface]
+    pub struct Rim;
+    /// The facets of its ghost penalty.
+    #[interior_facets]
+    pub struct Ghost;
 
     /// u − φ, the height above the obstacle.
     pub fn height(w: Scalar) -> Scalar {
@@ -29,6 +40,12 @@ pub mod volume {
     /// (∇u, ∇v).
     pub fn balance(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
         integral(Omega, dot(grad(u), grad(v)))
+    }
+
+    /// u = 0 on the rim by Nitsche's method, and the ghost penalty, for degrees 1 and 2.
+    pub fn rim(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Rim, 40 / h * u * v - dot(grad(u), n) * v - dot(grad(v), n) * u)
+            + integral(Ghost, scalar_ghost(u, v))
     }
 
     /// ½ ∫ |∇u|².
@@ -54,6 +71,8 @@ pub struct Membrane {
     pub space: Arc<Space<2>>,
     /// Conditions on them.
     pub constraints: Constraints<2>,
+    /// The membrane, where it is cut from the mesh.
+    pub cut: Option<CutBody>,
     /// The obstacle.
     pub data: volume::Data<2>,
     /// The obstacle's height at nodes.
@@ -74,13 +93,33 @@ impl Membrane {
 
     /// (∇u, ∇v), to which a formulation adds its terms.
     pub fn balance(&self) -> Form<2> {
-        volume::balance(&self.data, &self.omega())
+        let inside = volume::balance(&self.data, &self.omega());
+        match &self.cut {
+            None => inside,
+            Some(_) => {
+                &inside + &volume::rim(&self.data, &volume::Rim::on("all"), &volume::Ghost::on("ghost"))
+            }
+        }
     }
 
     /// The assembler of all integrals.
     pub fn assembler(&self) -> Assembler<2> {
-        Assembler::new(self.space.mesh())
-            .with_quadrature(Quadrature::Degree((2 * self.space.degree() + 2).max(MEASURED)))
+        let whole = || Assembler::new(self.space.mesh());
+        let assembler = self.cut.as_ref().map_or_else(whole, |cut| cut.assembler.clone());
+        assembler.with_quadrature(Quadrature::Degree((2 * self.space.degree() + 2).max(MEASURED)))
+    }
+
+    /// A scalar at the points of a rule on the membrane.
+    fn measured(&self, scalar: &Expression<2>, rule: usize) -> Result<PointValues<2>, Refusal> {
+        let assembler = Assembler::new(self.space.mesh());
+        let Some(cut) = &self.cut else {
+            return Ok(assembler.at_quadrature_points(scalar, Entity::Cells, "all", rule)?);
+        };
+        let pieces = cut.cut.body()?;
+        let zero = volume::known(&self.data, Field::zero(&Space::discontinuous_scalar(pieces.mesh(), 0)?));
+        let places = Assembler::new(pieces.mesh()).at_quadrature_points(&zero, Entity::Cells, "all", rule)?;
+        let values = assembler.at_points(scalar, &places.positions)?.values;
+        Ok(PointValues { values, ..places })
     }
 
     /// The problem of contact terms in u.
@@ -102,8 +141,7 @@ impl Membrane {
     /// # Errors
     /// Data that do not fit.
     pub fn pressures(&self, force: &Expression<2>) -> Result<Pressures, Refusal> {
-        let assembler = Assembler::new(self.space.mesh());
-        Ok(assembler.at_quadrature_points(force, Entity::Cells, "all", MEASURED)?.into())
+        Ok(self.measured(force, MEASURED)?.into())
     }
 
     /// A field of forces per area at points of the membrane.
@@ -156,13 +194,8 @@ impl Membrane {
     ///
     /// # Errors
     /// Data that do not fit.
-    pub fn least_height(&self, u: &Field<2>) -> Result<f64, AssemblyError> {
-        let heights = Assembler::new(self.space.mesh()).at_quadrature_points(
-            &volume::height(&self.data, u),
-            Entity::Cells,
-            "all",
-            2 * MEASURED,
-        )?;
+    pub fn least_height(&self, u: &Field<2>) -> Result<f64, Refusal> {
+        let heights = self.measured(&volume::height(&self.data, u), 2 * MEASURED)?;
         Ok(heights.values.iter().fold(f64::INFINITY, |least: f64, height| least.min(height[0])))
     }
 }

@@ -18,8 +18,8 @@ pub struct Options {
     /// Degrees of the displacements, 1 and 2.
     #[arg(long, value_delimiter = ',', default_values_t = [1, 2])]
     pub degrees: Vec<usize>,
-    /// Meshes, each with cells of half the size of those before. A third one takes most of the time.
-    #[arg(long, default_value_t = 2)]
+    /// Meshes, each with cells of half the size of those before. The third one takes most of the time.
+    #[arg(long, default_value_t = 3)]
     pub levels: usize,
     /// The directory of the Markdown table, JSON and plots.
     #[arg(long, default_value = "out/contact_bench")]

@@ -8,8 +8,8 @@ use forms_program::command_line::program_with_options;
 use crate::formulation::Formulation;
 use crate::options::{Options, chosen};
 use crate::posed::Posed;
-use crate::rows::{Answer, Row};
-use crate::{others, plots, problems, table};
+use crate::rows::Row;
+use crate::{at_once, others, plots, problems, table};
 
 /// The program: these formulations on the problems that the command line names.
 pub fn program(formulations: &[&dyn Formulation]) -> ExitCode {
@@ -38,16 +38,17 @@ fn run(
     }
     std::fs::create_dir_all(&options.out)?;
     let others = options.others.as_deref().map(others::read).transpose()?.unwrap_or_default();
+    let problems: Vec<&dyn Posed> = problems.into_iter().map(|place| all[place].as_ref()).collect();
     let (mut rows, mut markdown) = (vec![], String::new());
-    for problem in problems.into_iter().map(|place| all[place].as_ref()) {
-        let mut rows_of = rows_of(problem, &formulations, options)?;
+    at_once::run(&problems, &formulations, options, |problem, mut rows_of| {
         let of_others: Vec<Row> = others.iter().filter_map(|other| other.row(&rows_of)).collect();
         rows_of.extend(of_others);
         let text = table::markdown(problem, &rows_of);
         text.lines().for_each(|line| out.line(line));
         markdown += &text;
         rows.extend(rows_of);
-    }
+        Ok(())
+    })?;
     std::fs::write(options.out.join("contact_bench.md"), markdown)?;
     std::fs::write(options.out.join("contact_bench.json"), serde_json::to_string_pretty(&rows)?)?;
     // References of other programs have degrees of their own.
@@ -56,26 +57,4 @@ fn run(
         out.line(path.display());
     }
     Ok(())
-}
-
-fn rows_of(
-    problem: &dyn Posed,
-    formulations: &[&dyn Formulation],
-    options: &Options,
-) -> Result<Vec<Row>, Failure> {
-    let mut rows = vec![];
-    for &degree in &options.degrees {
-        for formulation in formulations {
-            for level in 0..options.levels {
-                let (unknowns, answer) = problem.answer(*formulation, level, degree)?;
-                let is_defined = !matches!(answer, Answer::NotDefined(_));
-                let (problem, formulation) = (problem.name(), formulation.name());
-                rows.push(Row { problem, formulation, degree, level, unknowns, answer });
-                if !is_defined {
-                    break;
-                }
-            }
-        }
-    }
-    Ok(rows)
 }

@@ -1,7 +1,7 @@
 //! Nitsche's method on a body that is cut from a mesh by a level set function, with a ghost penalty, as in `forms_contact::laws::cut_nitsche`.
 
 use contact_bench::outcome::not_defined;
-use contact_bench::{Case, Formulation, Meshing, Outcome, Refusal};
+use contact_bench::{Case, Formulation, Membrane, Meshing, Outcome, Refusal};
 use forms_fem::prelude::*;
 
 #[forms(dimension = 2)]
@@ -31,6 +31,28 @@ mod law {
     }
 }
 
+#[forms(dimension = 2)]
+mod volume {
+    pub use contact_bench::volume::Omega;
+    use contact_bench::volume::height;
+    #[includes(contact_bench::volume::Data)]
+    pub struct Data {
+        theta: Param,
+    }
+    fn gamma() -> Scalar {
+        200 / (h * h)
+    }
+    fn laplacian(u: Scalar) -> Scalar {
+        div(grad(u))
+    }
+    pub fn force(u: Scalar) -> Scalar {
+        neg_part(laplacian(u) + gamma() * height(u))
+    }
+    pub fn above(u: Unknown<Scalar>, v: Test<Scalar>) -> Form {
+        integral(Omega, -force(u) * v - theta / gamma() * (laplacian(u) + force(u)) * laplacian(v))
+    }
+}
+
 /// Nitsche's method on a cut body with a θ.
 pub struct CutNitsche {
     theta: f64,
@@ -57,5 +79,10 @@ impl Formulation for CutNitsche {
         let data = law::data_from(case.data.clone()).theta(self.theta).level(&body.level);
         let form = law::on_obstacle(&data, &law::Inside::on("all"), &law::Ghost::on("ghost"));
         case.newton(&form, |u| law::pressure(&data, u))
+    }
+
+    fn cover(&self, membrane: &Membrane) -> Result<Outcome, Refusal> {
+        let data = volume::data_from(membrane.data.clone()).theta(self.theta);
+        membrane.newton(&volume::above(&data, &membrane.omega()), |u| volume::force(&data, u))
     }
 }

@@ -116,7 +116,7 @@ enum Latent {
 enum Inner {
     /// Until the equations hold, for α that double.
     Whole,
-    /// One, for α that double.
+    /// One, for α that double, until the change is below 10⁻⁵.
     One,
     /// One, for a constant α, as in MFEM's example 36, until the change is below 10⁻⁴.
     OneOfConstant,
@@ -187,7 +187,8 @@ impl ProximalGalerkin {
         let usual = ProximalOptions { first_step: self.first / pressure, ..ProximalOptions::default() };
         match self.inner {
             Inner::OneOfConstant => ProximalOptions { growth: 1.0, tolerance: 1e-4, ..usual },
-            Inner::Whole | Inner::One => usual,
+            Inner::One => ProximalOptions { tolerance: 1e-5, ..usual },
+            Inner::Whole => usual,
         }
     }
 }

@@ -7,3 +7,11 @@ pub fn graded(part: f64, near: f64, far: f64) -> f64 {
         false => near * (far / near).powf(2.0 * part - 1.0),
     }
 }
+
+/// The height over a surface at a part t of the way up from the depth 1, where the surface is inside of the uppermost row of cells, at another height of each
+/// cell.
+pub fn crossed(across: f64, t: f64, rows: usize) -> f64 {
+    let (cell, depth) = (1.0 / rows as f64, 1.0 - t);
+    let near = (-depth / (4.0 * cell)).exp();
+    t * cell * (0.5 + 0.4 * near * (29.0 * across).sin()) - depth
+}

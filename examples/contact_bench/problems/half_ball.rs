@@ -64,7 +64,7 @@ impl Problem for HalfBall {
 
     fn cut_case(&self, level: usize, degree: usize) -> Result<Option<Case>, Failure> {
         let (cells, size) = (9 << level, 1.1 * RADIUS);
-        let mesh = rectangle([0.0, CENTRE - size], [size, CENTRE], [cells; 2], CellShape::Triangle, 1)?;
+        let mesh = rectangle([0.0, CENTRE - size], [size, CENTRE], [cells; 2], CellShape::Quadrilateral, 1)?;
         let body = CutBody::of(&mesh, |x| x[0].hypot(x[1] - CENTRE) - RADIUS)?;
         let mut case = Self::on(&mesh, degree, ["top", "left"], "all")?;
         body.hold_outside(&mut case.constraints)?;

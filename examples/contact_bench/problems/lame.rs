@@ -6,8 +6,10 @@ use forms_fem::mesh::structured;
 use forms_fem::output::Failure;
 use forms_fem::prelude::*;
 
+use super::grading::crossed;
 use crate::body;
 use crate::case::{Case, Contact};
+use crate::cut_body::CutBody;
 use crate::outcome::Outcome;
 use crate::problem::{Problem, Quantity};
 
@@ -93,6 +95,45 @@ impl Problem for Rings {
             pressure: self.pressure(),
             approach: if matches!(self, Rings::Loaded) { 1.0 } else { self.interference() },
         })
+    }
+
+    /// The inner ring of the loaded ones only: contact pairs need facets. Around it is a rigid wall, as far out as the known solution moves the radius 2.
+    /// A shrink fit of one body would be another problem.
+    fn cut_case(&self, level: usize, degree: usize) -> Result<Option<Case>, Failure> {
+        if !matches!(self, Rings::Loaded) {
+            return Ok(None);
+        }
+        let (rows, around) = ((4 << level) + 1, 8 << level);
+        let mesh =
+            structured([rows, around], CellShape::Quadrilateral, degree.min(2), |[t, turn]: [f64; 2]| {
+                let (radius, angle) = (2.0 + crossed(turn, t, rows), FRAC_PI_2 * turn);
+                [radius * angle.cos(), radius * angle.sin()]
+            })?;
+        let body = CutBody::of(&mesh, |x| x[0].hypot(x[1]) - 2.0)?;
+        let space = Space::vector(&mesh, degree)?;
+        let mut constraints = Constraints::new(&space);
+        constraints.fix_component("bottom", 1, |_| 0.0)?;
+        constraints.fix_component("top", 0, |_| 0.0)?;
+        body.hold_outside(&mut constraints)?;
+        let [lambda, mu] = super::lame(1.0, POISSON);
+        let data = body::data().lambda(lambda).mu(mu).young(1.0).wall_pressure(1.0);
+        // u_r of the radius 2 between the pressures 1 and p.
+        let p = self.pressure();
+        let moved = (1.0 + POISSON) / 3.0 * ((1.0 - 2.0 * POISSON) * (1.0 - 4.0 * p) * 2.0 + (1.0 - p) * 2.0);
+        let outward = |x: &[f64; 2]| x.map(|coordinate| coordinate / x[0].hypot(x[1]));
+        Ok(Some(Case {
+            space,
+            constraints,
+            data: data
+                .obstacle_normal(outward)
+                .obstacle_gap(move |x: &[f64; 2]| 2.0 + moved - x[0].hypot(x[1])),
+            loaded: "left".to_owned(),
+            cut: Some(body),
+            contact: Contact::Obstacle("all".to_owned()),
+            start: None,
+            pressure: p,
+            approach: 1.0,
+        }))
     }
 
     fn exact_pressure(&self, _place: [f64; 2], _force: f64) -> Option<f64> {

@@ -6,7 +6,8 @@ use forms_fem::mesh::disc;
 use forms_fem::output::Failure;
 use forms_fem::prelude::*;
 
-use crate::formulation::Formulation;
+use crate::cut_body::CutBody;
+use crate::formulation::{Formulation, Meshing};
 use crate::membrane::{Membrane, volume};
 use crate::outcome::Outcome;
 use crate::posed::Posed;
@@ -17,6 +18,8 @@ use crate::rows::{Answer, Measured};
 const REACH: f64 = 0.348_982_574_111_686;
 const SLOPE: f64 = -0.340_129_705_945_858;
 const ENERGY: f64 = 0.453_542_954_841;
+/// Half of the force per area in the middle, which is the least one where the membrane touches.
+const TOUCHING: f64 = 2.0;
 /// The obstacle is a half circle up to this radius, and its tangent cone beyond.
 const KINK: f64 = 0.45;
 
@@ -51,10 +54,29 @@ impl Obstacle {
         let space = Space::scalar(&mesh, degree)?;
         let mut constraints = Constraints::new(&space);
         constraints.fix("circle", |_| 0.0)?;
+        Self::on(space, constraints, None)
+    }
+
+    /// The disc as a cut body of a square.
+    fn cut_membrane(level: usize, degree: usize) -> Result<Membrane, Failure> {
+        let mesh = rectangle([-1.1; 2], [1.1; 2], [9 << level; 2], CellShape::Quadrilateral, 1)?;
+        let space = Space::scalar(&mesh, degree)?;
+        let mut constraints = Constraints::new(&space);
+        let cut = CutBody::of(&mesh, |x| x[0].hypot(x[1]) - 1.0)?;
+        cut.hold_outside(&mut constraints)?;
+        Self::on(space, constraints, Some(cut))
+    }
+
+    fn on(
+        space: Arc<Space<2>>,
+        constraints: Constraints<2>,
+        cut: Option<CutBody>,
+    ) -> Result<Membrane, Failure> {
         Ok(Membrane {
             below: Field::interpolate(&space, |x| below(x[0].hypot(x[1])))?,
             above: Field::interpolate(&space, |x| 1.0 - x[0] * x[0] - x[1] * x[1])?,
             constraints,
+            cut,
             data: volume::data().obstacle(|x: &[f64; 2]| below(x[0].hypot(x[1]))),
             space,
             pressure: 4.0,
@@ -62,8 +84,12 @@ impl Obstacle {
         })
     }
 
+    fn least_height(membrane: &Membrane, found: &Outcome) -> Result<f64, Failure> {
+        membrane.least_height(&found.u).map_err(|why| Failure::from(why.to_string()))
+    }
+
     fn quantities(membrane: &Membrane, found: &Outcome) -> Result<Vec<Quantity>, Failure> {
-        let assembler = Assembler::new(membrane.space.mesh()).with_quadrature(Quadrature::Degree(10));
+        let assembler = membrane.assembler().with_quadrature(Quadrature::Degree(10));
         let off = norms::errors(
             &assembler,
             &found.u,
@@ -72,13 +98,16 @@ impl Obstacle {
         )?;
         let energy = assembler.functional(&volume::energy(&membrane.data, &membrane.omega(), &found.u))?;
         let force = found.pressures.force();
+        let touching = found.pressures.integral(|_, pressure| f64::from(pressure > TOUCHING));
+        let radius = (touching / PI).sqrt();
         let known = |name, value, exact| Quantity { name, value, exact: Some(exact) };
         Ok(vec![
             Quantity { name: "H1 error", value: off.h1, exact: None },
             Quantity { name: "L2 error", value: off.l2, exact: None },
             known("energy", energy, ENERGY),
             known("force", force, -2.0 * PI * SLOPE),
-            Quantity { name: "min(u − φ)", value: membrane.least_height(&found.u)?, exact: None },
+            known("contact radius", radius, REACH),
+            Quantity { name: "min(u − φ)", value: Self::least_height(membrane, found)?, exact: None },
         ])
     }
 }
@@ -98,12 +127,15 @@ impl Posed for Obstacle {
         level: usize,
         degree: usize,
     ) -> Result<(usize, Answer), Failure> {
-        let membrane = Self::membrane(level, degree)?;
+        let membrane = match formulation.meshing() {
+            Meshing::Fitted => Self::membrane(level, degree)?,
+            Meshing::Cut => Self::cut_membrane(level, degree)?,
+        };
         let measure = |found: Outcome, seconds| {
             let measured = Measured {
                 seconds,
                 no_gradient: Some("no way".to_owned()),
-                penetration: (-membrane.least_height(&found.u)?).max(0.0) / membrane.approach,
+                penetration: (-Self::least_height(&membrane, &found)?).max(0.0) / membrane.approach,
                 quantities: Self::quantities(&membrane, &found)?,
                 ..Measured::of(&found)
             };
