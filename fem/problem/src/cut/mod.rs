@@ -10,6 +10,7 @@
 //! ties    facets that join badly cut cells to well-posed ones
 //! parts    parts of the body that no cell connects
 //! known_points  points of rules, made once
+//! number  values with derivatives by nodal values
 //! interface  the interface in space, the distance to it and to a given surface
 //! holding  unknowns that no active cell has
 //! body     the pieces as a mesh of their own, to be drawn and written
@@ -23,6 +24,7 @@ pub(crate) mod heights;
 mod holding;
 mod interface;
 pub(crate) mod known_points;
+pub(crate) mod number;
 mod parts;
 mod pieces;
 mod simplices;
@@ -237,7 +239,7 @@ impl<const D: usize> Cut<D> {
         match self.sides[facet.cell as usize] {
             CutSide::Outside => CutSide::Outside,
             side if self.cuts_by_heights(facet.cell) => match side {
-                CutSide::Cut => CellPolynomial::<f64>::new(self, facet.cell, None).side_of_facet(facet.local),
+                CutSide::Cut => CellPolynomial::<f64>::new(self, facet.cell).side_of_facet(facet.local),
                 side => side,
             },
             _ => {
