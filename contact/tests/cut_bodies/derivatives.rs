@@ -185,6 +185,7 @@ where
     fn new(mesh: &Mesh<D>, theta: f64, degree: usize, remedy: Remedy) -> Self {
         let space = Space::vector(mesh, degree).unwrap();
         let up: [f64; D] = std::array::from_fn(|k| if k == D - 1 { 1.0 } else { 0.0 });
+        let pull: [f64; D] = up.map(|entry| 0.3 - 1.3 * entry);
         let gap = Given::function_with_gradient(|x: &[f64; D]| x[D - 1] + 0.62, move |_| up);
         let data = cut_nitsche::data()
             .lambda(1.0)
@@ -194,7 +195,7 @@ where
             .gap(gap)
             .theta(theta)
             .body_force(up.map(|entry| -0.1 * entry))
-            .criterion_force(std::array::from_fn(|k| if k == D - 1 { -1.0 } else { 0.3 }));
+            .criterion_force(pull);
         let regions = cut_nitsche::regions().gamma_c("all").gamma_d("all").gamma_n("boundary");
         Pressed { space, law: cut_nitsche::Model { data, regions }, remedy }
     }
@@ -206,7 +207,8 @@ where
         }
         let body = Assembler::new(self.space.mesh()).with_cut(&cut).unwrap();
         let mut held = Constraints::new(&self.space);
-        held.fix("top", |_| std::array::from_fn(|k| if k == D - 1 { -0.05 } else { 0.0 })).unwrap();
+        let pressed: [f64; D] = std::array::from_fn(|k| if k == D - 1 { -0.05 } else { 0.0 });
+        held.fix("top", |_| pressed).unwrap();
         body.cut().unwrap().hold_outside(&mut held).unwrap();
         (body, held)
     }

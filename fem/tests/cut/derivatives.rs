@@ -53,7 +53,7 @@ fn order<const D: usize>(
     value: impl Fn(&Assembler<D>) -> f64,
 ) -> f64 {
     let slope: f64 = gradient.iter().zip(direction.values()).map(|(slope, w)| slope * w).sum();
-    let report = taylor(1e-2, &[slope], |step| -> Result<Sample, Infallible> {
+    let report = taylor(1e-3, &[slope], |step| -> Result<Sample, Infallible> {
         let values = phi.values().iter().zip(direction.values()).map(|(phi, w)| phi + step * w);
         let moved = Field::from_values(phi.space(), values.collect()).unwrap();
         let body = Assembler::new(phi.space().mesh()).cut_by(&moved).unwrap();
@@ -82,9 +82,9 @@ where
     let body = Assembler::new(mesh).cut_by(&phi).unwrap();
     let one = Field::interpolate(&Space::discontinuous_scalar(mesh, 0).unwrap(), |_| 1.0).unwrap();
     let space = Space::vector(mesh, 1).unwrap();
-    let u =
-        Field::interpolate(&space, |x| std::array::from_fn(|k| x[k] * x[D - 1] + [0.2, 0.4, -0.1][k] * x[0]));
-    let u = u.unwrap();
+    let place =
+        |x: &[f64; D]| -> [f64; D] { std::array::from_fn(|k| x[k] * x[D - 1] + [0.2, 0.4, -0.1][k] * x[0]) };
+    let u = Field::interpolate(&space, place).unwrap();
     let sum = |body: &Assembler<D>, form: &Form<D>| -> f64 {
         body.linear_form(form, one.space()).unwrap().iter().sum()
     };
@@ -98,7 +98,7 @@ where
         let mut held = Constraints::new(&space);
         held.fix("top", |_| [0.0; D]).unwrap();
         body.cut().unwrap().hold_outside(&mut held).unwrap();
-        let problem = Problem::new(&equilibrium, &space).assembler(body).constrained(&held);
+        let mut problem = Problem::new(&equilibrium, &space).assembler(body).constrained(&held);
         problem.solve().unwrap().into_field()
     };
     // The adjoint state of the compliance is −u.

@@ -14,6 +14,8 @@ use std::ops::Range;
 use forms_core::contract::{Basis, Further, Lane, LinearConstants};
 
 use super::linear_calls::{VectorCall, VectorCalls};
+#[cfg(not(test))]
+use super::piece_slopes;
 use super::sink::Deliver;
 use super::vectors::ElementVectors;
 use crate::assemble::AssemblyError;
@@ -114,4 +116,4 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
     }
 }
 
-instantiate!(moving_points in lanes: L::call::<Loops<L, D>>);
+instantiate!(moving_points in lanes: L::call::<Loops<L, D>>, L::call::<piece_slopes::Loops<L, D>>);

@@ -8,7 +8,7 @@
 
 use std::ops::Range;
 
-use forms_core::contract::{Lane, LinearConstants};
+use forms_core::contract::LinearConstants;
 
 use super::linear_calls::{VectorCall, VectorCalls};
 use super::sink::Deliver;
@@ -17,7 +17,6 @@ use crate::assemble::AssemblyError;
 use crate::assemble::batch::{ArgumentBasis, Batch, BatchBuffers};
 use crate::assemble::groups::OwnPoints;
 use crate::assemble::scatter::group_nodes::Reading;
-use crate::instantiate::instantiate;
 use crate::lanes::{Moving, SharedWork, SimdLane, Transposition, WIDEST};
 
 /// The loops over the batches of a range: of each entity in its order the slopes by all numbers of its points.
@@ -110,5 +109,3 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
         Ok(())
     }
 }
-
-instantiate!(piece_slopes in lanes: L::call::<Loops<L, D>>);

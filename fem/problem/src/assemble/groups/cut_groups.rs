@@ -1,12 +1,11 @@
 //! Pieces as groups: parts of cut cells inside a body, parts of its interface, and parts of exterior facets. Entities with nearly equal numbers
 //! of points make a group.
 
-use std::collections::BTreeMap;
-
 use forms_core::contract::{Integral, Requirements};
 
 use super::degrees::Estimate;
 use super::means::FurtherTables;
+use super::piece_entries::{Entries, add_entry};
 use super::{Group, GroupSide, OwnPoints, Places};
 use crate::assemble::AssemblyError;
 use crate::assemble::batch::basis_in_lanes::LaneElement;
@@ -18,7 +17,6 @@ use crate::cut::number::{VARIED, Varied};
 use crate::cut::{Cut, CutError, CutSide, GHOST, VertexValues};
 use crate::element::{CellShape, Element};
 use crate::instantiate::instantiate;
-use crate::lanes::WIDEST;
 use crate::mesh::Facet;
 use crate::quadrature::{
     Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_reference_rule, map_to_facet,
@@ -128,80 +126,6 @@ impl<const D: usize> CutTables<D> {
         let length = self.count * self.stride();
         let own = self.points[entity * length..][..length].chunks(self.stride());
         own.map(|point| std::array::from_fn(|k| point[k]))
-    }
-}
-
-/// Common properties of a group's entities: the cells' shape, the facet's local number.
-type Key = (CellShape, Option<u8>);
-
-/// Cells in the order of the walk with their points.
-#[derive(Default)]
-struct Entry {
-    cells: Vec<u32>,
-    /// Numbers of points.
-    counts: Vec<usize>,
-    points: Vec<f64>,
-}
-
-type Entries = BTreeMap<Key, Entry>;
-
-fn add_entry(entries: &mut Entries, key: Key, cell: u32, stride: usize, own: &[f64]) {
-    if !own.is_empty() {
-        let entry = entries.entry(key).or_default();
-        entry.cells.push(cell);
-        entry.counts.push(own.len() / stride);
-        entry.points.extend_from_slice(own);
-    }
-}
-
-/// Points of one batch that take as long as a further group.
-const POINTS_OF_A_GROUP: usize = 32;
-
-/// The numbers of points of groups for entities with these numbers, ascending: an entity joins the first group that has enough. Points of all batches
-/// are as few as can be, so that lanes are filled where cells have many numbers of points.
-fn numbers_of_groups(counts: &[usize]) -> Vec<usize> {
-    let mut histogram = BTreeMap::<usize, usize>::new();
-    counts.iter().for_each(|count| *histogram.entry(*count).or_default() += 1);
-    let entries: Vec<(usize, usize)> = histogram.into_iter().collect();
-    // Of the first entries: the least cost, and the start of the last group.
-    let mut best = vec![(0, 0)];
-    for (index, (count, _)) in entries.iter().enumerate() {
-        let (mut least, mut entities) = ((usize::MAX, 0), 0);
-        for start in (0..=index).rev() {
-            entities += entries[start].1;
-            let cost = best[start].0 + entities.div_ceil(WIDEST) * count + POINTS_OF_A_GROUP;
-            least = least.min((cost, start));
-        }
-        best.push(least);
-    }
-    let (mut numbers, mut end) = (vec![], entries.len());
-    while end > 0 {
-        numbers.push(entries[end - 1].0);
-        end = best[end].1;
-    }
-    numbers.reverse();
-    numbers
-}
-
-impl Entry {
-    /// Entities in groups with equal numbers of points, the last ones without weight where an entity has fewer.
-    fn grouped<const D: usize>(&self, stride: usize) -> Vec<(usize, Vec<u32>, Vec<f64>)> {
-        let numbers = numbers_of_groups(&self.counts);
-        let mut groups: Vec<_> = numbers.iter().map(|number| (*number, vec![], vec![])).collect();
-        let mut start = 0;
-        for (cell, count) in self.cells.iter().zip(&self.counts) {
-            let own = &self.points[start..start + count * stride];
-            start += own.len();
-            let (number, cells, points) = &mut groups[numbers.partition_point(|number| number < count)];
-            cells.push(*cell);
-            points.extend_from_slice(own);
-            for _ in *count..*number {
-                points.extend_from_slice(&own[own.len() - stride..]);
-                let weight = points.len() - stride + D;
-                points[weight] = 0.0;
-            }
-        }
-        groups
     }
 }
 
