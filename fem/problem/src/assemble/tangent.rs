@@ -321,9 +321,6 @@ impl<'a, const D: usize> TangentIntegrals<'a, D> {
                                     None => BlockPlaces::Unknown,
                                 }
                             }
-                            (Some(map), None) if on_cells && Arc::ptr_eq(test, trial) => {
-                                BlockPlaces::OfFacets(map)
-                            }
                             _ => BlockPlaces::Unknown,
                         },
                         nodes,

@@ -71,16 +71,6 @@ impl Slots {
         }
     }
 
-    /// One of the slots.
-    #[inline]
-    pub fn at(&self, place: usize) -> u32 {
-        match self {
-            Slots::Bytes(places) => u32::from(places[place]),
-            Slots::Words(places) => u32::from(places[place]),
-            Slots::Long(places) => places[place],
-        }
-    }
-
     /// The slots at some distances from a start, added to a list.
     pub fn copy_some(&self, start: usize, distances: &[u32], to: &mut Vec<u32>) {
         let at = |distance: &u32| start + *distance as usize;

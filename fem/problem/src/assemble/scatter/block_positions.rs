@@ -11,8 +11,6 @@ pub(in crate::assemble) enum BlockPlaces<'a> {
     OfCells(&'a BlockIndex),
     /// By the starts of each unit's places, where they live on the two sides of contact pairs.
     OfPairs(&'a BlockIndex, Vec<usize>),
-    /// By both cells of an interior facet, where test and trial functions of one space live on its two sides; a search for the others.
-    OfFacets(&'a BlockIndex),
     /// By a search in the matrix.
     Unknown,
 }
@@ -100,8 +98,6 @@ pub(in crate::assemble) struct CopiedPlaces {
     first: usize,
     /// Entity after entity.
     found: Vec<u32>,
-    /// Of an entity's test nodes the places among the nodes of the trial function's cell, and the other way round.
-    shared: [Vec<Option<usize>>; 2],
 }
 
 impl<'a, 'p> Copied<'a, 'p> {
@@ -126,7 +122,6 @@ impl<'a, 'p> Copied<'a, 'p> {
             BlockPlaces::OfPairs(map, starts) => {
                 map.places.copy(starts[entity]..starts[entity] + size, found);
             }
-            BlockPlaces::OfFacets(map) => self.copy_across(map, entity)?,
             BlockPlaces::Unknown => {
                 for row in tests.of(entity) {
                     let known = blocks.row(*row as usize);
@@ -134,33 +129,6 @@ impl<'a, 'p> Copied<'a, 'p> {
                         found.push(known.binary_search(node).ok()? as u32);
                     }
                 }
-            }
-        }
-        Some(())
-    }
-
-    /// Places of pairs of nodes on the two sides of a facet. Pairs with a node on the facet are in one of the cells, whose places are known.
-    fn copy_across(&mut self, map: &BlockIndex, entity: usize) -> Option<()> {
-        let MatrixScatter { tests, trials, blocks, .. } = self.scatter;
-        let (rows, columns) = (tests.of(entity), trials.of(entity));
-        let [of_tests, of_trials] = [tests, trials].map(|nodes| {
-            let start = map.start_of(nodes.cells[entity], rows.len() * columns.len());
-            start.filter(|_| rows.len() == columns.len()).map(|start| start + map.start(nodes.shape))
-        });
-        let CopiedPlaces { found, shared: [in_trials, in_tests], .. } = &mut *self.known;
-        for (places, [own, others]) in [(&mut *in_trials, [rows, columns]), (&mut *in_tests, [columns, rows])]
-        {
-            places.clear();
-            places.extend(own.iter().map(|node| others.iter().position(|other| other == node)));
-        }
-        for (i, row) in rows.iter().enumerate() {
-            let known = blocks.row(*row as usize);
-            for (j, node) in columns.iter().enumerate() {
-                found.push(match (of_tests.zip(in_tests[j]), of_trials.zip(in_trials[i])) {
-                    (Some((start, place)), _) => map.places.at(start + i * rows.len() + place),
-                    (None, Some((start, place))) => map.places.at(start + place * rows.len() + j),
-                    (None, None) => known.binary_search(node).ok()? as u32,
-                });
             }
         }
         Some(())
@@ -173,7 +141,7 @@ impl Finder for Copied<'_, '_> {
     fn ahead(&self) -> bool {
         !matches!(
             (&self.scatter.map, &self.scatter.chosen),
-            (BlockPlaces::Unknown | BlockPlaces::OfFacets(_), _) | (BlockPlaces::OfCells(_), None)
+            (BlockPlaces::Unknown, _) | (BlockPlaces::OfCells(_), None)
         )
     }
 
