@@ -68,21 +68,13 @@ impl Varied {
     /// A function of two numbers with its derivatives by them.
     #[inline(always)]
     fn of(value: f64, [a, b]: [f64; 2], [x, y]: [&Self; 2]) -> Self {
-        let mut slopes = [0.0; VARIED];
-        for k in 0..VARIED {
-            slopes[k] = a * x.slopes[k] + b * y.slopes[k];
-        }
-        Varied { value, slopes }
+        Varied { value, slopes: std::array::from_fn(|k| a * x.slopes[k] + b * y.slopes[k]) }
     }
 
     /// A function of one number with its derivative.
     #[inline(always)]
     fn chain(value: f64, a: f64, x: &Self) -> Self {
-        let mut slopes = x.slopes;
-        for k in 0..VARIED {
-            slopes[k] *= a;
-        }
-        Varied { value, slopes }
+        Varied { value, slopes: x.slopes.map(|slope| a * slope) }
     }
 }
 
