@@ -68,6 +68,12 @@ fn check<const D: usize>(mesh: &Mesh<D>, phi: &Field<D>, direction: &Field<D>, f
         let miss = (found - expected).abs() / expected.abs();
         println!("{}: {found:.12} difference {expected:.12}, apart {miss:.1e}", form.name());
         assert!(expected.abs() > 1e-3 && miss < 1e-8, "{}: {found} is not {expected}", form.name());
+        let report = taylor(1e-2, &[found], |step| -> Result<Sample, Infallible> {
+            let sides = Cut::by(&moved(phi, direction, step)).unwrap().sides().collect();
+            Ok(Sample { value: vec![value(step)], active_set: Some(sides) })
+        });
+        let order = report.unwrap().second_order().unwrap();
+        assert!((order - 2.0).abs() < 0.05, "{}: order {order}", form.name());
         // The same on other numbers of threads, to the last bit.
         let three = body.with_threads(Threads::new(3));
         assert_eq!(three.derivative_by_level_set(form, &[], &[&one]).unwrap(), gradient);
@@ -165,49 +171,49 @@ enum Remedy {
     Aggregates,
 }
 
-/// A body that hangs at the top of a square and is pressed onto an obstacle below.
-struct Pressed {
-    mesh: Mesh<2>,
-    /// Degree of the level set function.
-    curved: usize,
-    space: Arc<Space<2>>,
-    law: cut_nitsche::Model<2>,
+/// A body that hangs at the top of a square or cube and is pressed onto an obstacle below.
+struct Pressed<const D: usize> {
+    space: Arc<Space<D>>,
+    law: cut_nitsche::Model<D>,
     remedy: Remedy,
 }
 
-impl Pressed {
-    /// On triangles, or quadrilaterals for a level set function of degree 2.
-    fn new(theta: f64, degree: usize, remedy: Remedy, curved: usize) -> Self {
-        let shape = if curved == 2 { CellShape::Quadrilateral } else { CellShape::Triangle };
-        let mesh = rectangle([-1.0; 2], [1.0; 2], [10; 2], shape, 1).unwrap();
-        let space = Space::vector(&mesh, degree).unwrap();
-        let gap = Given::function_with_gradient(|x: &[f64; 2]| x[1] + 0.62, |_| [0.0, 1.0]);
+impl<const D: usize> Pressed<D>
+where
+    Dim: Dimension<D>,
+{
+    fn new(mesh: &Mesh<D>, theta: f64, degree: usize, remedy: Remedy) -> Self {
+        let space = Space::vector(mesh, degree).unwrap();
+        let up: [f64; D] = std::array::from_fn(|k| if k == D - 1 { 1.0 } else { 0.0 });
+        let pull: [f64; D] = up.map(|entry| 0.3 - 1.3 * entry);
+        let gap = Given::function_with_gradient(|x: &[f64; D]| x[D - 1] + 0.62, move |_| up);
         let data = cut_nitsche::data()
             .lambda(1.0)
             .mu(1.0)
             .gamma0(30.0 * (degree * degree) as f64)
-            .obstacle_normal([0.0, -1.0])
+            .obstacle_normal(up.map(|entry| -entry))
             .gap(gap)
             .theta(theta)
-            .body_force([0.0, -0.1])
-            .criterion_force([0.3, -1.0]);
+            .body_force(up.map(|entry| -0.1 * entry))
+            .criterion_force(pull);
         let regions = cut_nitsche::regions().gamma_c("all").gamma_d("all").gamma_n("boundary");
-        Pressed { mesh, curved, space, law: cut_nitsche::Model { data, regions }, remedy }
+        Pressed { space, law: cut_nitsche::Model { data, regions }, remedy }
     }
 
-    fn body(&self, phi: &Field<2>) -> (Assembler<2>, Constraints<2>) {
+    fn body(&self, phi: &Field<D>) -> (Assembler<D>, Constraints<D>) {
         let mut cut = Cut::by(phi).unwrap();
         if self.remedy == Remedy::Aggregates {
             cut = cut.aggregated().unwrap();
         }
-        let body = Assembler::new(&self.mesh).with_cut(&cut).unwrap();
+        let body = Assembler::new(self.space.mesh()).with_cut(&cut).unwrap();
         let mut held = Constraints::new(&self.space);
-        held.fix("top", |_| [0.0, -0.05]).unwrap();
+        let pressed: [f64; D] = std::array::from_fn(|k| if k == D - 1 { -0.05 } else { 0.0 });
+        held.fix("top", |_| pressed).unwrap();
         body.cut().unwrap().hold_outside(&mut held).unwrap();
         (body, held)
     }
 
-    fn solve(&self, phi: &Field<2>) -> (f64, Field<2>, Option<Vec<u32>>) {
+    fn solve(&self, phi: &Field<D>) -> (f64, Field<D>, Option<Vec<u32>>) {
         let (body, held) = self.body(phi);
         let options = NewtonOptions::default();
         let problem = Problem::new(&self.law.direct(), &self.space).assembler(&body).constrained(&held);
@@ -217,7 +223,7 @@ impl Pressed {
         (criterion, u, active)
     }
 
-    fn gradient(&self, phi: &Field<2>, u: &Field<2>) -> Vec<f64> {
+    fn gradient(&self, phi: &Field<D>, u: &Field<D>) -> Vec<f64> {
         let (body, held) = self.body(phi);
         let problem = Problem::new(&self.law.discrete_adjoint(u), &self.space).assembler(&body);
         let p = problem.homogeneous(&held).solve().unwrap().into_field();
@@ -225,6 +231,41 @@ impl Pressed {
     }
 }
 
+/// J and its derivative along a direction, by a difference with a step, and the order of the remainder.
+fn check_criterion<const D: usize>(
+    problem: &Pressed<D>,
+    (phi, direction): (&Field<D>, &Field<D>),
+    (step, name): (f64, &str),
+) where
+    Dim: Dimension<D>,
+{
+    let (_, u, active) = problem.solve(phi);
+    let (body, _) = problem.body(phi);
+    assert!(body.functional(&problem.law.contact_force(&u)).unwrap() > 1e-3);
+    let slope = dot(&problem.gradient(phi, &u), direction.values());
+    let expected = difference(
+        |step| {
+            let (criterion, _, there) = problem.solve(&moved(phi, direction, step));
+            assert!(there == active, "{name}: the active set changes");
+            criterion
+        },
+        step,
+    );
+    let miss = (slope - expected).abs() / expected.abs();
+    println!("{name}: {slope:.10} difference {expected:.10}, apart {miss:.1e}");
+    assert!(miss < 1e-7, "{name}: {slope} is not {expected}");
+    let report = taylor(1e-3, &[slope], |step| -> Result<Sample, Infallible> {
+        let phi = moved(phi, direction, step);
+        let (value, _, active) = problem.solve(&phi);
+        let mut switches = active.unwrap_or_default();
+        switches.extend(problem.body(&phi).0.cut().unwrap().sides());
+        Ok(Sample { value: vec![value], active_set: Some(switches) })
+    });
+    let order = report.unwrap().second_order().unwrap();
+    assert!((order - 2.0).abs() < 0.05, "{name}: order {order}");
+}
+
+/// On triangles, or quadrilaterals for a level set function of degree 2.
 #[test]
 fn contact_criterion_has_an_exact_derivative() {
     let (penalty, aggregates) = (Remedy::Penalty, Remedy::Aggregates);
@@ -238,40 +279,35 @@ fn contact_criterion_has_an_exact_derivative() {
         (1.0, 2, penalty, 2),
         (-1.0, 2, aggregates, 2),
     ] {
-        let problem = Pressed::new(theta, degree, remedy, curved);
+        let shape = if curved == 2 { CellShape::Quadrilateral } else { CellShape::Triangle };
+        let mesh = rectangle([-1.0; 2], [1.0; 2], [10; 2], shape, 1).unwrap();
         // A body below the top side whose lower end is round and presses.
         let shape = |x: &[f64; 2]| {
             let below = -0.613 + 0.3 * x[0] * x[0] - x[1];
             below.max(x[0].abs() - 0.747)
         };
-        let levels = Space::scalar(&problem.mesh, problem.curved).unwrap();
+        let levels = Space::scalar(&mesh, curved).unwrap();
         let phi = Field::interpolate(&levels, shape).unwrap();
         let direction = Field::interpolate(&levels, |x| 0.5 + 0.4 * (2.0 * x[0] + x[1]).sin()).unwrap();
-        let (_, u, active) = problem.solve(&phi);
-        let (force, _) = problem.body(&phi);
-        assert!(force.functional(&problem.law.contact_force(&u)).unwrap() > 1e-3);
-        let slope = dot(&problem.gradient(&phi, &u), direction.values());
-        let expected = difference(
-            |step| {
-                let (criterion, _, there) = problem.solve(&moved(&phi, &direction, step));
-                assert!(there == active, "the active set changes");
-                criterion
-            },
-            2e-5,
-        );
-        let miss = (slope - expected).abs() / expected.abs();
-        println!(
-            "θ = {theta} P{degree} {remedy:?}, φ of degree {curved}: {slope:.10} difference {expected:.10}, apart {miss:.1e}"
-        );
-        assert!(miss < 1e-7, "θ = {theta} P{degree}: {slope} is not {expected}");
-        let report = taylor(1e-3, &[slope], |step| -> Result<Sample, Infallible> {
-            let phi = moved(&phi, &direction, step);
-            let (value, _, active) = problem.solve(&phi);
-            let mut switches = active.unwrap_or_default();
-            switches.extend(problem.body(&phi).0.cut().unwrap().sides());
-            Ok(Sample { value: vec![value], active_set: Some(switches) })
+        let problem = Pressed::new(&mesh, theta, degree, remedy);
+        let name = format!("θ = {theta} P{degree} {remedy:?}, φ of degree {curved}");
+        check_criterion(&problem, (&phi, &direction), (2e-5, &name));
+    }
+}
+
+#[test]
+fn contact_criterion_has_an_exact_derivative_on_hexahedra() {
+    let (penalty, aggregates) = (Remedy::Penalty, Remedy::Aggregates);
+    let mesh = cuboid([-1.0; 3], [1.0; 3], [4; 3], CellShape::Hexahedron, 1).unwrap();
+    for (theta, remedy, curved) in [(-1.0, penalty, 1), (1.0, aggregates, 1), (0.0, penalty, 2)] {
+        // The lower end is round; the sides are those of the cube.
+        let levels = Space::scalar(&mesh, curved).unwrap();
+        let phi = Field::interpolate(&levels, |x| {
+            -0.613 + 0.3 * ((x[0] - 0.031).powi(2) + (x[1] + 0.017).powi(2)) - x[2]
         });
-        let order = report.unwrap().second_order().unwrap();
-        assert!((order - 2.0).abs() < 0.05, "order {order}");
+        let direction = Field::interpolate(&levels, |x| 0.5 + 0.4 * (2.0 * x[0] + x[1]).sin());
+        let problem = Pressed::new(&mesh, theta, 1, remedy);
+        let name = format!("hexahedra, θ = {theta} {remedy:?}, φ of degree {curved}");
+        check_criterion(&problem, (&phi.unwrap(), &direction.unwrap()), (2e-6, &name));
     }
 }

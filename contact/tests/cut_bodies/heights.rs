@@ -27,6 +27,21 @@ fn gap(x: &[f64; 3]) -> f64 {
     x[2] - 0.13 + 0.02 * ((x[0] - 0.4).powi(2) + (x[1] - 0.6).powi(2))
 }
 
+/// The data of a law with an obstacle below.
+macro_rules! data {
+    ($law:ident) => {
+        $law::data()
+            .lambda(1.0)
+            .mu(1.0)
+            .gamma0(GAMMA0)
+            .obstacle_normal([0.0, 0.0, -1.0])
+            .gap(gap)
+            .theta(1.0)
+            .body_force([0.0, 0.0, -0.02])
+            .criterion_force([0.0, 0.0, -1.0])
+    };
+}
+
 /// Criterion and contact force of a block pressed onto an obstacle that is not flat: on a fitted mesh, or cut by a function of a degree.
 fn block(cells: usize, degree_of_function: Option<usize>) -> [f64; 2] {
     let lower = if degree_of_function.is_some() { -0.05 } else { 0.13 };
@@ -34,46 +49,22 @@ fn block(cells: usize, degree_of_function: Option<usize>) -> [f64; 2] {
     let space = Space::vector(&mesh, 1).unwrap();
     let mut held = Constraints::new(&space);
     held.fix("top", |x| [0.0, 0.01 * x[0], -0.03]).unwrap();
-    match degree_of_function {
-        Some(degree) => {
-            let phi = Field::interpolate(&Space::scalar(&mesh, degree).unwrap(), |x| 0.13 - x[2]).unwrap();
-            let body = Assembler::new(&mesh).cut_by(&phi).unwrap();
-            body.cut().unwrap().hold_outside(&mut held).unwrap();
-            let data = cut_nitsche::data()
-                .lambda(1.0)
-                .mu(1.0)
-                .gamma0(GAMMA0)
-                .obstacle_normal([0.0, 0.0, -1.0])
-                .gap(gap)
-                .theta(1.0)
-                .body_force([0.0, 0.0, -0.02])
-                .criterion_force([0.0, 0.0, -1.0]);
-            let regions = cut_nitsche::regions().gamma_c("all").gamma_d("all").gamma_n("right");
-            let law = cut_nitsche::Model { data, regions };
-            let problem = ContactProblem::new(&space, law.clone(), held).assembler(body.clone());
-            let u = problem.direct().unwrap().solve().unwrap().into_field();
-            let of = |functional: &Functional<3>| body.functional(functional).unwrap();
-            [of(&law.criterion(&u)), of(&law.contact_force(&u))]
-        }
-        None => {
-            let data = nitsche::data()
-                .lambda(1.0)
-                .mu(1.0)
-                .gamma0(GAMMA0)
-                .obstacle_normal([0.0, 0.0, -1.0])
-                .gap(gap)
-                .theta(1.0)
-                .body_force([0.0, 0.0, -0.02])
-                .criterion_force([0.0, 0.0, -1.0]);
-            let regions = nitsche::Regions::default().gamma_c("bottom").gamma_n("right");
-            let law = nitsche::Model { data, regions };
-            let u = ContactProblem::new(&space, law.clone(), held);
-            let u = u.direct().unwrap().solve().unwrap().into_field();
-            let whole = Assembler::new(&mesh);
-            let of = |functional: &Functional<3>| whole.functional(functional).unwrap();
-            [of(&law.criterion(&u)), of(&law.contact_force(&u))]
-        }
-    }
+    let Some(degree) = degree_of_function else {
+        let regions = nitsche::Regions::default().gamma_c("bottom").gamma_n("right");
+        let law = nitsche::Model { data: data!(nitsche), regions };
+        let problem = ContactProblem::new(&space, law.clone(), held);
+        let u = problem.direct().unwrap().solve().unwrap().into_field();
+        let whole = Assembler::new(&mesh);
+        return [law.criterion(&u), law.contact_force(&u)].map(|of| whole.functional(&of).unwrap());
+    };
+    let phi = Field::interpolate(&Space::scalar(&mesh, degree).unwrap(), |x| 0.13 - x[2]).unwrap();
+    let body = Assembler::new(&mesh).cut_by(&phi).unwrap();
+    body.cut().unwrap().hold_outside(&mut held).unwrap();
+    let regions = cut_nitsche::regions().gamma_c("all").gamma_d("all").gamma_n("right");
+    let law = cut_nitsche::Model { data: data!(cut_nitsche), regions };
+    let problem = ContactProblem::new(&space, law.clone(), held).assembler(body.clone());
+    let u = problem.direct().unwrap().solve().unwrap().into_field();
+    [law.criterion(&u), law.contact_force(&u)].map(|of| body.functional(&of).unwrap())
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use forms_fem::linear_algebra::BlockMatrix;
 use forms_fem::prelude::*;
 
-use crate::{circle, cut, level, square};
+use crate::{circle, cut, level, levels, square};
 
 #[forms]
 pub mod measures {
@@ -135,95 +135,103 @@ fn planes_cut_exactly() {
     assert!((rim(&outside) - 6.0 + 1.5 * edge * edge).abs() < 1e-14);
 }
 
+/// The parts of each cell inside two bodies make the cell, to this part of its volume.
+pub fn check_cells<const D: usize>(mesh: &Mesh<D>, bodies: [Assembler<D>; 2], part: f64)
+where
+    Dim: Dimension<D>,
+{
+    let pieces = Space::discontinuous_scalar(mesh, 0).unwrap();
+    let volumes = |assembler: &Assembler<D>| {
+        assembler.linear_form(&measures::volumes(&measures::Omega::on("all")), &pieces).unwrap()
+    };
+    let whole = volumes(&Assembler::new(mesh));
+    let [inner, outer] = bodies.map(|body| volumes(&body));
+    let largest = whole.iter().copied().fold(0.0, f64::max);
+    for cell in 0..whole.len() {
+        assert!((inner[cell] + outer[cell] - whole[cell]).abs() < part * largest, "{cell}");
+        assert!(inner[cell] >= 0.0 && outer[cell] >= 0.0);
+    }
+    // Something of either kind.
+    assert!(inner.contains(&0.0) && outer.contains(&0.0));
+}
+
 #[test]
 fn inside_and_outside_make_the_cell() {
-    fn check<const D: usize>(mesh: &Mesh<D>, phi: impl Fn(&[f64; D]) -> f64)
-    where
-        Dim: Dimension<D>,
-    {
-        let pieces = Space::discontinuous_scalar(mesh, 0).unwrap();
-        let volumes = |assembler: &Assembler<D>| {
-            assembler.linear_form(&measures::volumes(&measures::Omega::on("all")), &pieces).unwrap()
-        };
-        let whole = volumes(&Assembler::new(mesh));
-        let (inner, outer) = (volumes(&cut(mesh, &phi)), volumes(&cut(mesh, |x| -phi(x))));
-        let largest = whole.iter().copied().fold(0.0, f64::max);
-        for cell in 0..whole.len() {
-            assert!((inner[cell] + outer[cell] - whole[cell]).abs() < 1e-14 * largest, "{cell}");
-            assert!(inner[cell] >= 0.0 && outer[cell] >= 0.0);
-        }
-        // Something of either kind.
-        assert!(inner.contains(&0.0) && outer.contains(&0.0));
+    for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
+        let mesh = square(12, shape);
+        check_cells(&mesh, [cut(&mesh, circle), cut(&mesh, |x| -circle(x))], 1e-14);
     }
-    check(&square(12, CellShape::Triangle), circle);
-    check(&square(12, CellShape::Quadrilateral), circle);
     let mesh = cuboid([-1.0; 3], [1.0; 3], [5; 3], CellShape::Tetrahedron, 1).unwrap();
-    check(&mesh, |x| (x[0] * x[0] + x[1] * x[1] + 2.0 * x[2] * x[2]).sqrt() - 0.71);
+    let shape = |x: &[f64; 3]| (x[0] * x[0] + x[1] * x[1] + 2.0 * x[2] * x[2]).sqrt() - 0.71;
+    check_cells(&mesh, [cut(&mesh, shape), cut(&mesh, |x| -shape(x))], 1e-14);
+}
+
+/// A vector field of degree 2.
+fn vector<const D: usize>(x: &[f64; D]) -> [f64; D] {
+    let last = x[D - 1];
+    std::array::from_fn(|k| [x[0] * x[1] + last * last, x[0] * x[0] - 0.4 * x[1], last * x[1]][k])
+}
+
+/// Gauss's theorem for a vector field of some degrees, for a field that jumps between cells and for second derivatives; sums below bounds for continuous fields
+/// and for the one that jumps.
+pub fn check_gauss<const D: usize>(
+    (mesh, body): (&Mesh<D>, &Assembler<D>),
+    degrees: &[usize],
+    [continuous, jumping]: [f64; 2],
+) where
+    Dim: Dimension<D>,
+{
+    let (omega, outer, gamma) =
+        (measures::Omega::on("all"), measures::Outer::on("boundary"), measures::Gamma::on("all"));
+    for degree in degrees {
+        let u = Field::interpolate(&Space::vector(mesh, *degree).unwrap(), vector).unwrap();
+        let sum = body.functional(&measures::gauss(&omega, &outer, &gamma, &u)).unwrap();
+        assert!(sum.abs() < continuous, "degree {degree}: {sum:e}");
+    }
+    // Facets between cells are clipped.
+    let space = Space::discontinuous_scalar(mesh, 2).unwrap();
+    let values = (0..space.unknowns()).map(|k| (k as f64 * 0.37).sin()).collect();
+    let u = Field::from_values(&space, values).unwrap();
+    let inner = measures::Interior::on("interior");
+    let sum = body.functional(&measures::with_jumps(&omega, &outer, &gamma, &inner, &u)).unwrap();
+    assert!(sum.abs() < jumping, "{sum:e}");
+    // A polynomial of degree 3 has the second derivatives of its interpolant everywhere.
+    let cubic =
+        |x: &[f64; D]| x[0].powi(3) - 2.0 * x[D - 1] * x[1].powi(2) + x[0] * x[1] * x[D - 1] + x[1].powi(2);
+    let u = Field::interpolate(&Space::scalar(mesh, 3).unwrap(), cubic).unwrap();
+    let sum = body.functional(&measures::second(&omega, &outer, &gamma, &u)).unwrap();
+    assert!(sum.abs() < continuous, "{sum:e}");
 }
 
 #[test]
 fn gauss_theorem_holds_on_pieces() {
-    fn check<const D: usize>(
-        mesh: &Mesh<D>,
-        body: &Assembler<D>,
-        vector: impl Fn(&[f64; D]) -> [f64; D],
-        scalar: impl Fn(&[f64; D]) -> f64,
-    ) where
-        Dim: Dimension<D>,
-    {
-        let (omega, outer, gamma) =
-            (measures::Omega::on("all"), measures::Outer::on("boundary"), measures::Gamma::on("all"));
-        for degree in [1, 2, 3] {
-            let u = Field::interpolate(&Space::vector(mesh, degree).unwrap(), &vector).unwrap();
-            let sum = body.functional(&measures::gauss(&omega, &outer, &gamma, &u)).unwrap();
-            assert!(sum.abs() < 3e-13, "degree {degree}: {sum:e}");
-        }
-        // Facets between cells are clipped.
-        let space = Space::discontinuous_scalar(mesh, 2).unwrap();
-        let values = (0..space.unknowns()).map(|k| (k as f64 * 0.37).sin()).collect();
-        let u = Field::from_values(&space, values).unwrap();
-        let inner = measures::Interior::on("interior");
-        let sum = body.functional(&measures::with_jumps(&omega, &outer, &gamma, &inner, &u)).unwrap();
-        assert!(sum.abs() < 1e-12, "{sum:e}");
-        // A polynomial of degree 3 has the second derivatives of its interpolant everywhere.
-        let u = Field::interpolate(&Space::scalar(mesh, 3).unwrap(), &scalar).unwrap();
-        let sum = body.functional(&measures::second(&omega, &outer, &gamma, &u)).unwrap();
-        assert!(sum.abs() < 3e-13, "{sum:e}");
-    }
-    let plane = |x: &[f64; 2]| [x[0] * x[1] + x[1].powi(2), x[0].powi(2) - 0.4 * x[1]];
-    let cubic = |x: &[f64; 2]| x[0].powi(3) - 2.0 * x[0] * x[1].powi(2) + x[1].powi(2);
     // A body that the square's boundary clips.
     let off = |x: &[f64; 2]| (x[0] - 0.6).hypot(x[1] + 0.55) - 0.71;
     for shape in [CellShape::Triangle, CellShape::Quadrilateral] {
         let mesh = square(9, shape);
         for body in [cut(&mesh, circle), cut(&mesh, off), cut(&mesh, |x| -off(x))] {
-            check(&mesh, &body, plane, cubic);
+            check_gauss((&mesh, &body), &[1, 2, 3], [3e-13, 1e-12]);
         }
     }
     let mesh = cuboid([-1.0; 3], [1.0; 3], [3; 3], CellShape::Tetrahedron, 1).unwrap();
     let ball = cut(&mesh, |x| ((x[0] - 0.5).powi(2) + x[1].powi(2) + (x[2] + 0.6).powi(2)).sqrt() - 0.8);
-    check(
-        &mesh,
-        &ball,
-        |x| [x[0] * x[1] + x[2].powi(2), x[0].powi(2) - 0.4 * x[1], x[2] * x[1]],
-        |x| x[0].powi(3) - 2.0 * x[2] * x[1].powi(2) + x[0] * x[1] * x[2],
-    );
+    check_gauss((&mesh, &ball), &[1, 2, 3], [3e-13, 1e-12]);
 }
 
 #[test]
 fn curved_cells_are_cut_in_their_own_coordinates() {
-    // A half of a ring of quadratic triangles, by a line through its centre: the level set function is linear in reference coordinates, so that the
+    // A half of a ring of quadratic cells, by a line through its centre: the level set function is linear in reference coordinates, so that the
     // interface is curved with the cells; Gauss's theorem knows no shape.
-    let mesh = annulus(0.5, 1.0, 2, 12, CellShape::Triangle, 2).unwrap();
-    let body = cut(&mesh, |x| x[0] - 0.3 * x[1] + 0.07).with_quadrature(Quadrature::Degree(12));
-    let u = Field::interpolate(&Space::vector(&mesh, 2).unwrap(), |x| {
-        [x[0] * x[1] + x[1].powi(2), x[0].powi(2) - 0.4 * x[1]]
-    })
-    .unwrap();
-    let (omega, outer, gamma) =
-        (measures::Omega::on("all"), measures::Outer::on("boundary"), measures::Gamma::on("all"));
-    let sum = body.functional(&measures::gauss(&omega, &outer, &gamma, &u)).unwrap();
-    assert!(sum.abs() < 1e-11, "{sum:e}");
+    for (shape, degree, rule) in [(CellShape::Triangle, 1, 12), (CellShape::Quadrilateral, 2, 14)] {
+        let mesh = annulus(0.5, 1.0, 2, 12, shape, 2).unwrap();
+        let phi = levels(&mesh, degree, |x| x[0] - 0.3 * x[1] + 0.07);
+        let body = Assembler::new(&mesh).cut_by(&phi).unwrap().with_quadrature(Quadrature::Degree(rule));
+        let u = Field::interpolate(&Space::vector(&mesh, 2).unwrap(), vector).unwrap();
+        let (omega, outer, gamma) =
+            (measures::Omega::on("all"), measures::Outer::on("boundary"), measures::Gamma::on("all"));
+        let sum = body.functional(&measures::gauss(&omega, &outer, &gamma, &u)).unwrap();
+        assert!(sum.abs() < 1e-11, "{shape:?}: {sum:e}");
+    }
 }
 
 #[test]
@@ -256,27 +264,32 @@ fn whole_bodies_keep_their_bits() {
     assert_eq!(cut.values(), fitted.values());
 }
 
-#[test]
-fn threads_do_not_show() {
-    let mesh = square(40, CellShape::Triangle);
-    let space = Space::scalar(&mesh, 2).unwrap();
+/// Residuals and tangents of a body have the same bits on these numbers of threads and on one.
+pub fn check_threads(mesh: &Mesh<2>, body: &Assembler<2>, threads: &[usize]) {
+    let space = Space::scalar(mesh, 2).unwrap();
     let u = Field::interpolate(&space, |x| x[0] * x[1] + 0.3).unwrap();
     let form = measures::springs(
         &measures::Omega::on("all"),
         &measures::Outer::on("boundary"),
         &measures::Gamma::on("all"),
     );
-    let off = |x: &[f64; 2]| (x[0] - 0.6).hypot(x[1] + 0.55) - 0.71;
     let on = |threads: usize| {
-        let body = cut(&mesh, off).with_threads(Threads::new(threads));
+        let body = body.clone().with_threads(Threads::new(threads));
         let matrix = BlockMatrix::from(body.tangent(&form, &[&u], &[&space]).unwrap());
         (body.residual(&form, &[&u], &[&space]).unwrap(), matrix.into_csr().values().to_vec())
     };
     let one = on(1);
     assert!(one.1.iter().any(|value| *value != 0.0));
-    for threads in [2, 3, 7] {
-        assert!(on(threads) == one, "{threads} threads");
+    for threads in threads {
+        assert!(on(*threads) == one, "{threads} threads");
     }
+}
+
+#[test]
+fn threads_do_not_show() {
+    let mesh = square(40, CellShape::Triangle);
+    let body = cut(&mesh, |x| (x[0] - 0.6).hypot(x[1] + 0.55) - 0.71);
+    check_threads(&mesh, &body, &[2, 3, 7]);
 }
 
 #[test]

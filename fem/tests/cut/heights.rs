@@ -3,11 +3,10 @@
 use std::f64::consts::PI;
 
 use forms_fem::cut::{Cut, CutSide};
-use forms_fem::linear_algebra::BlockMatrix;
 use forms_fem::prelude::*;
 
-use crate::areas::measures;
-use crate::{cut, cut_curved, square};
+use crate::areas::{check_cells, check_gauss, check_threads, measures};
+use crate::{cut, cut_curved, levels, square};
 
 fn of_cells<const D: usize>(body: &Assembler<D>) -> f64
 where
@@ -131,93 +130,27 @@ fn planes_are_exact() {
 
 #[test]
 fn inside_and_outside_make_the_cell() {
-    fn check<const D: usize>(mesh: &Mesh<D>, [inner, outer]: [Assembler<D>; 2])
-    where
-        Dim: Dimension<D>,
-    {
-        let pieces = Space::discontinuous_scalar(mesh, 0).unwrap();
-        let volumes = |assembler: &Assembler<D>| {
-            assembler.linear_form(&measures::volumes(&measures::Omega::on("all")), &pieces).unwrap()
-        };
-        let whole = volumes(&Assembler::new(mesh));
-        let largest = whole.iter().copied().fold(0.0, f64::max);
-        let (inner, outer) = (volumes(&inner), volumes(&outer));
-        for cell in 0..whole.len() {
-            assert!((inner[cell] + outer[cell] - whole[cell]).abs() < 1e-13 * largest, "{cell}");
-            assert!(inner[cell] >= 0.0 && outer[cell] >= 0.0);
-        }
-        assert!(inner.contains(&0.0) && outer.contains(&0.0));
-    }
     let mesh = square(12, CellShape::Quadrilateral);
-    check(&mesh, [cut_curved(&mesh, disc), cut_curved(&mesh, |x| -disc(x))]);
+    check_cells(&mesh, [cut_curved(&mesh, disc), cut_curved(&mesh, |x| -disc(x))], 1e-13);
     let mesh = cube(5);
     let shape = |x: &[f64; 3]| x[0] * x[0] + x[1] * x[1] + 2.0 * x[2] * x[2] - 0.51;
-    check(&mesh, [cut(&mesh, shape), cut(&mesh, |x| -shape(x))]);
-    check(&mesh, [cut_curved(&mesh, shape), cut_curved(&mesh, |x| -shape(x))]);
+    check_cells(&mesh, [cut(&mesh, shape), cut(&mesh, |x| -shape(x))], 1e-13);
+    check_cells(&mesh, [cut_curved(&mesh, shape), cut_curved(&mesh, |x| -shape(x))], 1e-13);
 }
 
 #[test]
 fn gauss_theorem_holds_on_curved_parts() {
-    fn check<const D: usize>(
-        mesh: &Mesh<D>,
-        body: &Assembler<D>,
-        vector: impl Fn(&[f64; D]) -> [f64; D],
-        scalar: impl Fn(&[f64; D]) -> f64,
-    ) where
-        Dim: Dimension<D>,
-    {
-        let (omega, outer, gamma) =
-            (measures::Omega::on("all"), measures::Outer::on("boundary"), measures::Gamma::on("all"));
-        let u = Field::interpolate(&Space::vector(mesh, 2).unwrap(), &vector).unwrap();
-        let sum = body.functional(&measures::gauss(&omega, &outer, &gamma, &u)).unwrap();
-        assert!(sum.abs() < 1e-12, "{sum:e}");
-        // Facets between cells are clipped.
-        let space = Space::discontinuous_scalar(mesh, 2).unwrap();
-        let values = (0..space.unknowns()).map(|k| (k as f64 * 0.37).sin()).collect();
-        let u = Field::from_values(&space, values).unwrap();
-        let inner = measures::Interior::on("interior");
-        let sum = body.functional(&measures::with_jumps(&omega, &outer, &gamma, &inner, &u)).unwrap();
-        assert!(sum.abs() < 2e-12, "{sum:e}");
-        let u = Field::interpolate(&Space::scalar(mesh, 3).unwrap(), &scalar).unwrap();
-        let sum = body.functional(&measures::second(&omega, &outer, &gamma, &u)).unwrap();
-        assert!(sum.abs() < 1e-12, "{sum:e}");
-    }
     // A body that the boundary clips, and its complement.
     let off = |x: &[f64; 2]| (x[0] - 0.6).powi(2) + (x[1] + 0.55).powi(2) - 0.504;
     let mesh = square(9, CellShape::Quadrilateral);
     for body in [cut_curved(&mesh, disc), cut_curved(&mesh, off), cut_curved(&mesh, |x| -off(x))] {
-        let body = body.with_quadrature(Quadrature::Degree(14));
-        check(
-            &mesh,
-            &body,
-            |x| [x[0] * x[1] + x[1].powi(2), x[0].powi(2) - 0.4 * x[1]],
-            |x| x[0].powi(3) - 2.0 * x[0] * x[1].powi(2) + x[1].powi(2),
-        );
+        check_gauss((&mesh, &body.with_quadrature(Quadrature::Degree(14))), &[2], [1e-12, 2e-12]);
     }
     let mesh = cube(3);
     let off = |x: &[f64; 3]| (x[0] - 0.5).powi(2) + x[1].powi(2) + (x[2] + 0.6).powi(2) - 0.64;
     for body in [cut(&mesh, off), cut_curved(&mesh, off)] {
-        check(
-            &mesh,
-            &body.with_quadrature(Quadrature::Degree(13)),
-            |x| [x[0] * x[1] + x[2].powi(2), x[0].powi(2) - 0.4 * x[1], x[2] * x[1]],
-            |x| x[0].powi(3) - 2.0 * x[2] * x[1].powi(2) + x[0] * x[1] * x[2],
-        );
+        check_gauss((&mesh, &body.with_quadrature(Quadrature::Degree(17))), &[2], [1e-12, 2e-12]);
     }
-}
-
-#[test]
-fn curved_cells_are_cut_in_their_own_coordinates() {
-    let mesh = annulus(0.5, 1.0, 2, 12, CellShape::Quadrilateral, 2).unwrap();
-    let body = cut_curved(&mesh, |x| x[0] - 0.3 * x[1] + 0.07).with_quadrature(Quadrature::Degree(14));
-    let u = Field::interpolate(&Space::vector(&mesh, 2).unwrap(), |x| {
-        [x[0] * x[1] + x[1].powi(2), x[0].powi(2) - 0.4 * x[1]]
-    })
-    .unwrap();
-    let (omega, outer, gamma) =
-        (measures::Omega::on("all"), measures::Outer::on("boundary"), measures::Gamma::on("all"));
-    let sum = body.functional(&measures::gauss(&omega, &outer, &gamma, &u)).unwrap();
-    assert!(sum.abs() < 1e-11, "{sum:e}");
 }
 
 #[test]
@@ -235,7 +168,7 @@ fn bubbles_that_no_node_shows_are_found() {
     assert_eq!(hole.cut().unwrap().inside_cells().len(), 3);
     // Coefficients of both signs without a zero: the values at nodes are positive, and so is the function.
     let low = |x: &[f64; 2]| (x[0] - 0.27).powi(2) + (x[1] - 0.24).powi(2) + 0.01;
-    let phi = Field::interpolate(&Space::scalar(&mesh, 2).unwrap(), low).unwrap();
+    let phi = levels(&mesh, 2, low);
     assert!(Cut::by(&phi).is_err());
 }
 
@@ -280,7 +213,7 @@ fn parts_are_found_and_drawn() {
     assert!((area - 0.1625 * PI).abs() < 6e-3, "{area}");
     for (degree, miss) in [(1, 0.08), (2, 0.02)] {
         let mesh = cube(10);
-        let phi = Field::interpolate(&Space::scalar(&mesh, degree).unwrap(), away).unwrap();
+        let phi = levels(&mesh, degree, away);
         let cut = Cut::by(&phi).unwrap();
         let drawn = cut.body().unwrap();
         let volume =
@@ -328,21 +261,6 @@ fn bands_keep_cells_and_ghost_facets() {
 #[test]
 fn threads_do_not_show() {
     let mesh = square(30, CellShape::Quadrilateral);
-    let space = Space::scalar(&mesh, 2).unwrap();
-    let u = Field::interpolate(&space, |x| x[0] * x[1] + 0.3).unwrap();
-    let form = measures::springs(
-        &measures::Omega::on("all"),
-        &measures::Outer::on("boundary"),
-        &measures::Gamma::on("all"),
-    );
-    let on = |threads: usize| {
-        let off = |x: &[f64; 2]| (x[0] - 0.6).powi(2) + (x[1] + 0.55).powi(2) - 0.504;
-        let body = cut_curved(&mesh, off).with_threads(Threads::new(threads));
-        let matrix = BlockMatrix::from(body.tangent(&form, &[&u], &[&space]).unwrap());
-        (body.residual(&form, &[&u], &[&space]).unwrap(), matrix.into_csr().values().to_vec())
-    };
-    let one = on(1);
-    for threads in [2, 5] {
-        assert!(on(threads) == one, "{threads} threads");
-    }
+    let body = cut_curved(&mesh, |x| (x[0] - 0.6).powi(2) + (x[1] + 0.55).powi(2) - 0.504);
+    check_threads(&mesh, &body, &[2, 5]);
 }

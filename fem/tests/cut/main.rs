@@ -1,8 +1,9 @@
-//! Bodies that are cut from a mesh: areas and normals, hexahedra and functions of degree 2, what is refused, solutions on them, descents, adaptive backgrounds, surfaces from files.
+//! Bodies that are cut from a mesh: areas and normals, hexahedra and functions of degree 2, derivatives, what is refused, solutions on them, descents, adaptive backgrounds, surfaces from files.
 
 mod adaptive;
 mod areas;
 mod bodies;
+mod derivatives;
 mod descent;
 mod heights;
 mod refusals;
@@ -10,15 +11,19 @@ mod surfaces;
 
 use forms_fem::prelude::*;
 
+/// A level set function of some degree on a mesh.
+fn levels<const D: usize>(mesh: &Mesh<D>, degree: usize, phi: impl Fn(&[f64; D]) -> f64) -> Field<D> {
+    Field::interpolate(&Space::scalar(mesh, degree).unwrap(), phi).unwrap()
+}
+
 /// A level set function on a mesh.
 fn level<const D: usize>(mesh: &Mesh<D>, phi: impl Fn(&[f64; D]) -> f64) -> Field<D> {
-    Field::interpolate(&Space::scalar(mesh, 1).unwrap(), phi).unwrap()
+    levels(mesh, 1, phi)
 }
 
 /// The body inside a level set function of degree 2.
 fn cut_curved<const D: usize>(mesh: &Mesh<D>, phi: impl Fn(&[f64; D]) -> f64) -> Assembler<D> {
-    let phi = Field::interpolate(&Space::scalar(mesh, 2).unwrap(), phi).unwrap();
-    Assembler::new(mesh).cut_by(&phi).unwrap()
+    Assembler::new(mesh).cut_by(&levels(mesh, 2, phi)).unwrap()
 }
 
 /// The body inside a level set function.

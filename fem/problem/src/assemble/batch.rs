@@ -54,7 +54,7 @@ pub(super) struct Batch<'a, L, const D: usize> {
     start: usize,
     /// Number of lanes that hold cells of their own.
     filled: usize,
-    /// The own facet's coordinate along which points of moving segments have slopes.
+    /// The own facet's coordinate along which points of moving segments have slopes, or the number of pieces' points by which they have.
     direction: usize,
     /// Largest distance between the two sides of an interior facet.
     tolerance: [f64; WIDEST],
@@ -110,7 +110,8 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
         })
     }
 
-    /// Slopes along one of the own facet's coordinates, where values carry any and points are those of moving segments.
+    /// Slopes along one of the own facet's coordinates, where values carry any and points are those of moving segments; of pieces by one of the numbers of a
+    /// point, other than its weight.
     #[inline(always)]
     pub fn move_along(&mut self, direction: usize) {
         self.direction = direction;

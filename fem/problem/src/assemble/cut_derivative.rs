@@ -9,8 +9,8 @@ use forms_core::contract::{Entity, FieldSlot, Role, Term};
 use super::batch::Cells;
 use super::binding::entities::Entities;
 use super::binding::{Binding, Values};
-use super::element_loops::moving_points::PointMotion;
 use super::element_loops::vectors::ElementVectors;
+use super::groups::cut_groups::CutTables;
 use super::groups::{Group, OwnPoints, groups};
 use super::kernels::VectorKernel;
 use super::{Assembler, AssemblyError};
@@ -93,24 +93,14 @@ impl<const D: usize> Assembler<D> {
             let arguments = [(Role::Test(integral.test), &**test.space)];
             let found =
                 groups(&binding, integral, &self.quadrature, &degrees, constants.requirements, &arguments)?;
-            for mut group in found {
+            for group in found {
                 let side = group.side(form.name(), integral.test_side)?;
                 let name = binding.name_of(Role::Test(integral.test));
                 group.check_support(form.name(), name, test.space, side)?;
-                let nodes = group.sides[0].cells.first().map_or(0, |cell| cut.level_nodes(*cell).len());
-                for vertex in 0..nodes {
-                    let moved = match &mut group.own {
-                        Some(OwnPoints::Cut(points)) => {
-                            points.move_with(cut, &group.sides[0], vertex, self.threads);
-                            true
-                        }
-                        // Whole cells and facets, and pairs, do not move.
-                        _ => false,
-                    };
-                    if moved {
-                        let moving = Moving { assembler: self, binding: &binding, term, element };
-                        moving.add(&group, (cut, vertex), test, &mut gradient)?;
-                    }
+                // Whole cells and facets, and pairs, do not move.
+                if let Some(OwnPoints::Cut(pieces)) = &group.own {
+                    let moving = Moving { assembler: self, binding: &binding, term, element };
+                    moving.add((&group, pieces), cut, test, &mut gradient)?;
                 }
             }
         }
@@ -130,8 +120,8 @@ struct Moving<'a, const D: usize> {
 impl<const D: usize> Moving<'_, D> {
     fn add(
         &self,
-        group: &Group<D>,
-        (cut, vertex): (&Cut<D>, usize),
+        (group, pieces): (&Group<D>, &CutTables<D>),
+        cut: &Cut<D>,
         test: &FieldView<D>,
         gradient: &mut [f64],
     ) -> Result<(), AssemblyError> {
@@ -139,33 +129,38 @@ impl<const D: usize> Moving<'_, D> {
         let side = &group.sides[0];
         let task = ElementVectors { binding, group, cells: Cells::Mesh(binding.mesh), side: 0, element };
         let (local, components) = (side.facet.map(|(local, _)| local), term.kernel.constants().components);
-        let size = task.nodes() * components;
-        let count = group.entities();
+        let (length, count) = (group.points() * pieces.stride(), group.entities());
         let parts = assembler.threads.count().min(count.div_ceil(64)).max(1);
         let parts = (0..parts).map(|part| part * count / parts..(part + 1) * count / parts).collect();
-        // Each cell's number is its own, so that threads do not show.
+        // Each cell's numbers are its own, so that threads do not show.
         let found = assembler.threads.run(parts, |entities: Range<usize>| {
-            let mut numbers: Vec<f64> = Vec::with_capacity(entities.len());
-            let moving = (PointMotion::OfRecords, entities);
-            term.kernel.compute_moving(&task, moving, &mut |first, vectors| {
-                for (entity, vector) in vectors.chunks_exact(size).enumerate() {
-                    let nodes = test.space.nodes_at(side.cells[first + entity], local);
-                    let values = nodes.iter().flat_map(|node| {
-                        let start = *node as usize * components;
-                        &test.values[start..start + components]
-                    });
-                    numbers.push(vector.iter().zip(values).map(|(slope, value)| slope * value).sum());
+            let nodes =
+                side.cells[entities.clone()].iter().flat_map(|cell| test.space.nodes_at(*cell, local));
+            let coefficients =
+                nodes.flat_map(|node| &test.values[*node as usize * components..][..components]);
+            let tests: Vec<f64> = coefficients.map(|value| term.kernel.factor() * value).collect();
+            let (mut points, mut derivatives) = (Vec::new(), Vec::new());
+            term.kernel.slopes_on_pieces(&task, (&tests, entities), &mut |first, slopes| {
+                for (entity, slopes) in slopes.chunks_exact(length).enumerate() {
+                    pieces.by_nodal_values(
+                        (cut, side),
+                        first + entity,
+                        slopes,
+                        &mut points,
+                        &mut derivatives,
+                    );
                 }
                 Ok(())
             })?;
-            Ok(numbers)
+            Ok(derivatives)
         });
         let parts: Vec<Vec<f64>> = found.into_iter().collect::<Result<_, AssemblyError>>()?;
-        for (cell, number) in side.cells.iter().zip(parts.iter().flatten()) {
+        let nodes = side.cells.iter().flat_map(|cell| cut.level_nodes(*cell));
+        for (node, number) in nodes.zip(parts.iter().flatten()) {
             if !number.is_finite() {
                 return Err(self.no_gradient(group));
             }
-            gradient[cut.level_nodes(*cell)[vertex] as usize] += number;
+            gradient[*node as usize] += number;
         }
         Ok(())
     }

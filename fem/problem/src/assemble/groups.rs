@@ -11,6 +11,7 @@ pub(super) mod own_facets;
 pub(super) mod pair_groups;
 pub(super) mod pair_reports;
 pub(super) mod pair_search;
+mod piece_entries;
 pub(super) mod positive_parts;
 pub(super) mod shared_facets;
 pub(super) mod split_facets;

@@ -15,6 +15,7 @@ use super::AssemblyError;
 use super::binding::Binding;
 use super::element_loops::matrices::{self, ElementMatrices, block_order};
 use super::element_loops::moving_points::{self, PointMotion};
+use super::element_loops::piece_slopes;
 use super::element_loops::point_values::{self, ExpressionCalls, PointBuffers, PointValues, ReceivePoint};
 use super::element_loops::sink::{Buffered, Deliver, Sink};
 use super::element_loops::vectors::{self, ElementVectors};
@@ -133,6 +134,24 @@ impl<const D: usize> VectorKernel<D> {
             deliver(first, &scaled)
         })
     }
+
+    /// The slopes by all numbers of the points of a group of pieces, of the integral with a field in the place of the test function.
+    ///
+    /// # Errors
+    /// Errors of the form's data, or of `deliver`; a module without derivatives by level set functions.
+    pub(in crate::assemble) fn slopes_on_pieces(
+        &self,
+        task: &ElementVectors<D>,
+        pieces: (&[f64], Range<usize>),
+        deliver: Deliver,
+    ) -> Result<(), AssemblyError> {
+        self.kernel.slopes_on_pieces(task, &self.constants, pieces, deliver)
+    }
+
+    /// The factor by which its values are multiplied.
+    pub(in crate::assemble) fn factor(&self) -> f64 {
+        self.factor
+    }
 }
 
 impl<const D: usize> MatrixKernel<D> {
@@ -217,6 +236,14 @@ trait AnyLinearKernel<const D: usize>: Send + Sync {
         moving: (PointMotion, Range<usize>),
         deliver: Deliver,
     ) -> Result<(), AssemblyError>;
+
+    fn slopes_on_pieces(
+        &self,
+        task: &ElementVectors<D>,
+        constants: &LinearConstants,
+        pieces: (&[f64], Range<usize>),
+        deliver: Deliver,
+    ) -> Result<(), AssemblyError>;
 }
 
 impl<K: LinearKernel<D>, const D: usize> AnyLinearKernel<D> for K {
@@ -240,17 +267,30 @@ impl<K: LinearKernel<D>, const D: usize> AnyLinearKernel<D> for K {
         (motion, range): (PointMotion, Range<usize>),
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
-        if motion == PointMotion::OfRecords && !K::MOVED_BY_LEVEL_SET {
-            return Err(AssemblyError::NoLevelSetDerivative { form: task.binding.name });
-        }
         // Kernels whose points nothing moves are not compiled once more.
-        if const { K::MOVED_BY_LEVEL_SET || K::SLIDES } {
+        if const { K::SLIDES } {
             return with_lanes!(task.binding.instructions.checked(), L => {
                 let calls = &mut LinearCalls::<K, Moving<L>, D>::new(self);
                 L::call(moving_points::Loops { task, kernel, calls, motion, range, deliver })
             });
         }
         Ok(())
+    }
+
+    fn slopes_on_pieces(
+        &self,
+        task: &ElementVectors<D>,
+        kernel: &LinearConstants,
+        (tests, range): (&[f64], Range<usize>),
+        deliver: Deliver,
+    ) -> Result<(), AssemblyError> {
+        if const { K::MOVED_BY_LEVEL_SET } {
+            return with_lanes!(task.binding.instructions.checked(), L => {
+                let calls = &mut LinearCalls::<K, Moving<L>, D>::new(self);
+                L::call(piece_slopes::Loops { task, kernel, calls, tests, range, deliver })
+            });
+        }
+        Err(AssemblyError::NoLevelSetDerivative { form: task.binding.name })
     }
 }
 

@@ -2,9 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use forms_core::contract::Dual;
-
-use super::heights::CellPolynomial;
+use super::heights::{CellPolynomial, LineRules};
 use super::{Cut, VertexValues};
 use crate::element::CellShape;
 use crate::quadrature::QuadratureRule;
@@ -15,7 +13,7 @@ use crate::threads::Threads;
 pub(crate) enum PieceRule<const D: usize> {
     Cells(QuadratureRule<D>),
     Facets(QuadratureRule<2>),
-    Lines(Vec<(f64, f64)>),
+    Lines(LineRules),
 }
 
 /// Location of points, and the degree of the rule that they come from.
@@ -114,32 +112,18 @@ impl<const D: usize> Cut<D> {
         let cells: Vec<u32> = self.cut.iter().copied().filter(own).collect();
         let (numbers, ends) = in_parts(&cells, threads, &|cell, numbers| match (rule, on) {
             (PieceRule::Cells(rule), _) => {
-                VertexValues::<f64>::new(self, *cell, None).points_inside(rule, numbers);
+                VertexValues::<f64>::new(self, *cell).points_inside(rule, numbers);
             }
             (PieceRule::Facets(rule), _) => {
-                VertexValues::<f64>::new(self, *cell, None).points_of_interface::<D>(rule, numbers);
+                VertexValues::<f64>::new(self, *cell).points_of_interface::<D>(rule, numbers);
             }
             (PieceRule::Lines(rule), PointsOn::Inside(..)) => {
-                CellPolynomial::<f64>::new(self, *cell, None).points_inside::<D>(rule, numbers);
+                CellPolynomial::<f64>::new(self, *cell).points_inside::<D>(rule, numbers);
             }
             (PieceRule::Lines(rule), PointsOn::Interface(..)) => {
-                CellPolynomial::<f64>::new(self, *cell, None).points_of_interface::<D>(rule, numbers);
+                CellPolynomial::<f64>::new(self, *cell).points_of_interface::<D>(rule, numbers);
             }
         });
         self.known.add(on, CutPoints { cells, ends, numbers })
     }
-}
-
-/// The rates of some cells' points; `list` appends the points of a cell.
-pub(crate) fn rates_of_points(
-    cells: &[u32],
-    threads: Threads,
-    list: &(impl Fn(u32, &mut Vec<Dual<f64>>) + Sync),
-) -> Vec<f64> {
-    let of_cell = |cell: &u32, rates: &mut Vec<f64>| {
-        let mut points = Vec::new();
-        list(*cell, &mut points);
-        rates.extend(points.iter().map(|number| number.derivative));
-    };
-    in_parts(cells, threads, &of_cell).0
 }

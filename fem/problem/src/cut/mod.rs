@@ -10,6 +10,7 @@
 //! ties    facets that join badly cut cells to well-posed ones
 //! parts    parts of the body that no cell connects
 //! known_points  points of rules, made once
+//! number  values with derivatives by nodal values
 //! interface  the interface in space, the distance to it and to a given surface
 //! holding  unknowns that no active cell has
 //! body     the pieces as a mesh of their own, to be drawn and written
@@ -23,6 +24,7 @@ pub(crate) mod heights;
 mod holding;
 mod interface;
 pub(crate) mod known_points;
+pub(crate) mod number;
 mod parts;
 mod pieces;
 mod simplices;
@@ -237,7 +239,7 @@ impl<const D: usize> Cut<D> {
         match self.sides[facet.cell as usize] {
             CutSide::Outside => CutSide::Outside,
             side if self.cuts_by_heights(facet.cell) => match side {
-                CutSide::Cut => CellPolynomial::<f64>::new(self, facet.cell, None).side_of_facet(facet.local),
+                CutSide::Cut => CellPolynomial::<f64>::new(self, facet.cell).side_of_facet(facet.local),
                 side => side,
             },
             _ => {
@@ -248,12 +250,13 @@ impl<const D: usize> Cut<D> {
         }
     }
 
-    /// A number per cell that says where it is, and where there are aggregates the cells that they join. Where one changes, a node has changed
-    /// sides or a cell has another root, and what is assembled jumps by a little: in a line search and in Taylor tests these are switches. Of hexahedra,
+    /// A number per cell that says where it is, the ghost facets, and where there are aggregates the cells that they join. Where one changes, a node or the
+    /// middle of a cell has changed sides, and what is assembled jumps by a little: in a line search and in Taylor tests these are switches. Of hexahedra,
     /// and of quadrilaterals with φ of degree 2, a number tells how lines through the cell are cut: where it changes, points of rules do.
     pub fn sides(&self) -> impl Iterator<Item = u32> {
         let roots = self.roots.iter().flatten().flat_map(|(cell, root)| [*cell, *root]);
-        self.sides.iter().map(|side| *side as u32).chain(roots).chain(self.structures())
+        let ghost = self.ghost.iter().flatten().flat_map(|facet| [facet.cell, u32::from(facet.local)]);
+        self.sides.iter().map(|side| *side as u32).chain(ghost).chain(roots).chain(self.structures())
     }
 
     /// The cells that are whole, ascending.

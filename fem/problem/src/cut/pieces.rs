@@ -1,7 +1,6 @@
 //! Pieces of a cut cell, of its interface and of its facets, in reference coordinates, with the points of rules on them.
 
-use forms_core::contract::{Dual, Real};
-
+use super::number::Number;
 use super::simplices::{CutPiece, CutSimplex, determinant_of, edges_of, linear_gradient};
 use super::{Cut, CutSide};
 use crate::element::CellShape;
@@ -17,43 +16,17 @@ fn simplices_of(shape: CellShape) -> &'static [&'static [usize]] {
     }
 }
 
-/// A number that the value at one of a cell's vertices may move.
-pub(crate) trait Moved: Real {
-    /// A value, moved or not.
-    fn of(value: f64, moves: Motion) -> Self;
-}
-
-/// Whether a value is the one that moves.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Motion {
-    Held,
-    Moves,
-}
-
-impl Moved for f64 {
-    fn of(value: f64, _: Motion) -> Self {
-        value
-    }
-}
-
-impl Moved for Dual<f64> {
-    fn of(value: f64, moves: Motion) -> Self {
-        Dual { value, derivative: if moves == Motion::Moves { 1.0 } else { 0.0 } }
-    }
-}
-
 /// The values of a level set function at the vertices of a cell.
 pub(crate) struct VertexValues<R> {
     shape: CellShape,
     values: [R; 4],
 }
 
-impl<R: Moved> VertexValues<R> {
-    /// The values of a cell; the one at the vertex of this number moves.
-    pub fn new<const D: usize>(cut: &Cut<D>, cell: u32, moving: Option<usize>) -> Self {
+impl<R: Number> VertexValues<R> {
+    /// The values of a cell.
+    pub fn new<const D: usize>(cut: &Cut<D>, cell: u32) -> Self {
         let values = cut.vertex_values(cell);
-        let moves = |k: usize| if moving == Some(k) { Motion::Moves } else { Motion::Held };
-        let values = std::array::from_fn(|k| R::of(values[k], moves(k)));
+        let values = std::array::from_fn(|k| R::of_node(values[k], k));
         VertexValues { shape: cut.mesh().cell_shape(cell as usize), values }
     }
 
@@ -132,7 +105,7 @@ impl<R: Moved> VertexValues<R> {
 }
 
 /// The points of a rule on each piece of a facet of a shape, in reference coordinates of the cell with their weights on the facet's own.
-pub(super) fn points_on_pieces<R: Moved, const D: usize>(
+pub(super) fn points_on_pieces<R: Number, const D: usize>(
     (shape, local): (CellShape, u8),
     pieces: &[[[R; 2]; 3]],
     rule: &QuadratureRule<2>,
@@ -159,7 +132,7 @@ pub(super) fn points_on_pieces<R: Moved, const D: usize>(
 }
 
 /// The length of the first edge in the plane, the area of the parallelogram of the first two in space.
-fn area<R: Real, const D: usize>(edges: &[[R; D]; D]) -> R {
+fn area<R: Number, const D: usize>(edges: &[[R; D]; D]) -> R {
     let inner = |a: &[R; D], b: &[R; D]| -> R { a.iter().zip(b).map(|(a, b)| *a * *b).sum() };
     let first = inner(&edges[0], &edges[0]);
     if D == 2 {
@@ -176,7 +149,7 @@ pub(crate) struct SimplexPieces<R, const D: usize> {
     pub cut: CutSimplex,
 }
 
-impl<R: Moved, const D: usize> SimplexPieces<R, D> {
+impl<R: Number, const D: usize> SimplexPieces<R, D> {
     /// The corners of a piece; those that it does not have are no places.
     pub fn places(&self, piece: &CutPiece) -> [[R; D]; 4] {
         piece.map(|corner| corner.place(&self.vertices[..=D], &self.values[..=D]))
@@ -190,7 +163,7 @@ impl<const D: usize> Cut<D> {
             CutSide::Inside => None,
             CutSide::Outside => Some(vec![]),
             CutSide::Cut => {
-                Some(VertexValues::<f64>::new(self, facet.cell, None).pieces_of_facet::<D>(facet.local))
+                Some(VertexValues::<f64>::new(self, facet.cell).pieces_of_facet::<D>(facet.local))
             }
         }
     }

@@ -5,8 +5,7 @@
 
 use std::ops::Deref;
 
-use forms_core::contract::Real;
-
+use super::number::Number;
 use crate::mesh::small_matrices::inverse;
 
 /// A corner of a piece: a vertex of the simplex (both numbers are the same), or the zero on the edge between two.
@@ -29,7 +28,7 @@ impl CutCorner {
     }
 
     /// The corner's place in a simplex with these vertices and values at them.
-    pub fn place<R: Real, const D: usize>(self, vertices: &[[f64; D]], values: &[R]) -> [R; D] {
+    pub fn place<R: Number, const D: usize>(self, vertices: &[[f64; D]], values: &[R]) -> [R; D] {
         let (a, b) = (usize::from(self.from), usize::from(self.to));
         if a == b {
             return vertices[a].map(R::from);
@@ -75,11 +74,11 @@ pub(crate) struct CutSimplex {
 
 impl CutSimplex {
     /// The pieces for values at the vertices. No value is zero.
-    pub fn new<R: Real>(values: &[R]) -> Self {
+    pub fn new<R: Number>(values: &[R]) -> Self {
         let (mut inner, mut outer, mut count) = ([0; 4], [0; 4], [0; 2]);
         for (k, value) in values.iter().enumerate() {
             let (list, count) =
-                if *value < 0.0 { (&mut inner, &mut count[0]) } else { (&mut outer, &mut count[1]) };
+                if value.value() < 0.0 { (&mut inner, &mut count[0]) } else { (&mut outer, &mut count[1]) };
             list[*count] = k;
             *count += 1;
         }
@@ -133,7 +132,7 @@ fn prism([a, b, c]: [CutCorner; 3], [d, e, f]: [CutCorner; 3]) -> [CutPiece; 3] 
 }
 
 /// The gradient of the linear function with these values at the D + 1 vertices of a simplex.
-pub(crate) fn linear_gradient<R: Real, const D: usize>(vertices: &[[f64; D]], values: &[R]) -> [R; D] {
+pub(crate) fn linear_gradient<R: Number, const D: usize>(vertices: &[[f64; D]], values: &[R]) -> [R; D] {
     let edges: [[f64; D]; D] =
         std::array::from_fn(|i| std::array::from_fn(|k| vertices[i + 1][k] - vertices[0][k]));
     let inverse = inverse(&edges).unwrap_or([[0.0; D]; D]);
@@ -141,7 +140,7 @@ pub(crate) fn linear_gradient<R: Real, const D: usize>(vertices: &[[f64; D]], va
 }
 
 /// The determinant of a small matrix of any numbers.
-pub(crate) fn determinant_of<R: Real, const D: usize>(a: &[[R; D]; D]) -> R {
+pub(crate) fn determinant_of<R: Number, const D: usize>(a: &[[R; D]; D]) -> R {
     if D == 2 {
         return a[0][0] * a[1][1] - a[0][1] * a[1][0];
     }
@@ -153,14 +152,13 @@ pub(crate) fn determinant_of<R: Real, const D: usize>(a: &[[R; D]; D]) -> R {
 }
 
 /// The edges of a piece from its first corner.
-pub(crate) fn edges_of<R: Real, const D: usize>(corners: &[[R; D]; 4]) -> [[R; D]; D] {
+pub(crate) fn edges_of<R: Number, const D: usize>(corners: &[[R; D]; 4]) -> [[R; D]; D] {
     std::array::from_fn(|i| std::array::from_fn(|k| corners[i + 1][k] - corners[0][k]))
 }
 
 #[cfg(test)]
 mod tests {
-    use forms_core::contract::Dual;
-
+    use super::super::number::Varied;
     use super::*;
 
     fn volume<const D: usize>(pieces: &[CutPiece], vertices: &[[f64; D]], values: &[f64]) -> f64 {
@@ -202,12 +200,9 @@ mod tests {
         let vertices = [[0.1, 0.0], [1.0, 0.2], [0.3, 0.9]];
         let values = [-0.4, 0.7, 0.2];
         for corner in CutSimplex::new(&values).inside.iter().flat_map(|piece| &piece[..3]) {
+            let seeded: [Varied; 3] = std::array::from_fn(|k| Varied::of_node(values[k], k));
+            let found = corner.place(&vertices, &seeded);
             for by in 0..3 {
-                let seeded: [Dual<f64>; 3] = std::array::from_fn(|k| Dual {
-                    value: values[k],
-                    derivative: if k == by { 1.0 } else { 0.0 },
-                });
-                let found = corner.place(&vertices, &seeded);
                 let at = |step: f64| {
                     let mut moved = values;
                     moved[by] += step;
@@ -215,7 +210,7 @@ mod tests {
                 };
                 let (next, last) = (at(1e-6), at(-1e-6));
                 for k in 0..2 {
-                    assert!((found[k].derivative - (next[k] - last[k]) / 2e-6).abs() < 1e-9);
+                    assert!((found[k].slopes[by] - (next[k] - last[k]) / 2e-6).abs() < 1e-9);
                 }
             }
         }

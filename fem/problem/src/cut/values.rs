@@ -73,7 +73,7 @@ impl<const D: usize> Cut<D> {
     /// Location of a cell by its values.
     pub(super) fn side_by_values(&self, cell: u32) -> CutSide {
         match self.cuts_by_heights(cell) {
-            true => CellPolynomial::<f64>::new(self, cell, None).side(),
+            true => CellPolynomial::<f64>::new(self, cell).side(),
             false => side(self.level_nodes(cell).iter().map(|node| self.values[*node as usize])),
         }
     }
@@ -81,7 +81,7 @@ impl<const D: usize> Cut<D> {
     /// Bounds of φ on a cell.
     pub(super) fn bounds_of(&self, cell: u32) -> [f64; 2] {
         if self.cuts_by_heights(cell) {
-            return CellPolynomial::<f64>::new(self, cell, None).bounds();
+            return CellPolynomial::<f64>::new(self, cell).bounds();
         }
         let values = self.level_nodes(cell).iter().map(|node| self.values[*node as usize]);
         values.fold([f64::MAX, f64::MIN], |[a, b], value| [a.min(value), b.max(value)])

@@ -26,11 +26,14 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
             let entity = self.start + lane.min(self.filled - 1);
             places[lane] = (entity * cut.count + q) * stride;
         }
-        let reference = L::gather_with_slopes::<D>(&cut.points, &cut.slopes, &places);
+        let mut reference = L::gather::<D>(&cut.points, &places);
+        if L::CARRIES_SLOPES && self.direction < D {
+            reference[self.direction] = reference[self.direction].with_slope(L::splat(1.0));
+        }
         for lane in 0..L::WIDTH {
             places[lane] += D;
         }
-        let [weight] = L::gather_with_slopes::<1>(&cut.points, &cut.slopes, &places);
+        let [weight] = L::gather::<1>(&cut.points, &places);
         let this = self.facet_point(requirements, 0, &reference, (&cut.geometry, &cut.elements), None, &[]);
         let side = &self.buffers.sides[0];
         let (determinant, inverse) = (side.determinant, side.inverse);
@@ -48,7 +51,11 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                 for lane in 0..L::WIDTH {
                     places[lane] += 1;
                 }
-                let normal = L::gather_with_slopes::<D>(&cut.points, &cut.slopes, &places);
+                let mut normal = L::gather::<D>(&cut.points, &places);
+                if L::CARRIES_SLOPES && self.direction > D {
+                    let axis = self.direction - D - 1;
+                    normal[axis] = normal[axis].with_slope(L::splat(1.0));
+                }
                 // Nanson's formula: n da = det J J⁻ᵀ ν dA.
                 let mut image = [L::splat(0.0); D];
                 let mut square = L::splat(0.0);

@@ -176,6 +176,7 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
         // Functions whose value, or whose derivative along one axis of the reference cell, is one.
         let mut units = [Basis { value: zero, gradient: [zero; D] }; 4];
         let nothing_further = [Further::none(); 4];
+        let together = if group.own.is_some() { POINTS_AT_ONCE } else { points.max(1) };
         let mut start = range.start;
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
@@ -222,14 +223,25 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
                     L::call(PairSums::<L, D> { tables, derivatives, symmetric, stages, blocks });
                 }
             } else {
-                calls.call(&mut MatrixCall::Cell { geometry, functions: [rows, columns], points });
-                for q in 0..points {
-                    batch.point(q)?;
-                    let (geometry, fields) = (batch.geometry(), batch.fields());
-                    let (tests, trials) = (task.functions(0, &batch), task.functions(1, &batch));
-                    calls.call(&mut MatrixCall::Point { q, geometry, fields, tests, trials });
+                for first in (0..points.max(1)).step_by(together) {
+                    let points = together.min(points - first);
+                    calls.call(&mut MatrixCall::Cell { geometry, functions: [rows, columns], points });
+                    for q in 0..points {
+                        batch.point(first + q)?;
+                        let (geometry, fields) = (batch.geometry(), batch.fields());
+                        let (tests, trials) = (task.functions(0, &batch), task.functions(1, &batch));
+                        calls.call(&mut MatrixCall::Point { q, geometry, fields, tests, trials });
+                    }
+                    if first == 0 {
+                        calls.call(&mut MatrixCall::Pairs { symmetric, blocks });
+                        continue;
+                    }
+                    room.resize(length, zero);
+                    calls.call(&mut MatrixCall::Pairs { symmetric, blocks: room });
+                    for k in 0..length {
+                        blocks[k] += room[k];
+                    }
                 }
-                calls.call(&mut MatrixCall::Pairs { symmetric, blocks });
             }
             let source = Ordered::new(blocks, order, size);
             let target = sink.room(start, filled, size);
@@ -240,6 +252,9 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, L, D> {
         batch.check_weights(range)
     }
 }
+
+/// Points whose factors are made at a time, where entities have their own: parts of cut cells can have hundreds, whose factors no cache holds.
+const POINTS_AT_ONCE: usize = 32;
 
 /// Cost of an operation along an axis, in operations on a pair of nodes, whose sums stay in registers: its sums
 /// are as short as a row of points, and go through memory from axis to axis (docs/decisions/lanes.md).

@@ -10,6 +10,7 @@ pub(super) mod sum_factorisation;
 
 pub(super) mod matrices;
 pub(super) mod moving_points;
+pub(super) mod piece_slopes;
 pub(super) mod point_values;
 pub(super) mod vectors;
 

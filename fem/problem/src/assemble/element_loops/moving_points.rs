@@ -1,7 +1,6 @@
 //! Derivatives of element vectors whose points move: a linear kernel that is run on values with derivatives along the motion.
 //!
-//! Points of cut cells move with the level set function, together with their weights. Those of moving segments follow the feet of opposite
-//! nodes. With the coordinate c of a foot, points s of weight W and the density ρ at them
+//! Points of moving segments follow the feet of opposite nodes. With the coordinate c of a foot, points s of weight W and the density ρ at them
 //!
 //! ```text
 //! ∂/∂c Σ W ρ(s) = Σ W (ρ,_α ∂s^α/∂c + ρ ∂W/∂c / W)
@@ -15,6 +14,8 @@ use std::ops::Range;
 use forms_core::contract::{Basis, Further, Lane, LinearConstants};
 
 use super::linear_calls::{VectorCall, VectorCalls};
+#[cfg(not(test))]
+use super::piece_slopes;
 use super::sink::Deliver;
 use super::vectors::ElementVectors;
 use crate::assemble::AssemblyError;
@@ -23,12 +24,10 @@ use crate::assemble::scatter::group_nodes::Reading;
 use crate::instantiate::instantiate;
 use crate::lanes::{Moving, SharedWork, SimdLane, Transposition, WIDEST};
 
-/// The motion of a group's points.
+/// The motion of the points of moving segments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointMotion {
-    /// That of each point's record, with its weight: one vector per entity.
-    OfRecords,
-    /// Those of moving segments by the feet of their nodes: one vector per coordinate of each foot.
+    /// By the feet of their nodes: one vector per coordinate of each foot.
     ByFeet,
     /// The same of the integrand: its test function is 1 in each component.
     OfIntegrand,
@@ -51,14 +50,9 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
     fn run(self) -> Self::Output {
         let Loops { task, kernel, calls, motion, range, deliver } = self;
         let ElementVectors { group, side, element, .. } = *task;
-        let moving = match (motion, group.pairs()) {
-            (PointMotion::OfRecords, _) => None,
-            (_, Some(pairs)) => Some(&pairs.group.motion),
-            // No segments, no feet.
-            (_, None) => return Ok(()),
-        };
-        let vectors_each = moving.map_or(1, |motion| motion.coordinates(group.entities()));
-        let directions = if moving.is_some() { D - 1 } else { 1 };
+        // No segments, no feet.
+        let Some(moving) = group.pairs().map(|pairs| &pairs.group.motion) else { return Ok(()) };
+        let (vectors_each, directions) = (moving.coordinates(group.entities()), D - 1);
         let of_integrand = motion == PointMotion::OfIntegrand;
         let (nodes, zero) = (if of_integrand { 1 } else { task.nodes() }, L::splat(0.0));
         let unit = Basis { value: Moving::splat(1.0), gradient: [Moving::splat(0.0); D] };
@@ -94,19 +88,13 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
                 };
                 let target = &mut at_point[..];
                 calls.call(&mut VectorCall::Point { geometry, fields, basis, further, target, stride: 1 });
-                let Some(motion) = moving else {
-                    for k in 0..size {
-                        sums[k] += at_point[k].slope;
-                    }
-                    continue;
-                };
                 let mut places = [0; WIDEST];
                 for lane in 0..L::WIDTH {
                     let unit = start + lane.min(filled - 1);
                     places[lane] = (unit * group.points() + q) * vectors_each * D;
                 }
                 for number in 0..vectors_each {
-                    let shares = L::gather::<D>(&motion.shares, &places);
+                    let shares = L::gather::<D>(&moving.shares, &places);
                     let along = shares[direction];
                     // The weight changes once.
                     let stretch = if direction == 0 { shares[D - 1] } else { zero };
@@ -128,4 +116,4 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
     }
 }
 
-instantiate!(moving_points in lanes: L::call::<Loops<L, D>>);
+instantiate!(moving_points in lanes: L::call::<Loops<L, D>>, L::call::<piece_slopes::Loops<L, D>>);

@@ -1,25 +1,26 @@
-//! Pieces as groups: parts of cut cells inside a body, parts of its interface, and parts of exterior facets. Entities with equal numbers of
-//! points make a group.
-
-use std::collections::BTreeMap;
+//! Pieces as groups: parts of cut cells inside a body, parts of its interface, and parts of exterior facets. Entities with nearly equal numbers
+//! of points make a group.
 
 use forms_core::contract::{Integral, Requirements};
 
 use super::degrees::Estimate;
 use super::means::FurtherTables;
+use super::piece_entries::{Entries, add_entry};
 use super::{Group, GroupSide, OwnPoints, Places};
 use crate::assemble::AssemblyError;
 use crate::assemble::batch::basis_in_lanes::LaneElement;
 use crate::assemble::binding::Binding;
 use crate::assemble::binding::entities::Entities;
-use crate::cut::heights::{CellPolynomial, FacetPart, line_rule};
-use crate::cut::known_points::{PieceRule, PointsOn, rates_of_points};
+use crate::cut::heights::{CellPolynomial, FacetPart, LineRules};
+use crate::cut::known_points::{PieceRule, PointsOn};
+use crate::cut::number::{VARIED, Varied};
 use crate::cut::{Cut, CutError, CutSide, GHOST, VertexValues};
 use crate::element::{CellShape, Element};
 use crate::instantiate::instantiate;
 use crate::mesh::Facet;
-use crate::quadrature::{Quadrature, QuadratureRule, cell_rule, facet_reference_rule, map_to_facet};
-use crate::threads::Threads;
+use crate::quadrature::{
+    Quadrature, QuadratureError, QuadratureRule, cell_rule, facet_reference_rule, map_to_facet,
+};
 
 /// Location of a group's pieces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +28,17 @@ pub(in crate::assemble) enum PieceKind {
     Cell,
     Facet,
     Interface,
+}
+
+impl PieceKind {
+    /// Numbers per point.
+    #[inline(always)]
+    fn stride<const D: usize>(self) -> usize {
+        match self {
+            PieceKind::Cell | PieceKind::Facet => D + 1,
+            PieceKind::Interface => 2 * D + 1,
+        }
+    }
 }
 
 /// The points of a group's pieces, with the elements that are evaluated there.
@@ -39,8 +51,6 @@ pub(in crate::assemble) struct CutTables<const D: usize> {
     /// Of each entity and point: reference coordinates in the cell, the weight in these coordinates or on the facet's own reference
     /// cell, and of an interface its unit normal in reference coordinates.
     pub points: Vec<f64>,
-    /// Their rates, where points move.
-    pub slopes: Vec<f64>,
     pub geometry: LaneElement,
     /// The binding's elements; of a space on facets, the traces that do not vanish.
     pub elements: Vec<LaneElement>,
@@ -50,48 +60,65 @@ impl<const D: usize> CutTables<D> {
     /// Numbers per point.
     #[inline(always)]
     pub fn stride(&self) -> usize {
-        match self.kind {
-            PieceKind::Cell | PieceKind::Facet => D + 1,
-            PieceKind::Interface => 2 * D + 1,
-        }
+        self.kind.stride::<D>()
     }
 
     pub fn is_interface(&self) -> bool {
         self.kind == PieceKind::Interface
     }
 
-    /// Motion of all points as the value of a level set function grows at the node of this number of each cell.
-    pub fn move_with(&mut self, cut: &Cut<D>, side: &GroupSide<D>, node: usize, threads: Threads) {
-        let (kind, rule, local) = (self.kind, &self.rule, side.facet.map(|(local, _)| local));
-        let is_by_heights = cut.is_by_heights(side.shape);
-        self.slopes = rates_of_points(&side.cells, threads, &|cell, points| {
-            let polynomial = || CellPolynomial::new(cut, cell, Some(node));
-            let values = || VertexValues::new(cut, cell, Some(node));
-            match (rule, kind, local) {
-                (Some(PieceRule::Lines(rule)), PieceKind::Cell, _) => {
-                    polynomial().points_inside::<D>(rule, points);
-                }
-                (Some(PieceRule::Lines(rule)), PieceKind::Interface, _) => {
-                    polynomial().points_of_interface::<D>(rule, points);
-                }
-                (Some(PieceRule::Lines(rule)), PieceKind::Facet, Some(local)) => {
-                    polynomial().points_on_face::<D>(local, rule, points);
-                }
-                (Some(PieceRule::Facets(rule)), PieceKind::Facet, Some(local)) if is_by_heights => {
-                    polynomial().points_on_edge::<D>(local, rule, points);
-                }
-                (Some(PieceRule::Cells(rule)), PieceKind::Cell, _) => values().points_inside(rule, points),
-                (Some(PieceRule::Facets(rule)), PieceKind::Interface, _) => {
-                    values().points_of_interface::<D>(rule, points);
-                }
-                (Some(PieceRule::Facets(rule)), PieceKind::Facet, Some(local)) => {
-                    values().points_on_facet::<D>(local, rule, points);
-                }
-                _ => {}
+    /// The derivatives of an entity's integral by the level set function's values at the nodes of its cell, from its slopes by all numbers
+    /// of its points.
+    pub fn by_nodal_values(
+        &self,
+        (cut, side): (&Cut<D>, &GroupSide<D>),
+        entity: usize,
+        slopes: &[f64],
+        points: &mut Vec<Varied>,
+        derivatives: &mut Vec<f64>,
+    ) {
+        let cell = side.cells[entity];
+        let nodes = cut.level_nodes(cell).len();
+        for first in (0..nodes).step_by(VARIED) {
+            points.clear();
+            self.vary((cut, side), cell, first, points);
+            let mut sums = [0.0; VARIED];
+            for (slope, number) in slopes.iter().zip(&*points) {
+                sums.iter_mut().zip(number.slopes).for_each(|(sum, rate)| *sum += slope * rate);
             }
-        });
-        // What no rule moves must not pass for something that is held.
-        self.slopes.resize(self.points.len(), f64::NAN);
+            // What no rule moves must not pass for something that is held.
+            let known = if points.is_empty() { f64::NAN } else { 1.0 };
+            derivatives.extend(sums.iter().take(nodes - first).map(|sum| known * sum));
+        }
+    }
+
+    /// The points of a cell with their derivatives by the values at its nodes from one on.
+    fn vary(&self, (cut, side): (&Cut<D>, &GroupSide<D>), cell: u32, first: usize, points: &mut Vec<Varied>) {
+        let is_by_heights = cut.is_by_heights(side.shape);
+        let polynomial = || CellPolynomial::varied_from(cut, cell, first);
+        let values = || VertexValues::new(cut, cell);
+        match (&self.rule, self.kind, side.facet.map(|(local, _)| local)) {
+            (Some(PieceRule::Lines(rules)), PieceKind::Cell, _) => {
+                polynomial().points_inside::<D>(rules, points);
+            }
+            (Some(PieceRule::Lines(rules)), PieceKind::Interface, _) => {
+                polynomial().points_of_interface::<D>(rules, points);
+            }
+            (Some(PieceRule::Lines(rules)), PieceKind::Facet, Some(local)) => {
+                polynomial().points_on_face::<D>(local, rules, points);
+            }
+            (Some(PieceRule::Facets(rule)), PieceKind::Facet, Some(local)) if is_by_heights => {
+                polynomial().points_on_edge::<D>(local, rule, points);
+            }
+            (Some(PieceRule::Cells(rule)), PieceKind::Cell, _) => values().points_inside(rule, points),
+            (Some(PieceRule::Facets(rule)), PieceKind::Interface, _) => {
+                values().points_of_interface::<D>(rule, points);
+            }
+            (Some(PieceRule::Facets(rule)), PieceKind::Facet, Some(local)) => {
+                values().points_on_facet::<D>(local, rule, points);
+            }
+            _ => {}
+        }
     }
 
     /// The points of an entity in the cell's reference coordinates.
@@ -99,26 +126,6 @@ impl<const D: usize> CutTables<D> {
         let length = self.count * self.stride();
         let own = self.points[entity * length..][..length].chunks(self.stride());
         own.map(|point| std::array::from_fn(|k| point[k]))
-    }
-}
-
-/// Common properties of a group's entities: the cells' shape, the facet's local number, the points of each entity.
-type Key = (CellShape, Option<u8>, usize);
-
-/// Cells with the numbers of their points, in the order of the walk.
-type Entries = BTreeMap<Key, (Vec<u32>, Vec<f64>)>;
-
-fn add_entry(
-    entries: &mut Entries,
-    (shape, local): (CellShape, Option<u8>),
-    cell: u32,
-    stride: usize,
-    own: &[f64],
-) {
-    if !own.is_empty() {
-        let (cells, points) = entries.entry((shape, local, own.len() / stride)).or_default();
-        cells.push(cell);
-        points.extend_from_slice(own);
     }
 }
 
@@ -142,14 +149,19 @@ pub(in crate::assemble) fn refusals<const D: usize>(
     found.map_err(|source| AssemblyError::Cut { form: binding.name, place: place.to_owned(), source })
 }
 
-/// The degree of the rules on the simplices of a shape's cells, for one per direction on the others.
-fn total_degree<const D: usize>(
-    quadrature: &Quadrature<D>,
-    shape: CellShape,
-    estimated: usize,
-) -> Result<usize, CutError> {
-    let degree = quadrature.degree(estimated).ok_or(CutError::ExplicitPoints)?;
-    Ok(if shape.is_simplex() { degree } else { D * degree })
+/// The rule on the pieces of a shape's cells, for a degree in each direction of those that are no simplices.
+fn rule_on_pieces<const D: usize>(
+    cut: &Cut<D>,
+    kind: PieceKind,
+    (shape, degree): (CellShape, usize),
+) -> Result<PieceRule<D>, QuadratureError> {
+    let total = if shape.is_simplex() { degree } else { D * degree };
+    let simplex = if D == 2 { CellShape::Triangle } else { CellShape::Tetrahedron };
+    match kind {
+        _ if cut.is_by_heights(shape) => LineRules::new(degree, D, cut.degree()).map(PieceRule::Lines),
+        PieceKind::Cell => cell_rule(simplex, total).map(PieceRule::Cells),
+        _ => facet_reference_rule(simplex, total).map(PieceRule::Facets),
+    }
 }
 
 /// The parts of cells inside; `shape` is that of all of them.
@@ -166,14 +178,9 @@ pub(in crate::assemble) fn inside_of_cells<const D: usize>(
     }
     let form = binding.name;
     let refused = |source| AssemblyError::Cut { form, place: place.to_owned(), source };
-    let degree = total_degree(quadrature, shape, degree).map_err(refused)?;
-    let failed = |source| AssemblyError::Quadrature { form, source };
-    let simplex = if D == 2 { CellShape::Triangle } else { CellShape::Tetrahedron };
-    let rule = match cut.is_by_heights(shape) {
-        true => line_rule(degree, cut.degree()).map(PieceRule::Lines),
-        false => cell_rule(simplex, degree).map(PieceRule::Cells),
-    };
-    let rule = rule.map_err(failed)?;
+    let degree = quadrature.degree(degree).ok_or(CutError::ExplicitPoints).map_err(refused)?;
+    let rule = rule_on_pieces(cut, PieceKind::Cell, (shape, degree))
+        .map_err(|source| AssemblyError::Quadrature { form, source })?;
     let points = cut.points(PointsOn::Inside(shape, degree), &rule, binding.threads());
     let mut entries = Entries::new();
     for cell in cells {
@@ -200,17 +207,14 @@ pub(in crate::assemble) fn interface_groups<const D: usize>(
         cells.iter().copied().filter(|cell| cut.side_of_cell(*cell) == CutSide::Cut).collect();
     let mut groups = Vec::new();
     for (shape, cells) in mesh.by_shape(mesh.walk_of_cells(&crossed)) {
-        let degree = total_degree(quadrature, shape, estimate.on_interface(mesh, shape)).map_err(refused)?;
-        let simplex = if D == 2 { CellShape::Triangle } else { CellShape::Tetrahedron };
-        let rule = match cut.is_by_heights(shape) {
-            true if requirements.curvature => {
-                let what = "the curvature of an interface in hexahedra, or of a function of degree 2,";
-                return Err(refused(CutError::Refused { what }));
-            }
-            true => line_rule(degree, cut.degree()).map(PieceRule::Lines),
-            false => facet_reference_rule(simplex, degree).map(PieceRule::Facets),
-        };
-        let rule = rule.map_err(|source| AssemblyError::Quadrature { form, source })?;
+        if requirements.curvature && cut.is_by_heights(shape) {
+            let what = "the curvature of an interface in hexahedra, or of a function of degree 2,";
+            return Err(refused(CutError::Refused { what }));
+        }
+        let degree = quadrature.degree(estimate.on_interface(mesh, shape));
+        let degree = degree.ok_or(CutError::ExplicitPoints).map_err(refused)?;
+        let rule = rule_on_pieces(cut, PieceKind::Interface, (shape, degree))
+            .map_err(|source| AssemblyError::Quadrature { form, source })?;
         let points = cut.points(PointsOn::Interface(shape, degree), &rule, binding.threads());
         let mut entries = Entries::new();
         for cell in cells {
@@ -277,8 +281,8 @@ pub(in crate::assemble) fn clipped_facets<const D: usize>(
         None => None,
         Some(cut) if mesh.shape_of_facets() == CellShape::Hexahedron => {
             // Explicit points were refused above.
-            let degree = 2 * quadrature.degree(degree).unwrap_or(degree);
-            Some(PieceRule::Lines(line_rule(degree, cut.degree()).map_err(failed)?))
+            let degree = quadrature.degree(degree).unwrap_or(degree);
+            Some(PieceRule::Lines(LineRules::new(degree, 2, cut.degree()).map_err(failed)?))
         }
         Some(_) => {
             let rule = quadrature.facet_reference_rule(mesh.shape_of_facets(), degree).map_err(failed)?;
@@ -301,7 +305,11 @@ fn groups_of_pieces<const D: usize>(
     // Second derivatives are evaluated in lanes, means over whole cells as everywhere.
     let further = FurtherTables { means: requirements.reads_means(), ..FurtherTables::default() };
     let mut groups = Vec::new();
-    for ((shape, local, count), (cells, points)) in entries {
+    let stride = kind.stride::<D>();
+    let grouped = entries.into_iter().flat_map(|(key, entry)| {
+        entry.grouped::<D>(stride).into_iter().map(move |(count, cells, points)| (key, count, cells, points))
+    });
+    for ((shape, local), count, cells, points) in grouped {
         // One point, for what is the same at all of them: Jacobians of affine cells.
         let places = match local {
             None => Places { points: vec![shape.centre()], facet: None },
@@ -324,8 +332,8 @@ fn groups_of_pieces<const D: usize>(
             }
         });
         let geometry = LaneElement::new(&Element::Lagrange(mesh.element_of(shape)), None);
-        let (slopes, elements) = (vec![], elements.collect());
-        let own = CutTables { kind, rule: rule.clone(), count, points, slopes, geometry, elements };
+        let elements = elements.collect();
+        let own = CutTables { kind, rule: rule.clone(), count, points, geometry, elements };
         groups.push(Group {
             place: place.to_owned(),
             sides: vec![side],

@@ -3,7 +3,7 @@
 //! Coefficients bound the polynomial, and their differences its slopes. The first axis runs fastest. All numbers are generic, so that
 //! derivatives by the coefficients come from the same lines.
 
-use forms_core::contract::Real;
+use crate::cut::number::Number;
 
 /// The coefficients on a segment.
 pub(super) type Line<R> = [R; 3];
@@ -28,7 +28,7 @@ fn starts(count: usize, axis: usize) -> impl Iterator<Item = usize> {
 }
 
 /// The coefficients of the polynomial with values at the nodes of degree 2, in place.
-pub(super) fn from_nodes<R: Real>(values: &mut [R]) {
+pub(super) fn from_nodes<R: Number>(values: &mut [R]) {
     for (axis, step) in STEPS.into_iter().enumerate().take(dimension(values.len())) {
         for i in starts(values.len(), axis) {
             values[i + step] = values[i + step] * 2.0 - (values[i] + values[i + 2 * step]) * 0.5;
@@ -37,7 +37,7 @@ pub(super) fn from_nodes<R: Real>(values: &mut [R]) {
 }
 
 /// The coefficients of the polynomial of degree 1 in each direction with values at the vertices, in place; they are its values, too.
-pub(super) fn from_vertices<R: Real>(values: &mut [R]) {
+pub(super) fn from_vertices<R: Number>(values: &mut [R]) {
     for (axis, step) in STEPS.into_iter().enumerate().take(dimension(values.len())) {
         for i in starts(values.len(), axis) {
             values[i + step] = (values[i] + values[i + 2 * step]) * 0.5;
@@ -51,12 +51,12 @@ fn range(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
 }
 
 /// Bounds of the polynomial.
-pub(super) fn bounds<R: Real>(c: &[R]) -> [f64; 2] {
+pub(super) fn bounds<R: Number>(c: &[R]) -> [f64; 2] {
     range(c.iter().map(|entry| entry.value()))
 }
 
 /// Bounds of the slope along an axis.
-pub(super) fn slope_bounds<R: Real>(c: &[R], axis: usize) -> [f64; 2] {
+pub(super) fn slope_bounds<R: Number>(c: &[R], axis: usize) -> [f64; 2] {
     let step = STEPS[axis];
     let differences = |i: usize| {
         let [a, b, d] = [0, 1, 2].map(|k| c[i + k * step].value());
@@ -66,7 +66,7 @@ pub(super) fn slope_bounds<R: Real>(c: &[R], axis: usize) -> [f64; 2] {
 }
 
 /// The largest second difference along an axis and any other.
-pub(super) fn bending<R: Real>(c: &[R], axis: usize) -> f64 {
+pub(super) fn bending<R: Number>(c: &[R], axis: usize) -> f64 {
     let at = |index: usize, axis: usize| index / STEPS[axis] % 3;
     let mut largest = 0.0_f64;
     for (other, b) in STEPS.into_iter().enumerate().take(dimension(c.len())) {
@@ -83,7 +83,7 @@ pub(super) fn bending<R: Real>(c: &[R], axis: usize) -> f64 {
 }
 
 /// The polynomial on both parts of its box that is divided at a place along an axis (de Casteljau).
-pub(super) fn divided<R: Real, const N: usize>(c: &[R; N], axis: usize, at: f64) -> [[R; N]; 2] {
+pub(super) fn divided<R: Number, const N: usize>(c: &[R; N], axis: usize, at: f64) -> [[R; N]; 2] {
     let (mut low, mut high, step) = (*c, *c, STEPS[axis]);
     for i in starts(N, axis) {
         let [a, b, d] = [0, 1, 2].map(|k| c[i + k * step]);
@@ -97,7 +97,7 @@ pub(super) fn divided<R: Real, const N: usize>(c: &[R; N], axis: usize, at: f64)
 }
 
 /// The polynomial on a face across an axis, the one at 0 or at 1.
-pub(super) fn face<R: Real, const M: usize>(c: &[R], axis: usize, end: usize) -> [R; M] {
+pub(super) fn face<R: Number, const M: usize>(c: &[R], axis: usize, end: usize) -> [R; M] {
     let mut face = [R::zero(); M];
     for (entry, start) in face.iter_mut().zip(starts(c.len(), axis)) {
         *entry = c[start + 2 * end * STEPS[axis]];
@@ -106,19 +106,19 @@ pub(super) fn face<R: Real, const M: usize>(c: &[R], axis: usize, end: usize) ->
 }
 
 /// The Bernstein polynomials.
-fn basis<R: Real>(x: R) -> Line<R> {
+fn basis<R: Number>(x: R) -> Line<R> {
     let y = -x + 1.0;
     [y * y, x * y * 2.0, x * x]
 }
 
 /// Their slopes.
-fn basis_slopes<R: Real>(x: R) -> Line<R> {
+fn basis_slopes<R: Number>(x: R) -> Line<R> {
     let y = -x + 1.0;
     [y * -2.0, (y - x) * 2.0, x * 2.0]
 }
 
 /// The polynomial on a line along an axis; `at` are the other coordinates, in order.
-pub(super) fn line<R: Real>(c: &[R], axis: usize, at: &[R; 2]) -> Line<R> {
+pub(super) fn line<R: Number>(c: &[R], axis: usize, at: &[R; 2]) -> Line<R> {
     let bases = [basis(at[0]), if c.len() == 27 { basis(at[1]) } else { [R::one(); 3] }];
     let (mut line, step) = ([R::zero(); 3], STEPS[axis]);
     for (k, start) in starts(c.len(), axis).enumerate() {
@@ -131,7 +131,7 @@ pub(super) fn line<R: Real>(c: &[R], axis: usize, at: &[R; 2]) -> Line<R> {
 }
 
 /// The gradient at a point; of coordinates that are not there it is 0.
-pub(super) fn gradient<R: Real>(c: &[R], place: &[R; 3]) -> [R; 3] {
+pub(super) fn gradient<R: Number>(c: &[R], place: &[R; 3]) -> [R; 3] {
     let dimension = dimension(c.len());
     let (values, slopes) = (place.map(basis), place.map(basis_slopes));
     std::array::from_fn(|axis| {
@@ -153,7 +153,7 @@ pub(super) struct Zeros<R> {
     count: usize,
 }
 
-impl<R: Real> Zeros<R> {
+impl<R: Number> Zeros<R> {
     /// The zeros of four polynomials at most.
     pub fn of(polynomials: &[Line<R>]) -> Self {
         let mut zeros = Zeros { list: [R::zero(); 8], count: 0 };
@@ -167,7 +167,7 @@ impl<R: Real> Zeros<R> {
 
     fn push(&mut self, zero: R) {
         let mut place = self.count;
-        while place > 0 && self.list[place - 1] > zero {
+        while place > 0 && self.list[place - 1].value() > zero.value() {
             self.list[place] = self.list[place - 1];
             place -= 1;
         }
@@ -177,11 +177,11 @@ impl<R: Real> Zeros<R> {
 
     /// The zeros of (1 − t)² a + 2 t (1 − t) b + t² c without cancellation. A value of 0 counts as positive.
     fn add(&mut self, &[first, middle, last]: &Line<R>) {
-        let is_negative = first < 0.0;
+        let is_negative = first.value() < 0.0;
         let [a, b, c] = if is_negative { [-first, -middle, -last] } else { [first, middle, last] };
-        if is_negative == (last < 0.0) {
+        if is_negative == (last.value() < 0.0) {
             let square = b * b - a * c;
-            if b < 0.0 && square > 0.0 {
+            if b.value() < 0.0 && square.value() > 0.0 {
                 let m = square.sqrt() - b;
                 self.push(a / (a + m));
                 self.push(m / (m + c));
@@ -191,18 +191,17 @@ impl<R: Real> Zeros<R> {
         // One change of signs; now c ≤ 0 ≤ a.
         let square = b * b - a * c;
         if square.value() <= 0.0 {
-            return self.push(if a > 0.0 { R::one() } else { R::zero() });
+            return self.push(if a.value() > 0.0 { R::one() } else { R::zero() });
         }
         let root = square.sqrt();
-        self.push(if b > 0.0 { (root + b) / (root + b - c) } else { a / (a - b + root) });
+        self.push(if b.value() > 0.0 { (root + b) / (root + b - c) } else { a / (a - b + root) });
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use forms_core::contract::Dual;
-
     use super::*;
+    use crate::cut::number::Varied;
 
     #[test]
     fn zeros_are_those_of_quadratics() {
@@ -265,20 +264,17 @@ mod tests {
     #[test]
     fn zeros_have_derivatives() {
         for c in [[-0.4, 0.9, 0.2], [0.3, -0.7, 0.6], [0.5, -0.1, -0.3]] {
+            let seeded = std::array::from_fn(|k| Varied::of_node(c[k], k));
             for by in 0..3 {
-                let seeded = std::array::from_fn(|k| Dual {
-                    value: c[k],
-                    derivative: if k == by { 1.0 } else { 0.0 },
-                });
                 let at = |step: f64| {
                     let mut moved = c;
                     moved[by] += step;
                     Zeros::of(&[moved])
                 };
                 let (next, last) = (at(1e-6), at(-1e-6));
-                for (k, zero) in Zeros::<Dual<f64>>::of(&[seeded]).list().iter().enumerate() {
+                for (k, zero) in Zeros::<Varied>::of(&[seeded]).list().iter().enumerate() {
                     let difference = (next.list()[k] - last.list()[k]) / 2e-6;
-                    assert!((zero.derivative - difference).abs() < 1e-8);
+                    assert!((zero.slopes[by] - difference).abs() < 1e-8);
                 }
             }
         }

@@ -3,7 +3,8 @@
 
 use super::bernstein::{Line, Zeros, bounds, from_nodes, from_vertices};
 use super::{Walk, Wanted, points};
-use crate::cut::pieces::{Motion, Moved, points_on_pieces};
+use crate::cut::number::Number;
+use crate::cut::pieces::points_on_pieces;
 use crate::cut::{Cut, CutSide};
 use crate::element::CellShape;
 use crate::mesh::Facet;
@@ -12,16 +13,34 @@ use crate::quadrature::{Piece, Quadrature, QuadratureError, QuadratureRule, face
 /// One point, enough to tell what there is.
 const MIDDLE: [(f64, f64); 1] = [(0.5, 1.0)];
 
-/// A rule on each line along an axis: exact for polynomials of a degree, with more points than the level set function's degree, so that errors of the rule are
-/// of a higher order than those of the body.
-///
-/// # Errors
-/// A degree that is too high.
-pub(crate) fn line_rule(
-    degree: usize,
-    degree_of_function: usize,
-) -> Result<Vec<(f64, f64)>, QuadratureError> {
-    let rule = facet_reference_rule(CellShape::Quadrilateral, degree.max(2 * degree_of_function))?;
+/// Rules on lines along the axes of a square or cube that is cut along heights.
+#[derive(Clone)]
+pub(crate) struct LineRules([Vec<(f64, f64)>; 3]);
+
+impl LineRules {
+    /// Rules for polynomials of a degree in each direction, exact where zeros are flat: a line along the height has the polynomial's degree, and integrals along
+    /// one axis add to the degree along the next one. On lines across heights there are more points than the level set function's degree, so that errors of
+    /// the rule are of a higher order than those of the body.
+    ///
+    /// # Errors
+    /// A degree that is too high.
+    pub fn new(degree: usize, dimension: usize, degree_of_function: usize) -> Result<Self, QuadratureError> {
+        let mut rules = LineRules([vec![], vec![], vec![]]);
+        for (axis, list) in rules.0.iter_mut().enumerate().take(dimension) {
+            let least = if axis == 0 { 0 } else { 2 * degree_of_function };
+            *list = line_rule(((axis + 1) * degree).max(least))?;
+        }
+        Ok(rules)
+    }
+
+    fn walk(&self) -> Walk<'_> {
+        Walk::new(self.0.each_ref().map(|rule| &rule[..]))
+    }
+}
+
+/// Gauss's rule on the unit segment that is exact for polynomials of a degree.
+pub(super) fn line_rule(degree: usize) -> Result<Vec<(f64, f64)>, QuadratureError> {
+    let rule = facet_reference_rule(CellShape::Quadrilateral, degree)?;
     Ok(rule.points.iter().map(|[s, _]| *s).zip(rule.weights).collect())
 }
 
@@ -32,13 +51,18 @@ pub(crate) struct CellPolynomial<R> {
     coefficients: [R; 27],
 }
 
-impl<R: Moved> CellPolynomial<R> {
-    /// The polynomial on a cell; its value at the node of this number moves.
-    pub fn new<const D: usize>(cut: &Cut<D>, cell: u32, moving: Option<usize>) -> Self {
+impl<R: Number> CellPolynomial<R> {
+    /// The polynomial on a cell.
+    pub fn new<const D: usize>(cut: &Cut<D>, cell: u32) -> Self {
+        Self::varied_from(cut, cell, 0)
+    }
+
+    /// The polynomial on a cell, for derivatives by its values from the node of this number on.
+    pub fn varied_from<const D: usize>(cut: &Cut<D>, cell: u32, first: usize) -> Self {
         let mut coefficients = [R::zero(); 27];
         for (k, (node, place)) in cut.level_nodes(cell).iter().zip(&cut.lattice).enumerate() {
-            let moves = if moving == Some(k) { Motion::Moves } else { Motion::Held };
-            coefficients[usize::from(*place)] = R::of(cut.values[*node as usize], moves);
+            let number = k.checked_sub(first).unwrap_or(usize::MAX);
+            coefficients[usize::from(*place)] = R::of_node(cut.values[*node as usize], number);
         }
         let own = &mut coefficients[..3_usize.pow(D as u32)];
         if cut.degree == 2 {
@@ -59,16 +83,16 @@ impl<R: Moved> CellPolynomial<R> {
     }
 
     /// The points of a rule inside, in reference coordinates with their weights there.
-    pub fn points_inside<const D: usize>(&self, rule: &[(f64, f64)], points: &mut Vec<R>) {
-        self.visit(Wanted::Inside, &Walk::new(rule), &mut |place, weight, _| {
+    pub fn points_inside<const D: usize>(&self, rules: &LineRules, points: &mut Vec<R>) {
+        self.visit(Wanted::Inside, &rules.walk(), &mut |place, weight, _| {
             points.extend_from_slice(&place[..D]);
             points.push(weight);
         });
     }
 
     /// The points of a rule on the interface, in reference coordinates, with their weights and the unit normal there.
-    pub fn points_of_interface<const D: usize>(&self, rule: &[(f64, f64)], points: &mut Vec<R>) {
-        self.visit(Wanted::Interface, &Walk::new(rule), &mut |place, weight, normal| {
+    pub fn points_of_interface<const D: usize>(&self, rules: &LineRules, points: &mut Vec<R>) {
+        self.visit(Wanted::Interface, &rules.walk(), &mut |place, weight, normal| {
             points.extend_from_slice(&place[..D]);
             points.push(weight);
             points.extend_from_slice(&normal[..D]);
@@ -101,7 +125,7 @@ impl<R: Moved> CellPolynomial<R> {
         let (zeros, mut pieces, mut start) = (Zeros::of(&[[first, middle, last]]), vec![], R::zero());
         for number in 0..=zeros.list().len() {
             let end = zeros.list().get(number).copied().unwrap_or(R::one());
-            if (first < 0.0) == (number % 2 == 0) && end > start {
+            if (first.value() < 0.0) == (number % 2 == 0) && end.value() > start.value() {
                 pieces.push([[start, R::zero()], [end, R::zero()], [R::zero(); 2]]);
             }
             start = end;
@@ -110,11 +134,11 @@ impl<R: Moved> CellPolynomial<R> {
     }
 
     /// The points of a rule on the part of a face inside, in reference coordinates of the cell with their weights on the face's own.
-    pub fn points_on_face<const D: usize>(&self, local: u8, rule: &[(f64, f64)], list: &mut Vec<R>) {
+    pub fn points_on_face<const D: usize>(&self, local: u8, rules: &LineRules, list: &mut Vec<R>) {
         let numbers = self.shape.facet_vertices(usize::from(local));
         let ends = [numbers[0], numbers[1], numbers[numbers.len() - 1]];
         let [origin, first, last] = ends.map(|vertex| self.shape.vertex_points()[vertex]);
-        points(&self.on_facet(local), Wanted::Inside, &Walk::new(rule), &mut |[s, t, _], weight, _| {
+        points(&self.on_facet(local), Wanted::Inside, &rules.walk(), &mut |[s, t, _], weight, _| {
             let edges = |k: usize| s * (first[k] - origin[k]) + t * (last[k] - origin[k]);
             list.extend((0..D).map(|k| edges(k) + origin[k]));
             list.push(weight);
@@ -141,7 +165,7 @@ fn side_of<const N: usize>(coefficients: &[f64; N], vertices: impl Iterator<Item
         inner |= value < 0.0;
         outer |= value >= 0.0;
     }
-    let walk = Walk::new(&MIDDLE);
+    let walk = Walk::new([&MIDDLE; 3]);
     inner = inner || {
         let mut found = false;
         points(coefficients, Wanted::Inside, &walk, &mut |_, _, _| found = true);
@@ -193,14 +217,14 @@ impl CellPolynomial<f64> {
 
     /// Numbers that tell how the cell and a facet are cut.
     pub fn structure(&self) -> u32 {
-        let walk = Walk::new(&MIDDLE);
+        let walk = Walk::new([&MIDDLE; 3]);
         self.visit(Wanted::Inside, &walk, &mut |_, _, _| {});
         walk.structure()
     }
 
     /// A number that tells how a face is cut.
     pub fn structure_of_face(&self, local: u8) -> u32 {
-        let walk = Walk::new(&MIDDLE);
+        let walk = Walk::new([&MIDDLE; 3]);
         points(&self.on_facet(local), Wanted::Inside, &walk, &mut |_, _, _| {});
         walk.structure()
     }
@@ -230,9 +254,9 @@ impl FacetPart {
             FacetPart::Pieces(pieces) => quadrature.rule_on_pieces(shape, estimated, pieces),
             FacetPart::Square { coefficients, degree } => {
                 let own = quadrature.degree(estimated).ok_or(QuadratureError::Pieces)?;
-                let lines = line_rule(2 * own, *degree)?;
+                let rules = LineRules::new(own, 2, *degree)?;
                 let mut rule = QuadratureRule { points: vec![], weights: vec![] };
-                points(coefficients, Wanted::Inside, &Walk::new(&lines), &mut |[s, t, _], weight, _| {
+                points(coefficients, Wanted::Inside, &rules.walk(), &mut |[s, t, _], weight, _| {
                     rule.points.push([s, t]);
                     rule.weights.push(weight);
                 });
@@ -248,11 +272,11 @@ impl<const D: usize> Cut<D> {
         match self.side_of_facet(facet) {
             CutSide::Inside => None,
             CutSide::Cut if D == 3 && self.cuts_by_heights(facet.cell) => {
-                let coefficients = CellPolynomial::<f64>::new(self, facet.cell, None).on_facet(facet.local);
+                let coefficients = CellPolynomial::<f64>::new(self, facet.cell).on_facet(facet.local);
                 Some(FacetPart::Square { coefficients, degree: self.degree })
             }
             CutSide::Cut if self.cuts_by_heights(facet.cell) => {
-                let own = CellPolynomial::<f64>::new(self, facet.cell, None);
+                let own = CellPolynomial::<f64>::new(self, facet.cell);
                 Some(FacetPart::Pieces(own.pieces_of_edge(facet.local)))
             }
             _ => self.pieces_of_facet(facet).map(FacetPart::Pieces),
@@ -261,7 +285,7 @@ impl<const D: usize> Cut<D> {
 
     /// Numbers of the cells cut along heights, and of the faces on their boundary: where one changes, other lines are cut.
     pub(in crate::cut) fn structures(&self) -> Vec<u32> {
-        let polynomial = |cell: u32| CellPolynomial::<f64>::new(self, cell, None);
+        let polynomial = |cell: u32| CellPolynomial::<f64>::new(self, cell);
         let mut numbers: Vec<u32> = self
             .cut_cells()
             .iter()

@@ -19,11 +19,10 @@ mod tests;
 
 use std::cell::Cell;
 
-use forms_core::contract::Real;
-
 use self::bernstein::{Line, Zeros, bending, bounds, dimension, divided, face, gradient, line, slope_bounds};
-pub(crate) use self::cell::{CellPolynomial, FacetPart, line_rule};
+pub(crate) use self::cell::{CellPolynomial, FacetPart, LineRules};
 pub(super) use self::simplices::kuhn;
+use crate::cut::number::Number;
 
 /// The square of a gradient over that of its component along the height, at most: Gauss points follow no steeper graphs.
 const STEEPEST: f64 = 20.0;
@@ -49,15 +48,19 @@ pub(super) enum Wanted {
     Interface,
 }
 
-/// A rule on the unit segment, and a number that tells which boxes and axes were chosen.
+/// Places on the unit segment with their weights.
+type LineRule = [(f64, f64)];
+
+/// Rules on the unit segment, and a number that tells which boxes and axes were chosen.
 pub(super) struct Walk<'a> {
-    rule: &'a [(f64, f64)],
+    /// Those on lines along heights, on lines across, on which these begin, and in space on a line on which those do.
+    rules: [&'a LineRule; 3],
     structure: Cell<u32>,
 }
 
 impl<'a> Walk<'a> {
-    pub fn new(rule: &'a [(f64, f64)]) -> Self {
-        Walk { rule, structure: Cell::new(0x811c_9dc5) }
+    pub fn new(rules: [&'a LineRule; 3]) -> Self {
+        Walk { rules, structure: Cell::new(0x811c_9dc5) }
     }
 
     /// Two functions with the same number are cut in the same way.
@@ -71,16 +74,16 @@ impl<'a> Walk<'a> {
     }
 
     /// Gauss points between the ends of the unit segment and the zeros of some functions on it.
-    fn between<R: Real>(&self, functions: &[Line<R>], visit: &mut dyn FnMut(R, R)) {
+    fn between<R: Number>(&self, rule: usize, functions: &[Line<R>], visit: &mut dyn FnMut(R, R)) {
         let zeros = Zeros::of(functions);
         self.note(zeros.list().len());
-        self.on_intervals(zeros.list(), &mut |_| true, visit);
+        self.on_intervals((rule, zeros.list()), &mut |_| true, visit);
     }
 
     /// Gauss points on the intervals between some zeros, those of a number that is wanted.
-    fn on_intervals<R: Real>(
+    fn on_intervals<R: Number>(
         &self,
-        zeros: &[R],
+        (rule, zeros): (usize, &[R]),
         is_wanted: &mut dyn FnMut(usize) -> bool,
         visit: &mut dyn FnMut(R, R),
     ) {
@@ -88,8 +91,8 @@ impl<'a> Walk<'a> {
         for number in 0..=zeros.len() {
             let end = zeros.get(number).copied().unwrap_or(R::one());
             let length = end - start;
-            if is_wanted(number) && length > 0.0 {
-                self.rule.iter().for_each(|(x, w)| visit(start + length * *x, length * *w));
+            if is_wanted(number) && length.value() > 0.0 {
+                self.rules[rule].iter().for_each(|(x, w)| visit(start + length * *x, length * *w));
             }
             start = end;
         }
@@ -119,7 +122,7 @@ enum Step {
     Along(usize),
 }
 
-impl<R: Real, const N: usize> Part<R, N> {
+impl<R: Number, const N: usize> Part<R, N> {
     fn new(functions: [[R; N]; 2], count: usize) -> Self {
         Part { functions, count, origin: [0.0; 3], size: [1.0; 3] }
     }
@@ -226,7 +229,7 @@ impl<R: Real, const N: usize> Part<R, N> {
 }
 
 /// The points of a rule on the unit square, parted at the zeros of two functions that do not meet.
-fn on_square<R: Real>(functions: [[R; 9]; 2], walk: &Walk, visit: &mut dyn FnMut([R; 2], R)) {
+fn on_square<R: Number>(functions: [[R; 9]; 2], walk: &Walk, visit: &mut dyn FnMut([R; 2], R)) {
     Part::new(functions, 2).divide(walk, &mut |part, step| {
         let axis = if let Step::Along(axis) = step { axis } else { 0 };
         let own = &part.functions[..part.count];
@@ -235,11 +238,11 @@ fn on_square<R: Real>(functions: [[R; 9]; 2], walk: &Walk, visit: &mut dyn FnMut
             (ends[2 * k], ends[2 * k + 1]) = (face(function, axis, 0), face(function, axis, 1));
         }
         let area = part.size[0] * part.size[1];
-        walk.between(&ends[..2 * own.len()], &mut |s, outer| {
+        walk.between(2, &ends[..2 * own.len()], &mut |s, outer| {
             for (height, function) in heights.iter_mut().zip(own) {
                 *height = line(function, axis, &[s, s]);
             }
-            walk.between(&heights[..own.len()], &mut |t, inner| {
+            walk.between(1, &heights[..own.len()], &mut |t, inner| {
                 let at = if axis == 0 { [t, s] } else { [s, t] };
                 let [x, y, _] = part.place(&[at[0], at[1], R::zero()]);
                 visit([x, y], outer * inner * area);
@@ -250,8 +253,8 @@ fn on_square<R: Real>(functions: [[R; 9]; 2], walk: &Walk, visit: &mut dyn FnMut
 
 /// The points of a rule on what is wanted of the unit square or cube: places, weights and on the interface unit normals towards positive values.
 ///
-/// A zero counts as positive. With n points per axis errors are of order 2n in the size of the box, and weights are positive.
-pub(super) fn points<R: Real, const N: usize>(
+/// A zero counts as positive. With n points on lines across heights errors are of order 2n in the size of the box, and weights are positive.
+pub(super) fn points<R: Number, const N: usize>(
     polynomial: &[R; N],
     wanted: Wanted,
     walk: &Walk,
@@ -280,10 +283,10 @@ pub(super) fn points<R: Real, const N: usize>(
                 for zero in zeros.list() {
                     let place = place(*zero);
                     let local = gradient(function, &place);
-                    let slope: [R; 3] = std::array::from_fn(|k| local[k] / part.size[k]);
+                    let slope: [R; 3] = std::array::from_fn(|k| local[k] * part.size[k].recip());
                     let size = slope.iter().map(|entry| *entry * *entry).sum::<R>().sqrt();
                     let along = slope[axis].abs();
-                    if along > 0.0 {
+                    if along.value() > 0.0 {
                         let area = weight * part.across(axis) * (size / along);
                         visit(part.place(&place), area, slope.map(|entry| entry / size));
                     }
@@ -291,9 +294,9 @@ pub(super) fn points<R: Real, const N: usize>(
                 return;
             }
             // Signs alternate from the line's start.
-            let first = usize::from((values[0] < 0.0) != (wanted == Wanted::Inside));
+            let first = usize::from((values[0].value() < 0.0) != (wanted == Wanted::Inside));
             let volume = part.across(axis) * part.size[axis];
-            walk.on_intervals(zeros.list(), &mut |number| number % 2 == first, &mut |t, own| {
+            walk.on_intervals((0, zeros.list()), &mut |number| number % 2 == first, &mut |t, own| {
                 visit(part.place(&place(t)), weight * own * volume, [R::zero(); 3]);
             });
         };
@@ -303,7 +306,7 @@ pub(super) fn points<R: Real, const N: usize>(
 }
 
 /// The points of a rule on the face across an axis, parted where zeros leave the box at its ends.
-fn base<R: Real, const N: usize>(
+fn base<R: Number, const N: usize>(
     function: &[R; N],
     axis: usize,
     walk: &Walk,
@@ -311,7 +314,7 @@ fn base<R: Real, const N: usize>(
 ) {
     if N == 9 {
         let ends = [0, 1].map(|end| face(function, axis, end));
-        walk.between(&ends, &mut |s, weight| visit([s, R::zero()], weight));
+        walk.between(1, &ends, &mut |s, weight| visit([s, R::zero()], weight));
     } else {
         let ends = [0, 1].map(|end| face(function, axis, end));
         on_square(ends, walk, &mut visit);

@@ -28,7 +28,7 @@ impl<const D: usize> Cut<D> {
     /// The simplices of a cell with their pieces: those that are integrated over, or of a cell cut along heights a picture of these.
     pub(in crate::cut) fn simplices_of(&self, cell: u32) -> Vec<SimplexPieces<f64, D>> {
         if !self.cuts_by_heights(cell) {
-            return VertexValues::<f64>::new(self, cell, None).simplices().collect();
+            return VertexValues::<f64>::new(self, cell).simplices().collect();
         }
         let mut lattice = [0.0; 27];
         for (node, place) in self.level_nodes(cell).iter().zip(&self.lattice) {

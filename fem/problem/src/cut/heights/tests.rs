@@ -12,7 +12,7 @@ fn of<const N: usize>(f: impl Fn(&[f64; 3]) -> f64) -> [f64; N] {
 }
 
 fn lines(count: usize) -> Vec<(f64, f64)> {
-    line_rule(2 * count - 1, 0).unwrap()
+    line_rule(2 * count - 1).unwrap()
 }
 
 /// The integral of a function of place and normal over what is wanted; weights are positive and points inside.
@@ -24,7 +24,7 @@ fn sum<const N: usize>(
 ) -> f64 {
     // Compensated, as near tangents there are many points.
     let (rule, mut sum, mut lost) = (lines(count), 0.0, 0.0);
-    points(c, wanted, &Walk::new(&rule), &mut |place, weight, normal| {
+    points(c, wanted, &Walk::new([&rule; 3]), &mut |place, weight, normal| {
         assert!(weight > 0.0 && weight.is_finite(), "{weight}");
         assert!(place.iter().all(|x| (0.0..=1.0).contains(x)), "{place:?}");
         let term = weight * f(&place, &normal) - lost;
