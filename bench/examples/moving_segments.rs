@@ -121,14 +121,18 @@ fn run(out: &mut StandardOutput) -> Result<(), Box<dyn Error>> {
             elastic::balance(&data, &elastic::Touch::on(pairing))
         })?;
     }
-    let cells = (count / 25).max(4);
-    let (shape, fewer) = (CellShape::Tetrahedron, cells * 6 / 10);
-    let slab = cuboid([0.0; 3], [2.0, 2.0, 0.01], [cells, cells, 1], shape, 1)?;
-    let block = cuboid([0.3, 0.3, 0.0101], [1.7, 1.7, 0.02], [fewer, fewer, 1], shape, 1)?;
-    lines(out, [&slab, &block], (1, Quadrature::Degree(2)), |pairing, none| {
-        let data = elastic::data().lambda(115.4).mu(76.9).gamma0(4e3).kappa(0.3).old(none);
-        elastic::balance(&data, &elastic::Touch::on(pairing))
-    })
+    let shape = CellShape::Tetrahedron;
+    for degree in [1, 2] {
+        let cells = (count / (25 * degree)).max(4);
+        let fewer = cells * 6 / 10;
+        let slab = cuboid([0.0; 3], [2.0, 2.0, 0.01], [cells, cells, 1], shape, 1)?;
+        let block = cuboid([0.3, 0.3, 0.0101], [1.7, 1.7, 0.02], [fewer, fewer, 1], shape, 1)?;
+        lines(out, [&slab, &block], (degree, Quadrature::Degree(2 * degree)), |pairing, none| {
+            let data = elastic::data().lambda(115.4).mu(76.9).gamma0(4e3).kappa(0.3).old(none);
+            elastic::balance(&data, &elastic::Touch::on(pairing))
+        })?;
+    }
+    Ok(())
 }
 
 fn main() -> ExitCode {

@@ -25,7 +25,7 @@ pub enum Projection {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PairQuadrature {
     /// A rule on each piece of the facet that faces one opposite facet: exact where both surfaces are flat. What pairs of fixed points
-    /// have unless a pairing says otherwise. Of displaced surfaces these are moving segments (in space of degree one): they are cut
+    /// have unless a pairing says otherwise. Of displaced surfaces these are moving segments: they are cut
     /// again at each iterate, at the nodes of opposite facets.
     Pieces,
     /// The rule of the whole facet, whatever lies opposite to it. On meshes that do not match the integrand has kinks inside the facet: a

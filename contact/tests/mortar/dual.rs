@@ -185,12 +185,16 @@ fn tangents_with_friction_in_the_plane() {
 /// Facets of a slab of tetrahedra and hexahedra that a block covers in part.
 #[test]
 fn tangents_with_friction_in_space() {
-    for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
+    for (shape, degree, elements) in [
+        (CellShape::Tetrahedron, 1, Elements::Dual),
+        (CellShape::Hexahedron, 1, Elements::Dual),
+        (CellShape::Tetrahedron, 2, Elements::DualOfBernstein),
+    ] {
         let slab = cuboid([0.0, 0.0, -0.4], [1.5, 1.2, 0.0], [3, 2, 1], shape, 1).unwrap();
         let block = cuboid([0.2, 0.1, 0.0], [1.1, 0.9, 0.4], [3, 3, 1], shape, 1).unwrap();
         let mesh = Mesh::of_bodies(&[("slab", &slab), ("block", &block)]).unwrap();
-        let space = Space::vector(&mesh, 1).unwrap();
-        let traces = dual(&mesh, "slab top", &[3]);
+        let space = Space::vector(&mesh, degree).unwrap();
+        let traces = Space::of(&mesh, elements, Scope::Facets("slab top".into()), &[3]).unwrap();
         let bent = |phase: f64| {
             let value = |x: &[f64; 3]| -> [f64; 3] {
                 let up = 0.02 * (x[0] * x[1] + phase).sin();
@@ -214,8 +218,8 @@ fn tangents_with_friction_in_space() {
         let form = rough::Model { data, regions }.direct();
         let at = [&bent(0.3), &across(0.0), &across(1.7)];
         let [force, _] = resultants(&form, at);
-        assert!(force < 1e-13, "{shape:?}: {force:e}");
-        check_tangent(&form, at, [&bent(1.1), &across(0.7), &across(2.9)], &format!("{shape:?}"));
+        assert!(force < 1e-13, "{shape:?} {degree}: {force:e}");
+        check_tangent(&form, at, [&bent(1.1), &across(0.7), &across(2.9)], &format!("{shape:?} {degree}"));
     }
 }
 

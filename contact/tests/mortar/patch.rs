@@ -219,11 +219,6 @@ fn bent_plates(mesh: &Mesh<2>, degree: usize, of_multipliers: usize) -> (Form<2>
     (form, [state([0.3, 0.0, 1.7]), state([1.1, 0.7, 2.9])])
 }
 
-/// The pairing in space with moving segments, which facets of degree 2 do not have.
-pub fn in_space(pairing: Pairing, degree: usize) -> Pairing {
-    if degree == 1 { pairing.at(PairQuadrature::Pieces) } else { pairing }
-}
-
 /// Surfaces of tetrahedra and hexahedra that do not match: forces vanish to rounding, and tangents have the motion of the polygons.
 #[test]
 fn tangents_are_exact_in_space() {
@@ -238,7 +233,7 @@ fn tangents_are_exact_in_space() {
         let (space, own) = (Space::vector(&mesh, degree).unwrap(), "block bottom");
         let traces = multipliers(&mesh, own, degree, &[]);
         let regions = law::Regions::default()
-            .touch(in_space(Pairing::onto(own, "slab top"), degree))
+            .touch(Pairing::onto(own, "slab top").at(PairQuadrature::Pieces))
             .own(own)
             .gamma_n("block top");
         let form = law::Model { data: law::data().lambda(1.0).mu(1.0).gamma0(30.0), regions }.direct();

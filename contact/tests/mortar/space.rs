@@ -3,10 +3,11 @@
 use forms_contact::laws::mortar_bodies::mortar_bodies_with_friction as law;
 use forms_contact::laws::mortar_bodies::{data, frictional_mortar_problem};
 use forms_contact::multiplier_nodes::MultiplierError;
+use forms_fem::contract::PairQuadrature;
 use forms_fem::prelude::*;
 
 use crate::exact::{check_tangent, multipliers, resultants};
-use crate::patch::{LAMBDA, MU, in_space};
+use crate::patch::{LAMBDA, MU};
 
 /// Cells, and the degree of displacements and multipliers.
 const CASES: [(CellShape, usize); 4] = [
@@ -20,8 +21,12 @@ const OWN: &str = "block bottom";
 /// The axis of the multipliers, which is not the normal of the block's bottom.
 const AXIS: [f64; 3] = [0.6, 0.0, -0.8];
 
-fn model(base: law::Data<3>, loaded: &str, degree: usize) -> law::Model<3> {
-    let touch = in_space(Pairing::onto(OWN, "slab top"), degree);
+fn model(base: law::Data<3>, loaded: &str) -> law::Model<3> {
+    model_at(PairQuadrature::Pieces, base, loaded)
+}
+
+fn model_at(places: PairQuadrature, base: law::Data<3>, loaded: &str) -> law::Model<3> {
+    let touch = Pairing::onto(OWN, "slab top").at(places);
     let regions = law::Regions::default().touch(touch).own(OWN).gamma_n(loaded);
     law::Model { data: base.axis(AXIS), regions }
 }
@@ -54,9 +59,7 @@ fn pressure_and_shear_are_uniform() {
         cuboid([0.0, 0.0, from], [1.0, 1.0, from + 0.5], cells, shape, 1).unwrap()
     };
     for (shape, degree) in CASES {
-        // Points of whole facets reproduce the state where own facets are parts of opposite ones.
-        let cells = if degree == 1 { [[3, 2, 1], [2, 3, 1]] } else { [[1, 2, 1], [2, 4, 1]] };
-        let (slab, block) = (body(-0.5, cells[0], shape), body(0.0, cells[1], shape));
+        let (slab, block) = (body(-0.5, [3, 2, 1], shape), body(0.0, [2, 3, 1], shape));
         let mut mesh = Mesh::of_bodies(&[("slab", &slab), ("block", &block)]).unwrap();
         let is_side = |x: &[f64; 3]| (0..2).any(|k| x[k] < 1e-9 || x[k] > 1.0 - 1e-9);
         mesh.name_facets("sides", "boundary", is_side).unwrap();
@@ -73,8 +76,7 @@ fn pressure_and_shear_are_uniform() {
         held.fix("block top", exact).unwrap();
         let before = Field::interpolate(&space, exact).unwrap();
         let base = data().lambda(LAMBDA).mu(MU).gamma0(1000.0).friction(1.0);
-        let model =
-            model(base.displacement_before(Given::field(&before)).traction(traction), "sides", degree);
+        let model = model(base.displacement_before(Given::field(&before)).traction(traction), "sides");
         let start = Field::interpolate(&traces, |_| AXIS.map(|a| 0.8 * pressure * a)).unwrap();
         let (none, touching) = (Field::zero(&space), Field::zero(&traces));
         let solved = frictional_mortar_problem(&model, [&space, &traces], &held)
@@ -175,6 +177,11 @@ fn friction_is_that_of_coulomb_at_each_node() {
         let mut m = Field::interpolate(&traces, |_| AXIS.map(|a| 5.0 * a)).unwrap();
         let mut d = Field::zero(&traces);
         let (mut force, mut steps) = ([0.0; 3], 0);
+        // An iterate bends hexahedra of degree two so much that they are folded as the slab sees them.
+        let places = match (shape, degree) {
+            (CellShape::Hexahedron, 2) => PairQuadrature::WholeFacets,
+            _ => PairQuadrature::Pieces,
+        };
         for step in 0..=3 {
             let part = f64::from(step) / 3.0;
             let mut held = Constraints::new(&space);
@@ -184,7 +191,7 @@ fn friction_is_that_of_coulomb_at_each_node() {
             let base = base.displacement_before(Given::field(&u));
             let along = |k: usize| Given::constant(std::array::from_fn(|axis| f64::from(axis == k)));
             let solved = frictional_mortar_problem(
-                &model(base.clone(), "block right", degree),
+                &model_at(places, base.clone(), "block right"),
                 [&space, &traces],
                 &held,
             )
@@ -197,7 +204,7 @@ fn friction_is_that_of_coulomb_at_each_node() {
             [u, m, d] = solved.fields;
             let assembler = Assembler::new(&mesh);
             force = std::array::from_fn(|k| {
-                let model = model(base.clone().force_direction(along(k)), "block right", degree);
+                let model = model_at(places, base.clone().force_direction(along(k)), "block right");
                 assembler.functional(&model.contact_force(&u, &m)).unwrap()
             });
         }
@@ -242,7 +249,7 @@ fn forces_balance_and_tangents_are_exact() {
             Field::interpolate(&traces, value).unwrap()
         };
         let base = data().lambda(1.0).mu(1.0).gamma0(30.0).friction(0.4);
-        let form = model(base.displacement_before(Given::field(bent(0.1))), "block right", degree).direct();
+        let form = model(base.displacement_before(Given::field(bent(0.1))), "block right").direct();
         let at = [&bent(0.3), &nodal(0.0), &nodal(1.7)];
         let [force, _] = resultants(&form, at);
         assert!(force < 1e-13, "{shape:?} {degree}: {force:e}");
@@ -255,7 +262,7 @@ fn an_axis_into_the_own_body_is_refused() {
     let mesh = bodies(CellShape::Tetrahedron);
     let space = Space::vector(&mesh, 1).unwrap();
     let traces = Space::vector_on_facets(&mesh, OWN, 1).unwrap();
-    let mut model = model(data().lambda(1.0).mu(1.0).gamma0(30.0), "block right", 1);
+    let mut model = model(data().lambda(1.0).mu(1.0).gamma0(30.0), "block right");
     model.data.axis = [0.1_f64.sin(), 0.0, 0.1_f64.cos()];
     let held = Constraints::new(&space);
     let Err(found) = frictional_mortar_problem(&model, [&space, &traces], &held) else {

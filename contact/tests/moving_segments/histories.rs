@@ -76,9 +76,9 @@ impl<const D: usize> Bodies<D>
 where
     Dim: Dimension<D>,
 {
-    fn new(slab: &Mesh<D>, block: &Mesh<D>, steps: usize) -> Self {
+    fn new(slab: &Mesh<D>, block: &Mesh<D>, degree: usize, steps: usize) -> Self {
         let mesh = Mesh::of_bodies(&[("slab", slab), ("block", block)]).unwrap();
-        let space = Space::vector(&mesh, 1).unwrap();
+        let space = Space::vector(&mesh, degree).unwrap();
         let materials = Space::discontinuous_scalar(&mesh, 0).unwrap();
         Bodies { assembler: Assembler::new(&mesh), space, materials, steps, averaged: 0.0 }
     }
@@ -182,7 +182,7 @@ where
 fn gradients_of_sliding_histories_are_those_of_differences() {
     let slab = rectangle([0.0; 2], [4.0, 0.6], [14, 2], CellShape::Quadrilateral, 1).unwrap();
     let block = rectangle([0.3, 0.62], [1.3, 1.22], [4, 2], CellShape::Quadrilateral, 1).unwrap();
-    let mut bodies = Bodies::<2>::new(&slab, &block, 20);
+    let mut bodies = Bodies::<2>::new(&slab, &block, 1, 20);
     for averaged in [0.0, 1.0] {
         bodies.averaged = averaged;
         check(&format!("2D, {averaged}"), &bodies.slopes(2e-5), 1e-7);
@@ -193,11 +193,15 @@ fn gradients_of_sliding_histories_are_those_of_differences() {
 /// change between sticking and sliding.
 #[test]
 fn gradients_in_space_are_those_of_differences() {
-    for (shape, step) in [(CellShape::Tetrahedron, 1e-3), (CellShape::Hexahedron, 3e-4)] {
+    for (shape, degree, step) in [
+        (CellShape::Tetrahedron, 1, 1e-3),
+        (CellShape::Hexahedron, 1, 3e-4),
+        (CellShape::Tetrahedron, 2, 1e-4),
+    ] {
         let slab = cuboid([0.0; 3], [2.0, 1.2, 0.6], [6, 4, 1], shape, 1).unwrap();
         let block = cuboid([0.23, 0.17, 0.62], [0.93, 0.87, 1.22], [3, 2, 1], shape, 1).unwrap();
-        let bodies = Bodies::<3>::new(&slab, &block, 4);
-        check(&format!("{shape:?}"), &bodies.slopes(step), 1e-8);
+        let bodies = Bodies::<3>::new(&slab, &block, degree, 4);
+        check(&format!("{shape:?} {degree}"), &bodies.slopes(step), 1e-8);
     }
 }
 

@@ -1,6 +1,7 @@
 //! Sliding pairs on moving segments: patch tests while bodies slide, balance, covered lengths, the same bits on any number of threads.
 
 mod balance;
+mod covers;
 mod errors;
 mod histories;
 mod patch;

@@ -208,16 +208,16 @@ fn shape_derivatives_are_those_of_differences() {
     }
 }
 
-/// Degree one in space, on tetrahedra and hexahedra.
+/// In space, on tetrahedra and hexahedra.
 #[test]
 fn shape_derivatives_in_space_are_those_of_differences() {
-    for shape in [CellShape::Tetrahedron, CellShape::Hexahedron] {
-        let mesh = crate::space::plates([5, 4], shape);
-        let space = Space::vector(&mesh, 1).unwrap();
+    for (shape, degree) in crate::space::CASES {
+        let mesh = crate::space::plates([5, 4], shape, degree);
+        let space = Space::vector(&mesh, degree).unwrap();
         let u = pressed(wave(&space, 0.03, 0.4), "upper", [0.05, 0.03, -0.08]);
         let pairing = Pairing::between("lower top", "upper bottom").at(PairQuadrature::Pieces);
         for law in [LAWS[1], LAWS[2], LAWS[4], LAWS[5]] {
-            check(&format!("{shape:?}"), &u, law, &pairing);
+            check(&format!("{shape:?} {degree}"), &u, law, &pairing);
         }
     }
 }

@@ -9,7 +9,7 @@
 use std::sync::{Arc, OnceLock};
 
 use super::rays::Rays;
-use super::surface::{SurfaceFacet, dot, minus, splat};
+use super::surface::{SurfaceFacet, SurfacePoint, dot, minus, splat};
 use crate::lanes::{SimdLane, WIDEST};
 use crate::locate::BoxGrid;
 
@@ -21,6 +21,22 @@ const USABLE: f64 = 1.0 - 1e-6;
 
 fn length<const D: usize>(a: &[f64; D]) -> f64 {
     dot(a, a).sqrt()
+}
+
+/// Vectors whose convex combinations are the tangents along one coordinate at all points of a facet of degree two in space: the coefficients of
+/// Bernstein's polynomials, of degree one on triangles and of degree one and two on quadrilaterals.
+fn tangents_of<const D: usize>(own: &SurfaceFacet<D>, axis: usize) -> Vec<[f64; D]> {
+    let tangent = |s: [f64; 2]| own.at(&s).tangents[axis];
+    if own.parameters().len() == 3 {
+        return own.parameters().iter().map(|s| tangent(*s)).collect();
+    }
+    let mut all = Vec::with_capacity(6);
+    for end in [0.0, 1.0] {
+        let at = |across: f64| tangent(if axis == 0 { [end, across] } else { [across, end] });
+        let [first, middle, last] = [0.0, 0.5, 1.0].map(at);
+        all.extend([first, std::array::from_fn(|k| 2.0 * middle[k] - 0.5 * (first[k] + last[k])), last]);
+    }
+    all
 }
 
 /// All rays from the points of an own facet, to both sides.
@@ -43,12 +59,23 @@ impl<const D: usize> RayBundle<D> {
         RayBundle { centre: own.centre, radius: 0.0, direction, spread: 0.0, reach }
     }
 
-    /// The rays from all points of a facet in the plane whose position is a polynomial of degree two at most, or of one of degree one: its
-    /// normals are between those of its corners.
+    /// The rays from all points of a facet whose position is a polynomial of degree two at most. In the plane, and of degree one, its normals are
+    /// between those of its corners. Of others the tangents are convex combinations of some vectors, and the normals of their products: within a
+    /// hemisphere what holds these holds their combinations.
     pub fn of_facet(own: &SurfaceFacet<D>, reach: f64) -> Self {
         let mut beam = RayBundle { radius: own.radius, ..RayBundle::along_normal_of(own, reach) };
-        for end in own.parameters().iter().map(|s| own.at(s)) {
-            beam.hold(&Rays { x: end.position, n: end.normal() }, 1);
+        if D == 2 || own.degree == 1 {
+            for end in own.parameters().iter().map(|s| own.at(s)) {
+                beam.hold(&Rays { x: end.position, n: end.normal() }, 1);
+            }
+            return beam;
+        }
+        let [along, across] = [0, 1].map(|axis| tangents_of(own, axis));
+        for first in &along {
+            for second in &across {
+                let point = SurfacePoint { position: own.centre, tangents: [*first, *second] };
+                beam.hold(&Rays { x: point.position, n: point.normal() }, 1);
+            }
         }
         beam
     }

@@ -10,45 +10,34 @@ use super::surface::{SurfaceFacet, dot, minus};
 /// Steps for a root, at most: bisection alone would end within them.
 const STEPS: usize = 100;
 
-/// The rule where all facets are straight: two points. Products of linear functions on both sides are exact.
-const DEGREE_OF_STRAIGHT: usize = 3;
-
-/// The rule on parabolas: three points. With two the tangent jumps where segments appear.
-const DEGREE_OF_CURVED: usize = 5;
-
-/// The rules on triangles in space: three points where all facets are triangles, six where quadrilaterals have products of bilinear
-/// functions.
-const DEGREES_IN_SPACE: [usize; 2] = [2, 4];
-
-/// Whether an own surface can be cut; in space also by the opposite one.
+/// Whether surfaces can be cut.
 ///
 /// # Errors
-/// [`PairError::SegmentsInSpace`], [`PairError::SegmentsOfDegree`].
+/// [`PairError::SegmentsOfDegree`].
 pub(super) fn check<const D: usize>(
     surfaces: [&str; 2],
     [own, opposite]: [&[SurfaceFacet<D>]; 2],
 ) -> Result<(), PairError> {
-    let [surface, _] = surfaces;
-    if D == 3 {
-        let straight = [own, opposite].map(|facets| facets.iter().all(|facet| facet.of_degree_one));
-        return match straight.iter().position(|straight| !straight) {
-            Some(place) => Err(PairError::SegmentsInSpace { surface: surfaces[place].to_owned() }),
-            None => Ok(()),
-        };
-    }
-    match own.iter().all(|facet| facet.parabola().is_some()) {
-        true => Ok(()),
-        false => Err(PairError::SegmentsOfDegree { surface: surface.to_owned() }),
+    let known = [own, opposite].map(|facets| facets.iter().all(|facet| facet.degree <= 2));
+    match known.iter().position(|known| !known) {
+        Some(place) => Err(PairError::SegmentsOfDegree { surface: surfaces[place].to_owned() }),
+        None => Ok(()),
     }
 }
 
 /// The degree of the rule on segments where the user leaves it to an estimate. That of the integrand's fields would count kinks that
 /// segments do not have.
+///
+/// Products of the functions of both sides are exact on affine facets, as those of a gap, or of its derivative, with a test function. On triangles they
+/// have twice the degree, 2 or 4, with 3 or 6 points. On quadrilaterals the degree is that in each of two directions, and they have 4 or 8, with 6 or 16
+/// points of a triangle. In the plane two or three points are exact to one degree more.
 pub(super) fn degree_of<const D: usize>(own: &[SurfaceFacet<D>], opposite: &[SurfaceFacet<D>]) -> usize {
-    match (D, own.iter().chain(opposite).all(|facet| facet.affine)) {
-        (2, true) => DEGREE_OF_STRAIGHT,
-        (2, false) => DEGREE_OF_CURVED,
-        (_, affine) => DEGREES_IN_SPACE[usize::from(!affine)],
+    let all = || own.iter().chain(opposite);
+    let degree = all().map(|facet| facet.degree).max().unwrap_or(1);
+    match D {
+        2 => 2 * degree + 1,
+        _ if all().all(|facet| facet.parameters().len() == 3) => 2 * degree,
+        _ => 4 * degree,
     }
 }
 

@@ -117,19 +117,10 @@ pub enum PairError {
         "a history has values for each own and opposite facet once, and this pairing has some of them twice"
     )]
     Twice,
-    /// Moving segments in space of facets that are not of degree one.
+    /// An opposite facet whose corners, as an own facet in space sees them, are not those of a convex polygon, or one of degree two that is folded there.
     #[error(
-        "displaced surfaces in space are cut into pieces where both have facets of degree one, and \"{surface}\" has others: take \
-         displacements and a mesh of degree one, or leave out `.at(PairQuadrature::Pieces)`, so that the points of whole facets slide"
-    )]
-    SegmentsInSpace {
-        /// The surface with other facets.
-        surface: String,
-    },
-    /// An opposite facet whose corners, as an own facet in space sees them, are not those of a convex polygon.
-    #[error(
-        "an opposite facet is no convex polygon as the own facet at {position:?} sees it, and cannot be cut into pieces: refine, or leave \
-         out `.at(PairQuadrature::Pieces)`"
+        "an opposite facet is folded, or no convex polygon, as the own facet at {position:?} sees it, and cannot be cut into pieces: refine, or \
+         leave out `.at(PairQuadrature::Pieces)`"
     )]
     SegmentsFolded {
         /// The middle of the own facet.
@@ -150,7 +141,7 @@ pub enum PairError {
          degree one or two, or leave out `.at(PairQuadrature::Pieces)`"
     )]
     SegmentsOfDegree {
-        /// The surface that is integrated over.
+        /// The surface with such facets.
         surface: String,
     },
     /// Data without a derivative that are read at the points of moving segments.

@@ -16,7 +16,7 @@
 //! search, points, ray_points, found   the opposite points of an own facet's points
 //! pieces, clip   an own facet in parts that face one opposite facet, in the plane and in space
 //! segments, cuts   the same on displaced surfaces, where cuts move with the surfaces, in the plane
-//! polygons   the same in space
+//! polygons, moving_polygon, feet   the same in space
 //! parts      the points of what sees one opposite facet
 //! segment_motion   derivatives of their cuts and points
 //! report    the numbers of a pairing's points
@@ -36,11 +36,13 @@ mod clip;
 mod cuts;
 mod displacement;
 mod error;
+mod feet;
 mod first_touch;
 mod found;
 mod frame;
 mod jumping_data;
 mod known;
+mod moving_polygon;
 mod nearest_on_rays;
 mod newest;
 mod opposite;

@@ -20,10 +20,10 @@ pub(super) struct PartPoint {
     pub shares: Shares,
 }
 
-/// The tolerance by which opposite facets are continued: between the feet of its corners an edge does not follow its rays where the own facet in space is
-/// not affine.
-pub(super) fn continued_by<const D: usize>(own: &SurfaceFacet<D>) -> f64 {
-    if D == 3 && !own.affine { CONTINUED } else { INSIDE }
+/// The tolerance by which opposite facets are continued: between the feet of its nodes an edge does not follow its rays where a facet in space is not
+/// affine.
+pub(super) fn continued_by<const D: usize>(own: &SurfaceFacet<D>, opposite: &SurfaceFacet<D>) -> f64 {
+    if D == 3 && !(own.affine && opposite.affine) { CONTINUED } else { INSIDE }
 }
 
 impl<const D: usize> Search<'_, '_, D> {
@@ -37,7 +37,8 @@ impl<const D: usize> Search<'_, '_, D> {
         feet: impl IntoIterator<Item = Option<Foot<D>>>,
         found: &mut Found<D>,
     ) {
-        let (opposite, continued) = (&self.opposite[facet], continued_by(own));
+        let opposite = &self.opposite[facet];
+        let continued = continued_by(own, opposite);
         let (mut count, start) = (0, found.next_point());
         let first_foot = found.feet.len();
         found.feet.extend(feet);

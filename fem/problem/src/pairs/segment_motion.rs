@@ -20,8 +20,8 @@ use super::PairGroup;
 use super::surface::{SurfaceFacet, dot, minus};
 use crate::mesh::Facet;
 
-/// Corners of an opposite facet, at most.
-pub(super) const FEET: usize = 4;
+/// Nodes of the outline of an opposite facet, at most.
+pub(super) const FEET: usize = 8;
 
 /// The derivatives of a point by the feet: of the coordinate α by the coordinate β of the k-th foot \[k]\[β]\[α], and those of the
 /// weight as parts of it \[k]\[β]\[D − 1].
@@ -126,12 +126,12 @@ pub(super) fn add_slopes<const D: usize>(
     }
 }
 
-/// The foot of a corner of an opposite facet, whose coordinates were found.
+/// The foot of a node of the outline of an opposite facet, whose coordinates were found.
 pub(super) fn foot<const D: usize>(
     (own, s): (&SurfaceFacet<D>, &[f64; 2]),
-    (opposite, corner): (&SurfaceFacet<D>, usize),
+    (opposite, node): (&SurfaceFacet<D>, usize),
 ) -> Foot<D> {
-    let (here, at) = (own.at(s), opposite.parameters()[corner]);
+    let (here, at) = (own.at(s), opposite.outline()[node]);
     let (tangents, normal) = (here.tangents, here.normal());
     let off = minus(&opposite.at(&at).position, &here.position);
     let (inverse, gap) = (foot_matrix(own, s, &off), dot(&normal, &off));

@@ -40,9 +40,9 @@ pub(super) struct SurfaceFacet<'m, const D: usize> {
     triangle: bool,
     /// The position as a polynomial of its own coordinates, where its degree is two at most.
     polynomial: Option<Coefficients<D>>,
-    /// Whether its map is affine, and whether its degree is one.
+    /// Whether its map is affine, and its degree, one at least.
     pub affine: bool,
-    pub of_degree_one: bool,
+    pub degree: usize,
     /// A point in its middle and a radius that holds it.
     pub centre: [f64; D],
     pub radius: f64,
@@ -89,7 +89,7 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
             triangle: rest.triangle,
             polynomial: None,
             affine: false,
-            of_degree_one: false,
+            degree: 1,
             centre: [0.0; D],
             radius: 0.0,
             diameter: rest.diameter,
@@ -110,8 +110,8 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         let (mesh, Facet { cell, local }) = (self.mesh, rest.facet);
         let local = usize::from(local);
         let degree = displacement.map_or(1, Displacement::degree).max(mesh.degree());
-        self.of_degree_one = degree <= 1;
-        self.affine = self.of_degree_one && (D == 2 || self.triangle);
+        self.degree = degree.max(1);
+        self.affine = degree <= 1 && (D == 2 || self.triangle);
         if degree > 2 {
             self.displacement = displacement.map(|of_cells| Box::new(of_cells.on_cell_of(mesh, rest.facet)));
             return self.enclose_corners(degree, local);
@@ -153,7 +153,6 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
         let rest = FacetAtRest { facet, origin, tangents, triangle: D == 3, vertices, diameter, polynomial };
         let mut own = SurfaceFacet {
             affine: true,
-            of_degree_one: true,
             rigid_normal: Some(carried.normals[index]),
             ..SurfaceFacet::at_rest(mesh, &rest)
         };
