@@ -17,7 +17,7 @@ COUNTS = [
     ("#[inline(never)]", r"#\[inline\(never\)\]", False, 274),
     ("instantiate! blocks", r"^\s*instantiate!\(", False, 97),
 ]
-LINES = [("lines of Rust without tests", False, 183_200), ("lines of Rust", True, 256_000)]
+LINES = [("lines of Rust without tests", False, 184_900), ("lines of Rust", True, 258_200)]
 
 
 def sources():

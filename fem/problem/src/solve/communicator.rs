@@ -62,7 +62,7 @@ pub enum CommunicationError {
         /// The thing, in words.
         what: String,
     },
-    /// A relation between unknowns of which a process has some and lacks others.
+    /// A relation between unknowns, some on this process and some on others only.
     #[error(
         "a process has some of the unknowns of a relation (sliding, periodic, rigid) and lacks others; name its regions in \
          `part.with_surfaces(..)` before spaces are made"
