@@ -258,7 +258,12 @@ fn check_criterion<const D: usize>(
         let phi = moved(phi, direction, step);
         let (value, _, active) = problem.solve(&phi);
         let mut switches = active.unwrap_or_default();
-        switches.extend(problem.body(&phi).0.cut().unwrap().sides());
+        let body = problem.body(&phi).0;
+        let cut = body.cut().unwrap();
+        let mut ghost = cut.ghost_facets().to_vec();
+        ghost.sort_unstable();
+        switches.extend(ghost.iter().flatten().flat_map(|facet| [facet.cell, u32::from(facet.local)]));
+        switches.extend(cut.sides());
         Ok(Sample { value: vec![value], active_set: Some(switches) })
     });
     let order = report.unwrap().second_order().unwrap();

@@ -250,13 +250,13 @@ impl<const D: usize> Cut<D> {
         }
     }
 
-    /// A number per cell that says where it is, the ghost facets, and where there are aggregates the cells that they join. Where one changes, a node or the
-    /// middle of a cell has changed sides, and what is assembled jumps by a little: in a line search and in Taylor tests these are switches. Of hexahedra,
+    /// A number per cell that says where it is, and where there are aggregates the cells that they join. Where one changes, a node has changed
+    /// sides or a cell has another root, and what is assembled jumps by a little: in a line search and in Taylor tests these are switches. Of hexahedra,
     /// and of quadrilaterals with φ of degree 2, a number tells how lines through the cell are cut: where it changes, points of rules do.
+    /// [`Cut::ghost_facets`] may change, too, where the middle of a cell changes sides or two cells become equally deep.
     pub fn sides(&self) -> impl Iterator<Item = u32> {
         let roots = self.roots.iter().flatten().flat_map(|(cell, root)| [*cell, *root]);
-        let ghost = self.ghost.iter().flatten().flat_map(|facet| [facet.cell, u32::from(facet.local)]);
-        self.sides.iter().map(|side| *side as u32).chain(ghost).chain(roots).chain(self.structures())
+        self.sides.iter().map(|side| *side as u32).chain(roots).chain(self.structures())
     }
 
     /// The cells that are whole, ascending.

@@ -6,7 +6,7 @@ use super::{DividedVectors, prescribed_by_all};
 use crate::constraints::{Conditions, Dependence, Relation};
 use crate::solve::communicator::CommunicationError;
 
-/// Unknowns of one process at most: numbers of unknowns on all processes are multiples of it and a place.
+/// The largest number of unknowns of a process. An unknown's number on all processes is this times the rank of its owner, and its place there.
 const OF_A_PROCESS: f64 = 4_294_967_296.0;
 
 /// Prescribed values and relations, by this process's unknowns.
