@@ -21,8 +21,8 @@ pub struct DerivedFields {
 impl DerivedFields {
     pub fn new(solution: &CylinderSolution) -> Outcome<DerivedFields> {
         let (problem, u) = (&solution.problem, &solution.u);
-        let (assembler, data, mesh) = (&problem.assembler, &problem.law.data, problem.space.mesh());
-        let (scalars, tensors) = (Space::scalar(mesh, 2)?, Space::tensor(mesh, 2)?);
+        let (assembler, data) = (&problem.assembler, &problem.law.data);
+        let (scalars, tensors) = (problem.space.with_shape(&[])?, problem.space.with_shape(&[2, 2])?);
         let (stress, von_mises) = (forms::stress(data, u), forms::von_mises(data, u));
         let gap = forms::current_gap(data, u);
         let [stress, von_mises, gap] =

@@ -246,7 +246,7 @@ impl SpeedUps {
     fn of(solution: &CylinderSolution) -> Outcome<SpeedUps> {
         let of = |work: &SharedWork| SharedWork::THREADS.map(|threads| work.speed_up(threads).unwrap_or(1.0));
         let assembler = &solution.problem.assembler;
-        let scalars = Space::scalar(solution.problem.space.mesh(), 2)?;
+        let scalars = solution.problem.space.with_shape(&[])?;
         Ok(SpeedUps {
             factorisation: solution.solver.factorisation_work.as_ref().map(of),
             triangular_solve: solution.solver.solve_work.as_ref().map(of),

@@ -23,6 +23,7 @@ pub fn write_all(
     seconds.derived_fields = lap();
     let vtu = directory.join("hollow_cylinder.vtu");
     VtuFile::new(solution.problem.space.mesh())
+        .threads(solution.problem.assembler.threads())
         .point_data("displacement", &solution.u)?
         .point_data("adjoint state (21)", &solution.p_discrete)?
         .point_data("adjoint state (22)", &solution.p_consistent)?

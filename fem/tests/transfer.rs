@@ -233,7 +233,7 @@ fn same_bits(from: &Mesh<2>, to: &Mesh<2>) -> Outcome {
         Ok((bits(transfer.interpolated()?), bits(transfer.projected()?)))
     };
     let one = with(1)?;
-    for threads in [2, 3, 7] {
+    for threads in [2, 3, 7, 16] {
         assert!(with(threads)? == one, "{threads} threads");
     }
     Ok(())

@@ -69,7 +69,7 @@ impl DenseFactor {
 
 impl Condensation {
     /// A condensation of a factor whose last `count` unknowns are c.
-    pub fn new(factor: SymmetricFactor, count: usize) -> Self {
+    pub fn new(threads: Threads, factor: SymmetricFactor, count: usize) -> Self {
         let order = factor.analysis().elimination_order();
         let unknowns = order[order.len() - count..].to_vec();
         let mut places = vec![None; order.len()];
@@ -80,7 +80,7 @@ impl Condensation {
         let mut signs = vec![1.0; order.len()];
         factor.apply_signs(&mut signs);
         let signs = signs.split_off(order.len() - count);
-        let schur = lower_times_transposed(&lower, &signs);
+        let schur = lower_times_transposed(threads, &lower, &signs);
         Condensation { factor, unknowns, places, lower, signs, schur }
     }
 

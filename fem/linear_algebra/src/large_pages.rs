@@ -9,7 +9,7 @@ mod prefaulted_array;
 
 use std::ops::Range;
 
-pub(crate) use prefaulted_array::{Filling, PrefaultedArray};
+pub(crate) use prefaulted_array::{PrefaultedArray, PrefaultedSlice};
 
 /// Arrays below this size \[byte\] have nothing to gain.
 const SMALLEST: usize = 1 << 21;

@@ -1,12 +1,13 @@
 //! Half solves with an LLᵀ or LSLᵀ factor, and its trailing block: what a Schur complement on the unknowns that
 //! are eliminated last needs.
 
-use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::linalg::matmul::matmul;
 use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
-use faer::{Accum, Mat, Par};
+use faer::{Accum, Mat, MatMut, Par};
 
 use super::cholesky::SymmetricFactor;
 use super::error::{LinearAlgebraError, check_size};
+use super::threads::Threads;
 
 impl SymmetricFactor {
     /// L⁻¹ P b in place of b, in elimination order, for a factor LLᵀ or LSLᵀ of P A Pᵀ.
@@ -88,21 +89,32 @@ fn in_place(sides: &mut [Vec<f64>]) -> Vec<&mut [f64]> {
     sides.iter_mut().map(Vec::as_mut_slice).collect()
 }
 
-/// L D Lᵀ of a dense lower triangular L and a diagonal of signs.
-pub(crate) fn lower_times_transposed(lower: &Mat<f64>, signs: &[f64]) -> Mat<f64> {
+/// Columns of L D Lᵀ that are computed together.
+const TILE: usize = 96;
+
+/// L D Lᵀ of a dense lower triangular L and a diagonal of signs. The same bits come from any number of threads: tiles of columns are tasks.
+pub(crate) fn lower_times_transposed(threads: Threads, lower: &Mat<f64>, signs: &[f64]) -> Mat<f64> {
     let size = lower.nrows();
     let signed = Mat::from_fn(size, size, |i, j| lower[(i, j)] * signs[j]);
     let mut product = Mat::zeros(size, size);
-    matmul(
-        product.as_mut(),
-        BlockStructure::Rectangular,
-        Accum::Replace,
-        signed.as_ref(),
-        BlockStructure::TriangularLower,
-        lower.as_ref().transpose(),
-        BlockStructure::TriangularUpper,
-        1.0,
-        Par::Seq,
-    );
+    let mut tiles = vec![];
+    let mut rest = product.as_mut();
+    for first in (0..size).step_by(TILE) {
+        let (tile, after) = rest.split_at_col_mut(TILE.min(size - first));
+        tiles.push((first, tile));
+        rest = after;
+    }
+    // Rows above the tile come from symmetry; those of L have entries up to the tile's last column.
+    threads.share(tiles, |(first, tile): (usize, MatMut<'_, f64>)| {
+        let end = first + tile.ncols();
+        let left = signed.get(first.., ..end);
+        let right = lower.get(first..end, ..end).transpose();
+        matmul(tile.subrows_mut(first, size - first), Accum::Replace, left, right, 1.0, Par::Seq);
+    });
+    for j in 0..size {
+        for i in 0..j {
+            product[(i, j)] = product[(j, i)];
+        }
+    }
     product
 }

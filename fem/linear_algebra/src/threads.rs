@@ -85,6 +85,18 @@ impl Threads {
             .collect()
     }
 
+    /// Work on some items. Each thread takes the next one that is left, so that items may differ in their cost.
+    pub(crate) fn share<T: Send>(self, items: Vec<T>, work: impl Fn(T) + Send + Sync) {
+        let workers = self.count().min(items.len()).max(1);
+        let items = Mutex::new(items.into_iter());
+        let next = || items.lock().unwrap_or_else(PoisonError::into_inner).next();
+        self.run(vec![(); workers], |()| {
+            while let Some(item) = next() {
+                work(item);
+            }
+        });
+    }
+
     /// Results of two tasks of different kinds.
     pub(crate) fn both<A: Send, B: Send>(
         self,

@@ -1,5 +1,6 @@
 //! Animated PNG files: browsers and most viewers play them, others show the first frame.
 
+use std::num::NonZeroUsize;
 use std::path::Path;
 
 use super::drawing::Drawing;
@@ -61,7 +62,7 @@ impl Animation {
             return Err(PictureError::Empty { picture: "the animation".to_owned() });
         };
         let encoding = |error: png::EncodingError| PictureError::Encoding { reason: error.to_string() };
-        let (mut shown, size) = png_file::rgb(first, dots_per_inch)?;
+        let (mut shown, size) = png_file::rgb(first, dots_per_inch, NonZeroUsize::MIN)?;
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, size[0], size[1]);
         encoder.set_color(png::ColorType::Rgb);
@@ -73,7 +74,7 @@ impl Animation {
         let mut writer = encoder.write_header().map_err(encoding)?;
         writer.write_image_data(&shown).map_err(encoding)?;
         for frame in later {
-            let (next, _) = png_file::rgb(frame, dots_per_inch)?;
+            let (next, _) = png_file::rgb(frame, dots_per_inch, NonZeroUsize::MIN)?;
             let part = Part::changed(&shown, &next, size[0] as usize);
             // Each is compared with the other one that is known, so both begin at the corner of the page.
             writer.reset_frame_position().map_err(encoding)?;
@@ -151,7 +152,11 @@ mod tests {
                 let line = &pixels[row * info.line_size..][..3 * info.width as usize];
                 page[at..at + line.len()].copy_from_slice(line);
             }
-            assert_eq!(page, png_file::rgb(&plot(end).draw().unwrap(), 72.0).unwrap().0, "{end}");
+            assert_eq!(
+                page,
+                png_file::rgb(&plot(end).draw().unwrap(), 72.0, NonZeroUsize::MIN).unwrap().0,
+                "{end}"
+            );
         }
     }
 

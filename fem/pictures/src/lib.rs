@@ -174,7 +174,7 @@ pub trait Picture {
     where
         Self: Sized,
     {
-        write_bytes(path.as_ref(), &png_file::encode(&self.draw()?, dots_per_inch)?)
+        write_bytes(path.as_ref(), &png_file::encode(&self.draw()?, dots_per_inch, NonZeroUsize::MIN)?)
     }
 
     /// Writes the picture as SVG. The file is written whole or not at all.
@@ -195,7 +195,7 @@ impl Picture for Drawing {
     }
 
     fn write_png_at(&self, path: impl AsRef<Path>, dots_per_inch: f64) -> Result<(), PictureError> {
-        write_bytes(path.as_ref(), &png_file::encode(self, dots_per_inch)?)
+        write_bytes(path.as_ref(), &png_file::encode(self, dots_per_inch, NonZeroUsize::MIN)?)
     }
 }
 
@@ -223,7 +223,12 @@ pub fn write_all_png(
     let mut order: Vec<usize> = (0..drawings.len()).collect();
     let area = |drawing: &Drawing| drawing.size().iter().product::<f64>();
     order.sort_by(|a, b| area(&drawings[*b].1).total_cmp(&area(&drawings[*a].1)));
-    let write = |number: usize| drawings[number].1.write_png(&drawings[number].0);
+    // Threads beyond one for each page are shared among the pages.
+    let own = NonZeroUsize::new(threads.get() / drawings.len().max(1)).unwrap_or(NonZeroUsize::MIN);
+    let write = |number: usize| {
+        let (path, drawing) = &drawings[number];
+        write_bytes(path.as_ref(), &png_file::encode(drawing, DOTS_PER_INCH, own)?)
+    };
     on_threads(&order, threads, write).into_iter().collect()
 }
 

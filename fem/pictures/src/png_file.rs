@@ -1,5 +1,7 @@
 //! A drawing as PNG.
 
+use std::num::NonZeroUsize;
+
 use tiny_skia::{FillRule, Mask, Paint, Path, PathBuilder, Pixmap, PixmapPaint, Transform};
 
 use super::PictureError;
@@ -8,12 +10,12 @@ use super::drawing::{Drawing, Item, Stroke};
 use super::path::{Rectangle, Segment};
 use super::shading::Pixels;
 
-/// The bytes of a PNG file of the drawing, with its size in print noted in the file.
+/// The bytes of a PNG file of the drawing, with its size in print noted in the file, made on the given number of threads.
 ///
 /// # Errors
 /// [`PictureError::Size`] of too many or no pixels; a failure of the encoder.
-pub fn encode(drawing: &Drawing, dots_per_inch: f64) -> Result<Vec<u8>, PictureError> {
-    let (rgb, size) = rgb(drawing, dots_per_inch)?;
+pub fn encode(drawing: &Drawing, dots_per_inch: f64, threads: NonZeroUsize) -> Result<Vec<u8>, PictureError> {
+    let (rgb, size) = rgb(drawing, dots_per_inch, threads)?;
     // Lines and text compress well; a picture with shaded surfaces is half again to twice as large as with zlib, and written in a fraction of the time.
     let is_shaded = drawing.items.iter().any(|item| matches!(item, Item::Surface { .. }));
     let compression = if is_shaded { png::Compression::Fast } else { png::Compression::Balanced };
@@ -24,7 +26,11 @@ pub fn encode(drawing: &Drawing, dots_per_inch: f64) -> Result<Vec<u8>, PictureE
 ///
 /// # Errors
 /// [`PictureError::Size`] of too many or no pixels.
-pub(crate) fn rgb(drawing: &Drawing, dots_per_inch: f64) -> Result<(Vec<u8>, [u32; 2]), PictureError> {
+pub(crate) fn rgb(
+    drawing: &Drawing,
+    dots_per_inch: f64,
+    threads: NonZeroUsize,
+) -> Result<(Vec<u8>, [u32; 2]), PictureError> {
     let scale = dots_per_inch / 72.0;
     let [width, height] = drawing.size.map(|length| (length * scale).round());
     let too_large = PictureError::Size { width, height };
@@ -43,7 +49,7 @@ pub(crate) fn rgb(drawing: &Drawing, dots_per_inch: f64) -> Result<(Vec<u8>, [u3
             }
             Item::Surface { surface, clip } => {
                 let size = [page.width() as usize, page.height() as usize];
-                let Some(pixels) = surface.pixels(scale, size) else { continue };
+                let Some(pixels) = surface.pixels(scale, size, threads) else { continue };
                 let mask = masks.of(*clip, &page, scale);
                 let [x, y] = pixels.origin.map(|place| place as i32);
                 let Some(image) = pixmap(pixels) else { continue };

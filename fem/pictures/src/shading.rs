@@ -4,9 +4,11 @@
 //! Neighbouring triangles share every sample on their common edge: there are no seams, and the
 //! outline is smooth because each pixel is the mean of its samples.
 
+use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 use super::colour_map::{Colour, ColourMap};
+use super::on_threads;
 use super::path::Point;
 use super::sampling::{Rows, Triangles};
 
@@ -72,8 +74,9 @@ impl ShadedSurface {
         ShadedSurface { points, values, triangles, shading, origin: [0.0; 2] }
     }
 
-    /// The surface at `scale` pixels per point, on a page of `page` pixels; `None` if nothing is seen.
-    pub fn pixels(&self, scale: f64, page: [usize; 2]) -> Option<Pixels> {
+    /// The surface at `scale` pixels per point, on a page of `page` pixels; `None` if nothing is seen. Bands of rows are sampled on the given
+    /// number of threads, with the same pixels on any number.
+    pub fn pixels(&self, scale: f64, page: [usize; 2], threads: NonZeroUsize) -> Option<Pixels> {
         let mut low = [f64::INFINITY; 2];
         let mut high = [f64::NEG_INFINITY; 2];
         for point in self.points.iter() {
@@ -111,19 +114,23 @@ impl ShadedSurface {
                 band.push(t as u32);
             }
         }
-        let mut rgba = vec![0; 4 * size[0] * size[1]];
         let uncovered = table.len() as u16;
         let colours: Vec<u64> = table.iter().map(|&rgb| packed(rgb)).chain([0]).collect();
-        let mut sampled = vec![uncovered; BAND * SAMPLES * size[0] * SAMPLES];
-        for (band, triangles) in bands.iter().enumerate() {
-            sampled.fill(uncovered);
-            let (first, width) = (band * BAND * SAMPLES, size[0] * SAMPLES);
-            all.sample(triangles, &mut Rows { first, width, colours: table.len(), sampled: &mut sampled });
-            let rows = rgba[4 * band * BAND * size[0]..].chunks_exact_mut(4 * size[0]).take(BAND);
-            for (row, samples) in rows.zip(sampled.chunks_exact(SAMPLES * SAMPLES * size[0])) {
+        let width = size[0] * SAMPLES;
+        let coloured = |band: usize| {
+            let mut sampled = vec![uncovered; BAND * SAMPLES * width];
+            let first = band * BAND * SAMPLES;
+            let rows = &mut Rows { first, width, colours: table.len(), sampled: &mut sampled };
+            all.sample(&bands[band], rows);
+            let mut rgba = vec![0; 4 * size[0] * BAND.min(size[1] - band * BAND)];
+            let rows = rgba.chunks_exact_mut(4 * size[0]);
+            for (row, samples) in rows.zip(sampled.chunks_exact(SAMPLES * width)) {
                 average(samples, uncovered, &colours, row);
             }
-        }
+            rgba
+        };
+        let order: Vec<usize> = (0..bands.len()).collect();
+        let rgba = on_threads(&order, threads, coloured).concat();
         Some(Pixels { origin: start, size, rgba })
     }
 
@@ -184,7 +191,7 @@ mod tests {
     /// A square of 10 × 10 pixels covers 100 pixels fully: no seam on the diagonal, no fringe.
     #[test]
     fn a_square_has_its_pixels_and_no_seam() {
-        let pixels = square([0.25; 4]).pixels(1.0, [20, 20]).unwrap();
+        let pixels = square([0.25; 4]).pixels(1.0, [20, 20], NonZeroUsize::MIN).unwrap();
         assert_eq!((pixels.origin, pixels.size), ([2, 3], [10, 10]));
         assert!(pixels.rgba.chunks(4).all(|pixel| pixel[3] == 255 && pixel == &pixels.rgba[..4]));
     }
@@ -194,7 +201,7 @@ mod tests {
     fn outline_is_antialiased() {
         let mut surface = square([0.5; 4]);
         surface.origin[0] += 0.5;
-        let pixels = surface.pixels(1.0, [20, 20]).unwrap();
+        let pixels = surface.pixels(1.0, [20, 20], NonZeroUsize::MIN).unwrap();
         assert_eq!(pixels.size, [11, 10]);
         assert_eq!(pixels.rgba[3], 127);
         assert_eq!(pixels.rgba[7], 255);
@@ -203,7 +210,7 @@ mod tests {
     /// A linear value gives the colour map's own colours along the square.
     #[test]
     fn linear_values_run_through_the_map() {
-        let pixels = square([0.0, 1.0, 1.0, 0.0]).pixels(1.0, [20, 20]).unwrap();
+        let pixels = square([0.0, 1.0, 1.0, 0.0]).pixels(1.0, [20, 20], NonZeroUsize::MIN).unwrap();
         for column in 0..10 {
             // The mean of the map over the width of the pixel.
             let colours =

@@ -2,6 +2,7 @@
 //! shaded surfaces are embedded as PNG.
 
 use std::fmt::Write;
+use std::num::NonZeroUsize;
 
 use super::PictureError;
 use super::colour_map::Colour;
@@ -58,7 +59,7 @@ fn write_elements(text: &mut String, drawing: &Drawing) -> Result<(), PictureErr
             }
             Item::Surface { surface, .. } => {
                 let page = drawing.size.map(|length| (length * SURFACE_SCALE).ceil() as usize);
-                let Some(pixels) = surface.pixels(SURFACE_SCALE, page) else { continue };
+                let Some(pixels) = surface.pixels(SURFACE_SCALE, page, NonZeroUsize::MIN) else { continue };
                 let [x, y] = pixels.origin.map(|place| place as f64 / SURFACE_SCALE);
                 let [width, height] = pixels.size.map(|length| length as f64 / SURFACE_SCALE);
                 write!(

@@ -94,7 +94,7 @@ pub fn fields_on<const D: usize>(
 /// The coefficients of a function on facets by its values at the nodes: facets give a common node the same one.
 fn coefficients_by_values<const D: usize>(space: &Space<D>, values: &[f64]) -> Vec<f64> {
     let (components, mut coefficients) = (space.components(), values.to_vec());
-    for (facet, nodes) in &space.facets {
+    for (facet, nodes) in space.facets.iter() {
         let Some(rows) = space.cell_element(facet.cell as usize).coefficients_by_values() else { continue };
         for (node, row) in nodes.iter().zip(rows) {
             for component in 0..components {

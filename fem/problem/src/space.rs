@@ -40,13 +40,13 @@ pub struct Space<const D: usize> {
     /// `[]` scalar, `[D]` vector, `[D, D]` tensor, or any other.
     pub(crate) shape: Vec<usize>,
     /// Nodes of the space, cell after cell, in the order of the element's nodes; none on facets.
-    pub(crate) cell_nodes: Vec<u32>,
+    pub(crate) cell_nodes: Arc<Vec<u32>>,
     /// Places of each cell's nodes there.
-    lists: CellLists,
+    lists: Arc<CellLists>,
     /// The facets that a space on facets lives on, sorted, with their nodes.
-    pub(crate) facets: Vec<(Facet, Vec<u32>)>,
+    pub(crate) facets: Arc<Vec<(Facet, Vec<u32>)>>,
     /// Position of each node.
-    pub(crate) positions: Vec<[f64; D]>,
+    pub(crate) positions: Arc<Vec<[f64; D]>>,
     // Built when a field is first evaluated at a point.
     locator: OnceLock<Locator<D>>,
 }
@@ -167,9 +167,32 @@ impl<const D: usize> Space<D> {
         Space::of(mesh, Elements::Lagrange(degree), Scope::EachFacet(region.to_owned()), &[D])
     }
 
+    /// The space on the same nodes, with values of another shape. It shares the numbers and positions of the nodes, which are not found again.
+    ///
+    /// ```
+    /// # use forms_fem::prelude::*;
+    /// # let mesh = rectangle([0.0; 2], [2.0, 1.0], [4, 2], CellShape::Triangle, 1)?;
+    /// let displacements = Space::vector(&mesh, 2)?;
+    /// let stresses = displacements.with_shape(&[2, 2])?;
+    /// assert_eq!((stresses.node_count(), stresses.components()), (displacements.node_count(), 4));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SpaceError::Shape`] of a shape without components, [`SpaceError::TooLarge`].
+    #[inline(never)]
+    pub fn with_shape(&self, shape: &[usize]) -> Result<Arc<Self>, SpaceError> {
+        making::check_shape(shape, self.node_count())?;
+        Ok(self.of_checked_shape(shape.to_vec()))
+    }
+
     /// The scalar space on the same nodes.
     #[inline(never)]
     pub(crate) fn scalar_nodes(&self) -> Arc<Self> {
+        self.of_checked_shape(vec![])
+    }
+
+    fn of_checked_shape(&self, shape: Vec<usize>) -> Arc<Self> {
         Arc::new(Space {
             mesh: self.mesh.clone(),
             degree: self.degree,
@@ -178,11 +201,11 @@ impl<const D: usize> Space<D> {
             scope: self.scope.clone(),
             on_facets: self.on_facets,
             on_some_cells: self.on_some_cells,
-            shape: vec![],
-            cell_nodes: self.cell_nodes.clone(),
-            lists: self.lists.clone(),
-            facets: self.facets.clone(),
-            positions: self.positions.clone(),
+            shape,
+            cell_nodes: Arc::clone(&self.cell_nodes),
+            lists: Arc::clone(&self.lists),
+            facets: Arc::clone(&self.facets),
+            positions: Arc::clone(&self.positions),
             locator: OnceLock::new(),
         })
     }

@@ -262,7 +262,7 @@ fn points_are_kept_and_do_not_depend_on_threads() {
     };
     let one = on(1);
     assert!(cut(&mesh, circle).cut().unwrap().cut_cells().len() > 128);
-    for threads in [2, 3, 7] {
+    for threads in [2, 3, 7, 16] {
         assert_eq!(on(threads), one);
     }
 }

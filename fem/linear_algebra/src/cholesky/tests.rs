@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::*;
+use crate::partial_solves::lower_times_transposed;
 use crate::vector::norm;
 use crate::{Ordering, PartialBackSubstitution, SharedWork};
 
@@ -242,7 +243,10 @@ fn a_factor_times_its_transposed_is_the_matrix() {
         let factor = SymmetricFactor::cholesky(&analysis, &matrix, storage).unwrap();
         let size = matrix.rows();
         let signs = vec![1.0; size];
-        let product = crate::partial_solves::lower_times_transposed(&factor.trailing_block(size), &signs);
+        let block = factor.trailing_block(size);
+        let times = |threads| lower_times_transposed(Threads::new(threads), &block, &signs);
+        let product = times(1);
+        assert!([2, 3, 7, 16].into_iter().all(|threads| times(threads) == product), "{size}");
         for i in 0..size {
             for j in 0..=i {
                 let (a, b) = (analysis.order[i] as usize, analysis.order[j] as usize);

@@ -1,8 +1,6 @@
 //! Dense LU with partial pivoting on threads. Columns are cut into panels and tiles that do not depend on the number of threads, so
 //! that each entry comes from the same operations.
 
-use std::sync::{Mutex, PoisonError};
-
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor;
 use faer::linalg::matmul::matmul;
@@ -46,7 +44,7 @@ pub(super) fn factor_in_place(
         let panel = panel.rb().subrows(first, height);
         let tiles = tiles(done).into_iter().map(|tile| (tile, Work::Exchange));
         let tiles = tiles.chain(self::tiles(later).into_iter().map(|tile| (tile, Work::Eliminate))).collect();
-        share(threads, tiles, |(tile, work): (MatMut<'_, f64>, Work)| {
+        threads.share(tiles, |(tile, work): (MatMut<'_, f64>, Work)| {
             let mut tile = tile.subrows_mut(first, height);
             exchange(tile.rb_mut(), order);
             if let Work::Eliminate = work {
@@ -100,18 +98,6 @@ fn tiles(matrix: MatMut<'_, f64>) -> Vec<MatMut<'_, f64>> {
         rest = others;
     }
     found
-}
-
-/// Does a work with each item, on several threads.
-fn share<T: Send>(threads: Threads, items: Vec<T>, work: impl Fn(T) + Send + Sync) {
-    let workers = threads.count().min(items.len()).max(1);
-    let items = Mutex::new(items.into_iter());
-    let next = || items.lock().unwrap_or_else(PoisonError::into_inner).next();
-    threads.run(vec![(); workers], |()| {
-        while let Some(item) = next() {
-            work(item);
-        }
-    });
 }
 
 #[cfg(test)]

@@ -74,37 +74,33 @@ impl PrefaultedArray {
     }
 }
 
-/// A list that grows up to a length that is known.
-pub(crate) struct Filling<T> {
-    list: Vec<T>,
+/// A new array, or a part of it, that is written from its beginning to its end.
+pub(crate) struct PrefaultedSlice<'a, T> {
+    array: &'a mut [T],
     /// Number of items that have their memory.
     handed_over: usize,
     supply: PrefaultedArray,
 }
 
-impl<T> Filling<T> {
-    /// An empty list with room for the given number.
-    pub(crate) fn with_room(count: usize) -> Self {
+impl<'a, T> PrefaultedSlice<'a, T> {
+    /// Of an array that nothing was written to.
+    pub(crate) fn new(array: &'a mut [T]) -> Self {
         // Small ones are left alone.
-        let bytes = size_of::<T>() * count;
-        let handed_over = if bytes < SMALLEST { count } else { 0 };
-        Filling { list: Vec::with_capacity(count), handed_over, supply: PrefaultedArray::of(bytes) }
+        let bytes = size_of_val(array);
+        let handed_over = if bytes < SMALLEST { array.len() } else { 0 };
+        PrefaultedSlice { array, handed_over, supply: PrefaultedArray::of(bytes) }
     }
 
-    /// The list, to which the given number are about to be added.
+    /// The items before the given one, which are about to be written.
     #[inline]
-    pub(crate) fn before_adding(&mut self, count: usize) -> &mut Vec<T> {
-        let length = self.list.len();
-        if length + count > self.handed_over {
-            let rest = self.list.spare_capacity_mut();
-            let count = count.min(rest.len());
-            self.handed_over = length + self.supply.prefault(rest, count);
+    pub(crate) fn written_up_to(&mut self, end: usize) -> &mut [T] {
+        if end > self.handed_over {
+            let first = self.handed_over;
+            self.handed_over += self.supply.prefault(&mut self.array[first..], end - first);
+            // What is left beyond the last whole page is small.
+            self.handed_over = self.handed_over.max(end);
         }
-        &mut self.list
-    }
-
-    pub(crate) fn into_list(self) -> Vec<T> {
-        self.list
+        &mut self.array[..end]
     }
 }
 
@@ -129,14 +125,14 @@ mod tests {
     }
 
     #[test]
-    fn lists_are_filled_beyond_what_was_said() {
+    fn slices_are_written_to_their_end() {
         for count in [0, 10, 300_000] {
-            let mut filling = Filling::with_room(count);
-            for k in 0..count as u64 + 2 {
-                filling.before_adding(1).push(k);
+            let mut list = vec![0; count];
+            let mut slice = PrefaultedSlice::new(&mut list);
+            for k in 0..count {
+                slice.written_up_to(k + 1)[k] = k;
             }
-            let list = filling.into_list();
-            assert!(list.len() == count + 2 && list.iter().zip(0..).all(|(item, k)| *item == k));
+            assert!(list.iter().enumerate().all(|(k, item)| *item == k));
         }
     }
 }

@@ -34,10 +34,9 @@ fn lives_on<const D: usize>(field: &Field<D>, mesh: &Mesh<D>) -> bool {
 
 /// Values of a field at the nodes of each cell of its mesh's geometry, cell after cell,
 /// one component after the other.
-fn values_at_cell_nodes<const D: usize>(mesh: &Mesh<D>, field: &Field<D>) -> Vec<f64> {
+fn values_at_cell_nodes<const D: usize>(threads: Threads, mesh: &Mesh<D>, field: &Field<D>) -> Vec<f64> {
     let components = field.space().components();
     let mut values = vec![0.0; mesh.cells().len() * components];
-    let threads = Threads::all();
     let (mut rest, mut parts) = (&mut values[..], vec![]);
     for block in mesh.blocks() {
         let element = mesh.element_of(block.shape);

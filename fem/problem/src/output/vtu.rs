@@ -16,6 +16,7 @@ use crate::mesh::vtk::kinds::nodes_in_order;
 use crate::solve::communicator::agreed_or;
 use crate::solve::{CommunicationError, Communicator, Processes};
 use crate::space::Scope;
+use crate::threads::Threads;
 
 pub use error::VtuError;
 
@@ -33,6 +34,7 @@ pub struct VtuFile<'a, const D: usize> {
     cells: Vec<Array>,
     /// The processes that write the file together.
     processes: Processes<'a>,
+    threads: Threads,
 }
 
 /// A data array.
@@ -49,7 +51,13 @@ impl<'a, const D: usize> VtuFile<'a, D> {
     /// A file with the mesh and no data yet.
     pub fn new(mesh: &'a Mesh<D>) -> Self {
         let [points, corners, cells] = [const { Vec::new() }; 3];
-        VtuFile { mesh, points, corners, cells, processes: Processes::default() }
+        VtuFile { mesh, points, corners, cells, processes: Processes::default(), threads: Threads::default() }
+    }
+
+    /// The number of threads in place of all, on which fields are evaluated and numbers are coded. The file is the same on any number.
+    pub fn threads(mut self, threads: Threads) -> Self {
+        self.threads = threads;
+        self
     }
 
     /// The file of several processes. All call [`VtuFile::write`], and the first one writes where each has the whole mesh. Of pieces of a
@@ -85,7 +93,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
             }),
             // Crouzeix and Raviart's elements are continuous in their nodes only.
             Scope::Cell | Scope::Nodes if jumps => {
-                let values = super::values_at_cell_nodes(self.mesh, field);
+                let values = super::values_at_cell_nodes(self.threads, self.mesh, field);
                 let others = self.points.iter().chain(&self.corners);
                 let array = Array::new::<D>(name, components, &values, self.mesh.cells().len(), others)?;
                 self.corners.push(array);
@@ -93,7 +101,7 @@ impl<'a, const D: usize> VtuFile<'a, D> {
             }
             Scope::Cell | Scope::Nodes => {
                 // Cells agree at the nodes that they share; nodes of no cell stay zero.
-                let of_cells = super::values_at_cell_nodes(self.mesh, field);
+                let of_cells = super::values_at_cell_nodes(self.threads, self.mesh, field);
                 let mut values = vec![0.0; self.mesh.node_count() * components];
                 for (&node, value) in self.mesh.cells().iter().zip(of_cells.chunks(components)) {
                     values[node as usize * components..][..components].copy_from_slice(value);
@@ -205,7 +213,8 @@ impl<'a, const D: usize> VtuFile<'a, D> {
 
     fn write_here(&self, path: &Path) -> Result<(), VtuError> {
         let grid = self.grid()?;
-        write_whole(path, |writer| grid.write(writer)).map_err(|source| VtuError::Write { source })
+        write_whole(path, |writer| grid.write(self.threads, writer))
+            .map_err(|source| VtuError::Write { source })
     }
 
     /// The points, cells and arrays of the file.
@@ -351,7 +360,7 @@ mod tests {
 
     fn grid(file: &VtuFile<'_, 2>) -> UnstructuredGridPiece {
         let mut text = vec![];
-        file.grid().unwrap().write(&mut text).unwrap();
+        file.grid().unwrap().write(file.threads, &mut text).unwrap();
         let vtk = Vtk::parse_xml(&text[..]).unwrap();
         let DataSet::UnstructuredGrid { mut pieces, .. } = vtk.data else { panic!("{:?}", vtk.data) };
         pieces.remove(0).into_loaded_piece_data(None).unwrap()
@@ -381,6 +390,21 @@ mod tests {
         assert_eq!(array(&grid.data.point[0]), ("σ".into(), 9, tensors));
         assert_eq!(array(&grid.data.point[1]), ("x".into(), 3, padded));
         assert_eq!(array(&grid.data.cell[0]), ("number".into(), 1, numbers));
+    }
+
+    #[test]
+    fn files_are_the_same_on_any_number_of_threads() {
+        let mesh = mesh::rectangle([0.0, 0.0], [2.0, 1.0], [50, 40], CellShape::Quadrilateral, 2).unwrap();
+        let field =
+            Field::interpolate(&Space::tensor(&mesh, 1).unwrap(), |x| [[x[0], x[1]], [3.0, 4.0]]).unwrap();
+        let text = |threads| {
+            let file = VtuFile::new(&mesh).threads(Threads::new(threads)).point_data("σ", &field).unwrap();
+            let mut text = vec![];
+            file.grid().unwrap().write(file.threads, &mut text).unwrap();
+            text
+        };
+        let on_one = text(1);
+        assert!([2, 3, 7, 16].into_iter().all(|threads| text(threads) == on_one));
     }
 
     /// A field of degree 2 on a mesh of degree 1: x² at the mesh's nodes.

@@ -275,7 +275,8 @@ impl CondensedSolver {
         self.report.solve_work = Some(analysis.solve_work());
         self.report.condensed_unknowns = Some(count);
         drop(analysis);
-        self.condensation = Some(Arc::new(Condensation::new(factor.for_solves(), count)));
+        self.condensation =
+            Some(Arc::new(Condensation::new(self.fallback.threads(), factor.for_solves(), count)));
         Ok(true)
     }
 

@@ -21,6 +21,8 @@ pub struct Elimination {
     prescribed: BTreeMap<usize, f64>,
     relations: BTreeMap<usize, Relation>,
     free: Vec<usize>,
+    /// Threads on which matrices are reduced.
+    threads: Threads,
     restriction: Option<Restriction>,
     /// In its place where free unknowns give others.
     weighted: Option<WeightedRestriction>,
@@ -49,7 +51,14 @@ impl Elimination {
         }
         free.extend(from..size);
         let (prescribed, relations) = (prescribed.clone(), BTreeMap::new());
-        Ok(Self { size, prescribed, relations, free, restriction: None, weighted: None })
+        let threads = Threads::default();
+        Ok(Self { size, prescribed, relations, free, threads, restriction: None, weighted: None })
+    }
+
+    /// The same with another number of threads than all, on which submatrices are taken out.
+    pub fn on(mut self, threads: Threads) -> Self {
+        self.threads = threads;
+        self
     }
 
     /// Elimination of prescribed and related unknowns. Constraints of several spaces are one system, in which the unknowns
@@ -106,6 +115,7 @@ impl Elimination {
             prescribed: self.prescribed.clone(),
             relations: self.relations.clone(),
             free: self.free.clone(),
+            threads: self.threads,
             restriction: None,
             weighted: None,
         }
@@ -293,7 +303,8 @@ impl Elimination {
         known: Option<&Arc<SparsityPattern>>,
     ) -> Result<CsrMatrix, LinearAlgebraError> {
         if self.relations.is_empty() {
-            return self.restriction(matrix, known)?.apply(matrix);
+            let threads = self.threads;
+            return self.restriction(matrix, known)?.apply(threads, matrix);
         }
         self.weighted(matrix, known)?.apply(matrix)
     }
@@ -396,7 +407,7 @@ impl Elimination {
         check_size("the set of columns", self.size, matrix.columns())?;
         let restriction = match self.restriction.take().filter(|restriction| restriction.fits(matrix)) {
             Some(restriction) => restriction,
-            None => Restriction::sharing(matrix.sparsity(), &self.free, &self.free, known)?,
+            None => Restriction::sharing(self.threads, matrix.sparsity(), &self.free, &self.free, known)?,
         };
         Ok(self.restriction.insert(restriction))
     }

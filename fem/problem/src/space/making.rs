@@ -32,9 +32,7 @@ impl<const D: usize> Space<D> {
         scope: Scope,
         shape: &[usize],
     ) -> Result<Arc<Self>, SpaceError> {
-        if shape.contains(&0) {
-            return Err(SpaceError::Shape { shape: shape.to_vec() });
-        }
+        check_shape(shape, 0)?;
         let on_shapes = elements_on_shapes(mesh, &elements, &scope)?;
         check_scope(mesh, &elements, &on_shapes, &scope)?;
         let lists = CellLists::new(mesh.blocks(), |shape| on_shapes[shape].nodes());
@@ -78,10 +76,7 @@ impl<const D: usize> Space<D> {
         if positions.is_empty() && !scope.regions().is_empty() {
             return Err(SpaceError::Empty { scope });
         }
-        let unknowns = positions.len() * shape.iter().product::<usize>();
-        if u32::try_from(unknowns).is_err() {
-            return Err(SpaceError::TooLarge { unknowns });
-        }
+        check_shape(shape, positions.len())?;
         let degree = on_shapes.values().map(Element::degree).max().unwrap_or(0);
         let (mesh, shape, locator) = (mesh.clone(), shape.to_vec(), OnceLock::new());
         let on_shapes = Arc::new(on_shapes);
@@ -95,12 +90,24 @@ impl<const D: usize> Space<D> {
             on_facets,
             on_some_cells,
             shape,
-            cell_nodes,
-            lists,
-            facets,
-            positions,
+            cell_nodes: Arc::new(cell_nodes),
+            lists: Arc::new(lists),
+            facets: Arc::new(facets),
+            positions: Arc::new(positions),
             locator,
         }))
+    }
+}
+
+/// Checks that values have components, and that the unknowns at some nodes can be counted.
+pub(super) fn check_shape(shape: &[usize], nodes: usize) -> Result<(), SpaceError> {
+    if shape.contains(&0) {
+        return Err(SpaceError::Shape { shape: shape.to_vec() });
+    }
+    let unknowns = shape.iter().fold(nodes, |product, extent| product.saturating_mul(*extent));
+    match u32::try_from(unknowns) {
+        Ok(_) => Ok(()),
+        Err(_) => Err(SpaceError::TooLarge { unknowns }),
     }
 }
 

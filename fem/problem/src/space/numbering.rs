@@ -37,7 +37,7 @@ pub(super) fn cell_numbers<const D: usize>(
     };
     let shared = sharing == Sharing::Entities;
     let mut of_vertex = if shared { vec![UNNUMBERED; mesh.node_count()] } else { vec![] };
-    let mut of_entity: HashMap<[u32; 4], u32> = HashMap::new();
+    let mut of_entity = EntityNumbers::on_vertices(of_vertex.len());
     let mut cell_nodes = vec![UNNUMBERED; lists.length()];
     let of_shape = |shape: CellShape| (shape, elements[shape].of_entity());
     let counts: PerShape<[usize; 4]> = mesh.shapes().into_iter().map(of_shape).collect();
@@ -68,7 +68,7 @@ pub(super) fn cell_numbers<const D: usize>(
             }
             let mut key = around;
             key.sort_unstable();
-            let first = *of_entity.entry(key).or_insert_with(|| fresh(count));
+            let first = of_entity.find_or_add(key, || fresh(count));
             if count == 1 {
                 numbers.by_ref().take(1).for_each(|number| *number = first);
                 return;
@@ -97,6 +97,42 @@ pub(super) fn cell_numbers<const D: usize>(
         }
     }
     cell_nodes
+}
+
+/// Numbers of edges and faces, each known by its sorted vertices: in a list for each vertex that is the first one of some.
+struct EntityNumbers {
+    /// The last entry of each vertex's list.
+    lists: Vec<u32>,
+    entries: Vec<EntityNumber>,
+}
+
+struct EntityNumber {
+    other_vertices: [u32; 3],
+    number: u32,
+    /// The entry before it in its list, or [`UNNUMBERED`].
+    before: u32,
+}
+
+impl EntityNumbers {
+    fn on_vertices(count: usize) -> Self {
+        EntityNumbers { lists: vec![UNNUMBERED; count], entries: vec![] }
+    }
+
+    /// The number of an entity. One that is met for the first time gets a new number.
+    fn find_or_add(&mut self, [first, other_vertices @ ..]: [u32; 4], new: impl FnOnce() -> u32) -> u32 {
+        let list = &mut self.lists[first as usize];
+        let mut place = *list;
+        while let Some(entry) = self.entries.get(place as usize) {
+            if entry.other_vertices == other_vertices {
+                return entry.number;
+            }
+            place = entry.before;
+        }
+        let number = new();
+        let before = std::mem::replace(list, self.entries.len() as u32);
+        self.entries.push(EntityNumber { other_vertices, number, before });
+        number
+    }
 }
 
 /// Positions of the nodes of cells.

@@ -93,7 +93,42 @@ pub(super) fn field_values(field: &Field<2>, cell: usize, basis: &[f64]) -> Vec<
     values
 }
 
+/// Reference points of a shape with the basis functions there: those of the cells' geometry, and of a displacement.
+struct TabulatedPoints {
+    geometry: Vec<f64>,
+    shift: Vec<f64>,
+}
+
 impl<'a> Body<'a> {
+    fn tabulated(&self, shape: CellShape, reference: &[[f64; 2]]) -> TabulatedPoints {
+        let shift =
+            |(field, _): (&Field<2>, f64)| field.space().element_of(shape).tabulate::<2>(reference).value;
+        TabulatedPoints {
+            geometry: self.mesh.element_of(shape).tabulate::<2>(reference).value,
+            shift: self.displacement.map(shift).unwrap_or_default(),
+        }
+    }
+
+    /// Adds the positions of points in a cell of their shape.
+    fn add_positions(&self, points: &TabulatedPoints, cell: usize, positions: &mut Vec<[f64; 2]>) {
+        let nodes = self.mesh.cell(cell);
+        let start = positions.len();
+        for basis in points.geometry.chunks(nodes.len()) {
+            let mut position = [0.0; 2];
+            for (phi, &node) in basis.iter().zip(nodes) {
+                let x = self.mesh.nodes()[node as usize];
+                position = [position[0] + phi * x[0], position[1] + phi * x[1]];
+            }
+            positions.push(position);
+        }
+        if let Some((field, factor)) = self.displacement {
+            let values = field_values(field, cell, &points.shift);
+            for (position, u) in positions[start..].iter_mut().zip(values.chunks(2)) {
+                *position = [position[0] + factor * u[0], position[1] + factor * u[1]];
+            }
+        }
+    }
+
     /// Positions of reference points in each of some cells of one shape, cell after cell.
     pub fn positions(
         &self,
@@ -101,66 +136,68 @@ impl<'a> Body<'a> {
         reference: &[[f64; 2]],
         cells: impl Iterator<Item = usize>,
     ) -> Vec<[f64; 2]> {
-        let geometry = self.mesh.element_of(shape).tabulate::<2>(reference);
-        let shift = self
-            .displacement
-            .map(|(field, factor)| (field, factor, field.space().element_of(shape).tabulate::<2>(reference)));
-        let mut positions = Vec::new();
-        for cell in cells {
-            let nodes = self.mesh.cell(cell);
-            let start = positions.len();
-            for basis in geometry.value.chunks(nodes.len()) {
-                let mut position = [0.0; 2];
-                for (phi, &node) in basis.iter().zip(nodes) {
-                    let x = self.mesh.nodes()[node as usize];
-                    position = [position[0] + phi * x[0], position[1] + phi * x[1]];
-                }
-                positions.push(position);
-            }
-            if let Some((field, factor, tables)) = &shift {
-                let values = field_values(field, cell, &tables.value);
-                for (position, u) in positions[start..].iter_mut().zip(values.chunks(2)) {
-                    *position = [position[0] + factor * u[0], position[1] + factor * u[1]];
-                }
-            }
-        }
+        let points = self.tabulated(shape, reference);
+        let mut positions = Vec::with_capacity(cells.size_hint().0 * reference.len());
+        cells.for_each(|cell| self.add_positions(&points, cell, &mut positions));
         positions
     }
 
-    /// The polyline of a cell's edge.
-    fn edge(&self, cell: usize, local: usize) -> Vec<[f64; 2]> {
-        let shape = self.mesh.cell_shape(cell);
-        let [a, b] = shape.edges()[local].map(|vertex| shape.vertex_points()[vertex]);
+    /// Number of points of an edge's polyline.
+    pub fn points_of_edge(&self) -> usize {
         let curved = self.mesh.degree() > 1 || self.displacement.is_some();
-        let pieces = if curved { EDGE_PIECES } else { 1 };
-        let points: Vec<[f64; 2]> = (0..=pieces)
-            .map(|k| {
-                let t = k as f64 / pieces as f64;
-                [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]
-            })
-            .collect();
-        self.positions(shape, &points, std::iter::once(cell))
+        1 + if curved { EDGE_PIECES } else { 1 }
     }
 
-    /// All edges of the mesh, each one once.
-    pub fn edges(&self) -> Vec<Vec<[f64; 2]>> {
-        let mut seen = BTreeSet::new();
-        let mut edges = Vec::new();
+    /// Points along each edge of a shape.
+    fn tabulated_edges(&self, shape: CellShape) -> Vec<TabulatedPoints> {
+        let pieces = self.points_of_edge() - 1;
+        let along = |ends: &[usize; 2]| {
+            let [a, b] = ends.map(|vertex| shape.vertex_points()[vertex]);
+            let at = |k: usize| {
+                let t = k as f64 / pieces as f64;
+                [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]
+            };
+            self.tabulated(shape, &(0..=pieces).map(at).collect::<Vec<_>>())
+        };
+        shape.edges().iter().map(along).collect()
+    }
+
+    /// The polylines of edges, given as cells with the number of an edge in each: equally many points for each edge, one edge after the other.
+    fn polylines(&self, edges: impl Iterator<Item = (usize, usize)>) -> Vec<[f64; 2]> {
+        let shapes = self.mesh.shapes();
+        let tables: Vec<_> = shapes.iter().map(|shape| (*shape, self.tabulated_edges(*shape))).collect();
+        let mut points = Vec::with_capacity(edges.size_hint().0 * self.points_of_edge());
+        for (cell, local) in edges {
+            let own = self.mesh.cell_shape(cell);
+            if let Some((_, edges)) = tables.iter().find(|(shape, _)| *shape == own) {
+                self.add_positions(&edges[local], cell, &mut points);
+            }
+        }
+        points
+    }
+
+    /// The polylines of all edges of the mesh, each edge once: [`Body::points_of_edge`] points for each, one edge after the other.
+    pub fn edges(&self) -> Vec<[f64; 2]> {
+        let mut sides = Vec::with_capacity(4 * self.mesh.cell_count());
         for cell in self.mesh.body_cells() {
             let nodes = self.mesh.cell(cell);
             for (local, ends) in self.mesh.cell_shape(cell).edges().iter().enumerate() {
                 let [a, b] = ends.map(|vertex| nodes[vertex]);
-                if seen.insert((a.min(b), a.max(b))) {
-                    edges.push(self.edge(cell, local));
-                }
+                sides.push(([a.min(b), a.max(b)], cell, local));
             }
         }
-        edges
+        // Of the two sides of an edge the first one is drawn, in the order of the cells.
+        sides.sort_unstable();
+        sides.dedup_by_key(|side| side.0);
+        sides.sort_unstable_by_key(|(_, cell, local)| (*cell, *local));
+        self.polylines(sides.into_iter().map(|(_, cell, local)| (cell, local)))
     }
 
     /// The polylines of facets. In the plane the facets of a cell are its edges, in the same order.
     pub fn facets(&self, facets: &[Facet]) -> Vec<Vec<[f64; 2]>> {
-        facets.iter().map(|facet| self.edge(facet.cell as usize, usize::from(facet.local))).collect()
+        let points =
+            self.polylines(facets.iter().map(|facet| (facet.cell as usize, usize::from(facet.local))));
+        points.chunks_exact(self.points_of_edge()).map(<[_]>::to_vec).collect()
     }
 
     /// The cells as a surface on the page, with one value per lattice point of each cell.

@@ -26,17 +26,18 @@ pub(super) fn draw_mesh_lines(
     place: impl Fn([f64; 2]) -> Point,
     clip: Option<Rectangle>,
 ) {
-    let edges: Vec<Vec<Point>> =
-        body.edges().iter().map(|edge| edge.iter().map(|&x| place(x)).collect()).collect();
-    let length = |edge: &Vec<Point>| {
+    let points: Vec<Point> = body.edges().into_iter().map(place).collect();
+    let edges = points.chunks_exact(body.points_of_edge());
+    let length = |edge: &[Point]| {
         edge.windows(2).map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1])).sum::<f64>()
     };
-    let mut lengths: Vec<f64> = edges.iter().map(length).collect();
+    let mut lengths: Vec<f64> = edges.clone().map(length).collect();
     lengths.sort_by(f64::total_cmp);
     let short = lengths.get(lengths.len() / 4).copied().unwrap_or(0.0);
     let colour = Colour::BLACK.with_opacity((0.12 * short).clamp(0.2, 0.6) as f32);
     let stroke = Stroke::solid(colour, (0.08 * short).clamp(0.12, 0.4));
-    let segments = edges.iter().flat_map(|edge| polyline(edge)).collect();
+    let mut segments = Vec::with_capacity(points.len());
+    edges.for_each(|edge| segments.extend(polyline(edge)));
     drawing.clipped_path(segments, None, Some(stroke), clip);
 }
 

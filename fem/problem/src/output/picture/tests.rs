@@ -1,5 +1,7 @@
 //! Whole pictures: size, contents, determinism, errors.
 
+use std::num::NonZeroUsize;
+
 use forms_pictures::{png_file, svg_file};
 
 use super::*;
@@ -33,7 +35,7 @@ fn the_body_is_where_it_should_be() {
         .window([-40.0, 40.0], [-40.0, 40.0])
         .size(160.0, 160.0);
     let drawing = map.draw().unwrap();
-    let (width, height, pixels) = decode(&png_file::encode(&drawing, 144.0).unwrap());
+    let (width, height, pixels) = decode(&png_file::encode(&drawing, 144.0, NonZeroUsize::MIN).unwrap());
     assert_eq!([width as f64, height as f64], drawing.size().map(|length| (2.0 * length).round()));
     // 160 pt for 80 units at 2 pixels per point: 4 pixels per unit, from the corner of the window.
     let [left, top] = [GAP_OF_LAYOUT, 1.5 * GAP_OF_LAYOUT];
@@ -75,8 +77,9 @@ fn pictures_are_deterministic_in_both_formats() {
             .draw()
             .unwrap()
     };
-    let [first, second] = [panel(), panel()]
-        .map(|drawing| (png_file::encode(&drawing, 72.0).unwrap(), svg_file::encode(&drawing).unwrap()));
+    let [first, second] = [panel(), panel()].map(|drawing| {
+        (png_file::encode(&drawing, 72.0, NonZeroUsize::MIN).unwrap(), svg_file::encode(&drawing).unwrap())
+    });
     assert_eq!(first, second);
     let (width, height, pixels) = decode(&first.0);
     assert_eq!([width as f64, height as f64], panel().size().map(f64::round));

@@ -46,8 +46,8 @@ pub(super) enum Values<'a> {
 }
 
 impl Grid<'_> {
-    /// Writes the text of the file.
-    pub(super) fn write(&self, writer: &mut dyn Write) -> io::Result<()> {
+    /// Writes the text of the file, coded on some threads.
+    pub(super) fn write(&self, threads: Threads, writer: &mut dyn Write) -> io::Result<()> {
         let points = match &self.points.values {
             Values::Reals(values) => values.len(),
             Values::Integers(values) => values.len(),
@@ -56,26 +56,26 @@ impl Grid<'_> {
         writeln!(writer, "{HEAD}<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">")?;
         for (name, arrays) in [("PointData", &self.point_data), ("CellData", &self.cell_data)] {
             writeln!(writer, "<{name}{}>", active(arrays))?;
-            arrays.iter().try_for_each(|array| array.write(writer))?;
+            arrays.iter().try_for_each(|array| array.write(threads, writer))?;
             writeln!(writer, "</{name}>")?;
         }
         writeln!(writer, "<Points>")?;
-        self.points.write(writer)?;
+        self.points.write(threads, writer)?;
         write!(writer, "</Points>\n<Cells>\n")?;
         let words = |number: u64| number.to_le_bytes();
-        write_array(writer, ("connectivity", 1, "UInt64"), &self.connectivity, words)?;
-        write_array(writer, ("offsets", 1, "UInt64"), &self.offsets, words)?;
-        write_array(writer, ("types", 1, "UInt8"), &self.types, |kind| [kind])?;
+        write_array(threads, writer, ("connectivity", 1, "UInt64"), &self.connectivity, words)?;
+        write_array(threads, writer, ("offsets", 1, "UInt64"), &self.offsets, words)?;
+        write_array(threads, writer, ("types", 1, "UInt8"), &self.types, |kind| [kind])?;
         writer.write_all(b"</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n")
     }
 }
 
 impl Array<'_> {
-    fn write(&self, writer: &mut dyn Write) -> io::Result<()> {
+    fn write(&self, threads: Threads, writer: &mut dyn Write) -> io::Result<()> {
         let head = |kind| (self.name, self.components, kind);
         match &self.values {
-            Values::Reals(values) => write_array(writer, head("Float64"), values, f64::to_le_bytes),
-            Values::Integers(values) => write_array(writer, head("Int32"), values, i32::to_le_bytes),
+            Values::Reals(values) => write_array(threads, writer, head("Float64"), values, f64::to_le_bytes),
+            Values::Integers(values) => write_array(threads, writer, head("Int32"), values, i32::to_le_bytes),
         }
     }
 }
@@ -93,6 +93,7 @@ pub(super) fn active(arrays: &[Array]) -> String {
 
 /// Writes an array of numbers of VTK's type `kind`, behind the number of their bytes.
 fn write_array<T: Copy + Sync, const N: usize>(
+    threads: Threads,
     writer: &mut dyn Write,
     (name, components, kind): (&str, usize, &str),
     numbers: &[T],
@@ -117,7 +118,6 @@ fn write_array<T: Copy + Sync, const N: usize>(
         base64::append(&mut text, &bytes);
         text
     };
-    let threads = Threads::all();
     let starts: Vec<usize> = (0..HEADER + size).step_by(BLOCK).collect();
     for starts in starts.chunks(threads.count()) {
         for text in threads.run(starts.to_vec(), coded) {
@@ -187,7 +187,7 @@ mod tests {
 </VTKFile>
 ";
         let mut text = vec![];
-        grid.write(&mut text).unwrap();
+        grid.write(Threads::ONE, &mut text).unwrap();
         assert_eq!(String::from_utf8(text).unwrap(), expected);
     }
 
@@ -198,8 +198,9 @@ mod tests {
             let bytes: Vec<u8> = (0..count).map(|k| (k * k / 7) as u8).collect();
             let integers: Vec<i32> = bytes.iter().map(|byte| i32::from(*byte) - 99).collect();
             let (mut written, mut expected) = (vec![], String::new());
-            write_array(&mut written, ("t", 1, "UInt8"), &bytes, |byte| [byte]).unwrap();
-            write_array(&mut written, ("i", 1, "Int32"), &integers, i32::to_le_bytes).unwrap();
+            write_array(Threads::new(3), &mut written, ("t", 1, "UInt8"), &bytes, |byte| [byte]).unwrap();
+            write_array(Threads::new(3), &mut written, ("i", 1, "Int32"), &integers, i32::to_le_bytes)
+                .unwrap();
             let four: Vec<u8> = integers.iter().flat_map(|number| number.to_le_bytes()).collect();
             for (head, bytes) in [("UInt8\" Name=\"t", bytes), ("Int32\" Name=\"i", four)] {
                 expected +=

@@ -110,6 +110,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         let constraints = constraints.each_ref().map(|one| &**one);
         self.agree_on_problem(&constraints)?;
         let own = Elimination::of(&constraints).map_err(NewtonFailure::Mismatch)?;
+        let own = own.on(self.system.assembler.threads());
         let mut elimination = self.divide(own)?;
         solver.set_local_unknowns(groups_of(&self.system.spaces.each_ref(), &elimination));
         if self.system.form.is_affine() && self.bounds.is_empty() && self.positive.is_empty() {
