@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --bin gallery` runs them one after the other and puts their pictures into `docs/pictures`;
 //! `-- --list` says which program makes which, `-- NAME ...` makes only some.
-//! Pictures of the tutorials and of `closing_c` are reduced to at most 150 kB, about the width of a page of the book.
+//! Large pictures are reduced to at most 150 kB, about the width of a page of the book.
 
 use std::error::Error;
 use std::ffi::OsString;
@@ -43,7 +43,7 @@ macro_rules! tutorial {
     };
 }
 
-const MAKERS: [Maker; 45] = [
+const MAKERS: [Maker; 46] = [
     tutorial!("01_poisson", "01"),
     tutorial!("02_elasticity", "02"),
     tutorial!("03_neo_hookean", "03"),
@@ -154,6 +154,19 @@ const MAKERS: [Maker; 45] = [
             "out/adaptive_hertz/adaptive_hertz_ball_contact.png",
             "adaptive_hertz_ball_contact.png",
         )],
+    },
+    Maker {
+        arguments: &[
+            "--bin",
+            "adaptive_hertz",
+            "--",
+            "cut-cylinder",
+            "--unknowns",
+            "3300",
+            "--uniform",
+            "256",
+        ],
+        pictures: &[("out/adaptive_hertz/adaptive_hertz_cut.png", "adaptive_hertz_cut.png")],
     },
     Maker {
         arguments: &["--bin", "adaptive_cylinder", "--", "--unknowns", "12000", "--reference", "100000"],
@@ -382,7 +395,7 @@ fn make(maker: &Maker, root: &Path) -> Result<(), Box<dyn Error>> {
 }
 
 /// Names of the pictures that are reduced.
-const REDUCED: [&str; 3] = ["tutorial_", "closing_c.png", "pressed_knot"];
+const REDUCED: [&str; 4] = ["tutorial_", "adaptive_hertz_cut", "closing_c.png", "pressed_knot"];
 
 /// Most bytes of them.
 const MOST_BYTES: usize = 150_000;

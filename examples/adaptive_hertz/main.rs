@@ -1,7 +1,8 @@
 //! Hertz's contacts on meshes that follow the error compared with meshes refined everywhere: the table of docs/contact_in_space.md.
 //!
-//! `cargo run --release --bin adaptive_hertz -- cylinder` or `-- ball`
+//! `cargo run --release --bin adaptive_hertz -- cylinder`, `-- ball` or `-- cut-cylinder`; docs/cut_backgrounds.md has the table of the last.
 
+mod cut_cylinder;
 mod facets;
 mod measurements;
 
@@ -11,8 +12,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
 use forms_contact::hertz::{
-    Body, CONTACT, CYLINDER_PRESSED, FREE, Hertz, QUARTER_PRESSED, RADIUS, body_on, cylinder_mesh,
-    cylinder_on, estimate, onto_body, quarter_mesh,
+    Body, CONTACT, CYLINDER_PRESSED, CutCylinder, FREE, Hertz, QUARTER_PRESSED, RADIUS, background, body_on,
+    cylinder_cut_from, cylinder_mesh, cylinder_on, estimate, estimate_on_cut, onto_body, quarter_mesh,
 };
 use forms_examples::command_line::program_with_options;
 use forms_fem::adaptivity::{Adaptation, AdaptiveSolution, ErrorEstimate};
@@ -38,6 +39,8 @@ enum Contact {
     Cylinder,
     /// A ball on a rigid flat
     Ball,
+    /// The cylinder, cut from a rectangle by a level set function
+    CutCylinder,
 }
 
 /// Presses an elastic cylinder or ball onto a rigid flat, on adaptive meshes and on uniform ones, and compares with Hertz.
@@ -116,6 +119,28 @@ fn cylinder(options: &Options) -> Outcome<(Series, Mesh<2>)> {
     Ok(([uniform, adaptive], found.mesh.mesh().clone()))
 }
 
+fn cut_cylinder(options: &Options) -> Outcome<(Series, CutCylinder, Field<2>)> {
+    if options.linear == LinearMethod::Multigrid {
+        return Err("cut-cylinder has a direct method: leave out --linear multigrid".into());
+    }
+    let way = options.way * CYLINDER_PRESSED;
+    let (mut uniform, mut adaptive, mut last) = (vec![], vec![], None);
+    for divisions in options.divisions() {
+        uniform.push(cut_cylinder::solve(&cylinder_cut_from(&background(divisions)?, way)?, None)?.1);
+    }
+    let on_mesh = |mesh: &Mesh<2>, before: Option<&Field<2>>| -> Outcome<_> {
+        let problem = cylinder_cut_from(mesh, way)?;
+        let (u, row) = cut_cylinder::solve(&problem, before)?;
+        adaptive.push(row);
+        let estimate = marked(estimate_on_cut(&problem, &u)?, mesh, options)?;
+        last = Some((problem, u.clone()));
+        Ok(AdaptiveSolution::new(u, estimate))
+    };
+    Adaptation::to_unknowns(options.unknowns).run(background(FIRST)?, on_mesh, |_| ())?;
+    let (problem, u) = last.ok_or("no mesh")?;
+    Ok(([uniform, adaptive], problem, u))
+}
+
 fn ball(options: &Options) -> Outcome<(Series, Mesh<3>)> {
     let way = options.way * QUARTER_PRESSED;
     let (mut uniform, mut adaptive) = (vec![], vec![]);
@@ -150,6 +175,7 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
     // Before the long computation: its results can be written.
     std::fs::create_dir_all(&options.out)
         .map_err(|error| format!("the output directory {} cannot be used: {error}", options.out.display()))?;
+    let mut cut = None;
     let (series, name) = match options.contact {
         Contact::Cylinder => {
             let (series, mesh) = cylinder(options)?;
@@ -177,6 +203,11 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
             }
             (series, "ball")
         }
+        Contact::CutCylinder => {
+            let (series, problem, u) = cut_cylinder(options)?;
+            cut = Some((problem, u));
+            (series, "cut cylinder")
+        }
     };
     out.line("| meshes | cells | unknowns | P | a | p0 | p0 on the axis | recovered | profile | smallest cell | Newton steps | iterations | s | MB so far | unknowns of a uniform mesh with such cells |");
     out.line(format!("|{}", " --- |".repeat(15)));
@@ -202,8 +233,12 @@ fn run(options: &Options, out: &mut StandardOutput) -> Outcome<()> {
             None => format!("{meshes}: a and p0 not within {limit} %"),
         });
     }
-    plot.write_png(options.out.join(format!("adaptive_hertz_{name}.png")))?;
-    Ok(())
+    match cut {
+        Some((problem, u)) => {
+            cut_cylinder::draw(&problem, &u, plot, &options.out.join("adaptive_hertz_cut.png"))
+        }
+        None => Ok(plot.write_png(options.out.join(format!("adaptive_hertz_{name}.png")))?),
+    }
 }
 
 fn main() -> ExitCode {

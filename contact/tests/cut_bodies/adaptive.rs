@@ -1,4 +1,4 @@
-//! Adaptive backgrounds: Hertz's cylinder, and problems A and B on the half-plane, each cut anew from every mesh.
+//! Adaptive backgrounds: Hertz's cylinder, and problems A, B and C on the half-plane, each cut anew from every mesh.
 
 use forms_contact::hertz::{
     CYLINDER_PRESSED, CutMeasured, Hertz, background, cylinder_cut_from, cylinder_distance, estimate_on_cut,
@@ -8,7 +8,9 @@ use forms_fem::adaptivity::{Adaptation, AdaptiveSolution, ErrorEstimate, Interfa
 use forms_fem::mesh::AdaptiveMesh;
 use forms_fem::prelude::*;
 
-use crate::half_plane::{HalfPlane, SIGNORINI, TRANSITION, background as around_half_plane};
+use crate::half_plane::{
+    HalfPlane, Potential, SIGNORINI, SMOOTH, TRANSITION, background as around_half_plane,
+};
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
@@ -78,20 +80,41 @@ fn transition_of_contact_has_order_1_in_the_unknowns() {
     assert!((exponent(&rows) + 1.0).abs() < 0.1, "N^{} of {rows:?}", exponent(&rows));
 }
 
+/// (22) with the contact zone of u, its error and its estimate.
+fn adjoint(problem: &HalfPlane, u: &Field<2>, exact: Potential) -> (Field<2>, f64, ErrorEstimate) {
+    let p = problem.solve(&problem.model.consistent_adjoint(u), exact);
+    let regions = adjoint_error::Regions::default().gamma_c("all");
+    let model = adjoint_error::Model { data: problem.model.data.clone(), regions };
+    let estimate = ErrorEstimate::residual(&problem.body, &model.squared(u, &p)).unwrap();
+    let error = problem.error(&p, exact);
+    (p, error, estimate)
+}
+
 #[test]
 fn transition_of_the_adjoint_has_order_1_in_the_unknowns() {
     let rows = errors(sweeps(20_000, 5000), |problem| {
-        let u = problem.solve(&problem.model.direct(), SIGNORINI);
-        let p = problem.solve(&problem.model.consistent_adjoint(&u), TRANSITION);
-        let regions = adjoint_error::Regions::default().gamma_c("all");
-        let model = adjoint_error::Model { data: problem.model.data.clone(), regions };
-        let estimate = ErrorEstimate::residual(&problem.body, &model.squared(&u, &p)).unwrap();
-        let error = problem.error(&p, TRANSITION);
-        (p, error, estimate)
+        adjoint(problem, &problem.solve(&problem.model.direct(), SIGNORINI), TRANSITION)
     });
     println!("B: {rows:?} N^{:.3}", exponent(&rows));
     // At least order 1: at first the error of u, which says where (22) has contact, falls faster.
     assert!(exponent(&rows) < -0.9, "N^{} of {rows:?}", exponent(&rows));
+    // With the exact contact zone.
+    let rows = errors(sweeps(20_000, 5000), |problem| {
+        let u = Field::interpolate(&problem.space, |x| SIGNORINI.displacement(x)).unwrap();
+        adjoint(problem, &u, TRANSITION)
+    });
+    println!("B, exact zone: {rows:?} N^{:.3}", exponent(&rows));
+    assert!((exponent(&rows) + 1.0).abs() < 0.1, "N^{} of {rows:?}", exponent(&rows));
+}
+
+#[test]
+fn smooth_adjoint_has_order_1_in_the_unknowns() {
+    let rows = errors(sweeps(20_000, 5000), |problem| {
+        let pressed = Field::interpolate(&problem.space, |_| [0.0, -1.0]).unwrap();
+        adjoint(problem, &pressed, SMOOTH)
+    });
+    println!("C: {rows:?} N^{:.3}", exponent(&rows));
+    assert!((exponent(&rows) + 1.0).abs() < 0.1, "N^{} of {rows:?}", exponent(&rows));
 }
 
 /// Unknowns, errors of a and p0, and the least cell.

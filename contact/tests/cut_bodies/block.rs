@@ -1,4 +1,5 @@
-//! The contact patch test on cut blocks: the bottom, which touches the obstacle, or a side is inside cells. The solution is linear.
+//! The contact patch test on cut blocks: the bottom, which touches the obstacle, or a side is inside cells. The solution is linear, and
+//! J = ½ a(u, u) = ½ E′δ²w/H has the derivatives −J/H and J/w.
 
 use forms_contact::ContactProblem;
 use forms_contact::forms;
@@ -13,6 +14,50 @@ const PRESSED: f64 = 0.02;
 /// E′.
 const PLANE_MODULUS: f64 = YOUNG / (1.0 - POISSON * POISSON);
 const THETAS: [f64; 3] = [-1.0, 0.0, 1.0];
+
+/// J and its adjoint state, with contact on the interface or on facets.
+#[forms(level_set_derivatives)]
+mod energy {
+    pub use forms_contact::laws::cut_nitsche::{GammaC, Ghost, Omega};
+    use forms_contact::laws::cut_nitsche::{elasticity, normal_stress, stabilisation, stress};
+    use forms_contact::operators::obstacle::nitsche_density;
+
+    #[includes(forms_contact::laws::cut_nitsche::Data)]
+    pub struct Data {
+        /// −σ_yy.
+        pub pressure: Param,
+    }
+    #[facets]
+    pub struct Bottom;
+
+    fn contact(u: Vector, v: Vector) -> Scalar {
+        nitsche_density(normal_stress(u), u, normal_stress(v), v)
+    }
+    fn density(u: Vector) -> Scalar {
+        inner(stress(u), eps(u)) / 2
+    }
+    fn stored(u: State<Vector>) -> Functional {
+        integral(Omega, density(u))
+    }
+    pub fn weighted(u: State<Vector>, t: Test<Scalar>) -> Form {
+        integral(Omega, density(u) * t)
+    }
+    pub fn missed(u: State<Vector>) -> Functional {
+        integral(Omega, sqr(dot(stress(u) * obstacle_normal, obstacle_normal) + pressure))
+    }
+    pub fn on_interface(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        elasticity(u, v) + stabilisation(u, v) + integral(GammaC, contact(u, v))
+    }
+    pub fn on_facets(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        elasticity(u, v) + stabilisation(u, v) + integral(Bottom, contact(u, v))
+    }
+    pub fn adjoint_on_interface(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
+        derivative(on_interface(u, p), u, q) + derivative(stored(u), u, q)
+    }
+    pub fn adjoint_on_facets(u: State<Vector>, p: Unknown<Vector>, q: Test<Vector>) -> Form {
+        derivative(on_facets(u, p), u, q) + derivative(stored(u), u, q)
+    }
+}
 
 fn data(theta: f64, degree: usize) -> cut_nitsche::Data<2> {
     let (lambda, mu) =
@@ -102,6 +147,61 @@ fn side_is_cut() {
             let force = body.functional(&fitted.contact_force(u)).unwrap();
             let exact = PLANE_MODULUS * strain * width;
             assert!((force / exact - 1.0).abs() < 1e-10, "force {force} is not {exact}");
+        }
+    }
+}
+
+/// The boundary that is inside cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum CutPart {
+    Bottom,
+    Side,
+}
+
+/// ∂J/∂H = −J/H where the bottom moves and takes the obstacle along, ∂J/∂w = J/w where the side does.
+fn check_derivative(part: CutPart, theta: f64, degree: usize) {
+    let (width, height) = (if part == CutPart::Side { 1.3 } else { 1.7 }, 0.8);
+    let lower = if part == CutPart::Bottom { -0.31 } else { 0.0 };
+    let mesh = rectangle([0.0, lower], [1.7, height], [7, 5], CellShape::Triangle, 1).unwrap();
+    let space = Space::vector(&mesh, degree).unwrap();
+    let body = cut(&mesh, |x| if part == CutPart::Bottom { -x[1] } else { x[0] - width });
+    let mut held = Constraints::new(&space);
+    held.fix_component("top", 1, |_| -PRESSED).unwrap();
+    held.fix_component("left", 0, |_| 0.0).unwrap();
+    body.cut().unwrap().hold_outside(&mut held).unwrap();
+    let regions = energy::Regions::default().gamma_c("all").ghost("ghost").bottom("bottom");
+    let pressure = PLANE_MODULUS * PRESSED / height;
+    let data = energy::data_from(data(theta, degree).gap(0.0)).pressure(pressure);
+    let model = energy::Model { data, regions };
+    let direct = if part == CutPart::Bottom { model.on_interface() } else { model.on_facets() };
+    let u = Problem::new(&direct, &space).assembler(&body).constrained(&held).solve().unwrap().into_field();
+    let adjoint =
+        if part == CutPart::Bottom { model.adjoint_on_interface(&u) } else { model.adjoint_on_facets(&u) };
+    let p = Problem::new(&adjoint, &space).assembler(&body).homogeneous(&held).solve().unwrap().into_field();
+
+    let missed = (body.functional(&model.missed(&u)).unwrap() / (width * height)).sqrt() / pressure;
+    assert!(missed < 1e-10, "σ_yy is off by {missed}");
+    let one = Field::interpolate(&Space::discontinuous_scalar(&mesh, 0).unwrap(), |_| 1.0).unwrap();
+    let weighted = model.weighted(&u);
+    let found: f64 = body.linear_form(&weighted, one.space()).unwrap().iter().sum();
+    let criterion = 0.5 * pressure * PRESSED * width;
+    assert!((found / criterion - 1.0).abs() < 1e-10, "J = {found} is not {criterion}");
+    let own = body.derivative_by_level_set(&weighted, &[], &[&one]).unwrap();
+    let by_state = body.derivative_by_level_set(&direct, &[&u], &[&p]).unwrap();
+    // φ + t is the block that is shorter or narrower by t.
+    let slope = -own.iter().chain(&by_state).sum::<f64>();
+    let expected = if part == CutPart::Bottom { -criterion / height } else { criterion / width };
+    let apart = (slope / expected - 1.0).abs();
+    println!("{part:?} θ = {theta} P{degree}: {slope} is {expected}, apart {apart:.1e}");
+    assert!(apart < 1e-10, "{part:?} θ = {theta} P{degree}: {slope} is not {expected}");
+}
+
+#[test]
+fn derivatives_by_height_and_width_are_exact() {
+    for part in [CutPart::Bottom, CutPart::Side] {
+        for theta in THETAS {
+            check_derivative(part, theta, 1);
+            check_derivative(part, theta, 2);
         }
     }
 }

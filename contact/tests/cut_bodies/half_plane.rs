@@ -59,7 +59,7 @@ impl Potential {
             sum.plus(Complex::power(x, p, Complex(re * factor, im * factor)))
         })
     }
-    fn displacement(self, x: &[f64; 2]) -> [f64; 2] {
+    pub fn displacement(self, x: &[f64; 2]) -> [f64; 2] {
         let kappa = (LAMBDA + 3.0 * MU) / (LAMBDA + MU);
         let (z, primitive) = (self.at(x, 0), self.at(x, -1));
         [
@@ -76,7 +76,7 @@ impl Potential {
 /// i √z, i/√z and 4z³ + 3z².
 pub const SIGNORINI: Potential = Potential(&[(0.5, 0.0, 1.0)]);
 pub const TRANSITION: Potential = Potential(&[(-0.5, 0.0, 1.0)]);
-const SMOOTH: Potential = Potential(&[(3.0, 4.0, 0.0), (2.0, 3.0, 0.0)]);
+pub const SMOOTH: Potential = Potential(&[(3.0, 4.0, 0.0), (2.0, 3.0, 0.0)]);
 
 /// The rectangle from which it is cut.
 pub fn background(cells: usize) -> Mesh<2> {

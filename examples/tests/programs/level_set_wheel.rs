@@ -1,15 +1,25 @@
-//! The program `level_set_wheel` as a user runs it, with few cells: its gradient, a descent that holds volume and pattern, and the wall.
+//! The program `level_set_wheel` as a user runs it, with few cells: its gradient, a descent that holds volume and pattern, the wall, and
+//! its resumption after it was killed.
 
-use std::process::Command;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
+use crate::interrupted::killed_until_it_ends;
 use crate::printed::after;
+
+fn command(directory: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_level_set_wheel"));
+    command.args(["--cells", "10", "--steps", "5", "--last-steps", "5", "--out"]).arg(directory);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
 
 #[test]
 fn holes_of_a_coarse_wheel_move_in_their_pattern() {
     let directory = tempfile::tempdir().expect("a directory");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_level_set_wheel"));
-    command.args(["--cells", "10", "--steps", "5", "--last-steps", "5", "--out"]).arg(directory.path());
-    let output = command.output().expect("the program starts");
+    let (calm, rough) = (directory.path().join("calm"), directory.path().join("rough"));
+    let output = command(&calm).output().expect("the program starts");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let printed = String::from_utf8(output.stdout).expect("text");
     for number in ["(21)", "(22)"] {
@@ -31,6 +41,17 @@ fn holes_of_a_coarse_wheel_move_in_their_pattern() {
     }
     let order = after(&printed, "order of the Taylor test ");
     assert!((order - 2.0).abs() < 0.05, "{printed}");
-    let bytes = std::fs::read(directory.path().join("level_set_wheel.png")).expect("a picture");
+    let bytes = std::fs::read(calm.join("level_set_wheel.png")).expect("a picture");
     assert!(bytes.starts_with(b"\x89PNG") && bytes.len() > 5000);
+
+    let kills = killed_until_it_ends(|| command(&rough), Duration::from_millis(700));
+    for adjoint in ["adjoint_21", "adjoint_22"] {
+        for name in
+            ["smooth/history.csv", "smooth/checkpoint.json", "length/history.csv", "length/checkpoint.json"]
+        {
+            let [calm, rough] =
+                [&calm, &rough].map(|run| std::fs::read(run.join(adjoint).join(name)).expect("a file"));
+            assert!(calm == rough, "{adjoint}/{name} differs after {kills} kills");
+        }
+    }
 }

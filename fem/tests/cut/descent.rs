@@ -130,6 +130,10 @@ fn holes_bring_an_area_to_its_target() {
     let run = LevelSetDescent { problem: &problem, initial, options }.run(None, &mut |_| Ok(())).unwrap();
     let made: Vec<_> = run.state.history.iter().filter_map(|row| row.holes.as_ref()).collect();
     println!("{made:?}, {:?} {:?}, {:?}", run.values.criterion, run.values.constraint, run.state.finish);
+    let parts: Vec<usize> = run.state.history.iter().map(|row| row.parts).collect();
+    println!("parts of the body {parts:?}");
+    // Four corners come off, and are gone at last.
+    assert!(parts[0] == 1 && parts.contains(&5) && parts.last() == Some(&1), "{parts:?}");
     // At first nothing but the area's price promises a gain: λ + r c = 3 · 10 J₀.
     assert!(made[0].promised < 10.0 * (made[0].after - made[0].before), "{made:?}");
     assert!(run.values.constraint.unwrap().abs() < 1e-3);
