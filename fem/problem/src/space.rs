@@ -180,18 +180,17 @@ impl<const D: usize> Space<D> {
     ///
     /// # Errors
     /// [`SpaceError::Shape`] of a shape without components, [`SpaceError::TooLarge`].
-    #[inline(never)]
     pub fn with_shape(&self, shape: &[usize]) -> Result<Arc<Self>, SpaceError> {
         making::check_shape(shape, self.node_count())?;
         Ok(self.of_checked_shape(shape.to_vec()))
     }
 
     /// The scalar space on the same nodes.
-    #[inline(never)]
     pub(crate) fn scalar_nodes(&self) -> Arc<Self> {
         self.of_checked_shape(vec![])
     }
 
+    #[inline(never)]
     fn of_checked_shape(&self, shape: Vec<usize>) -> Arc<Self> {
         Arc::new(Space {
             mesh: self.mesh.clone(),
