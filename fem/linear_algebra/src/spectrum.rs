@@ -68,7 +68,8 @@ pub fn irregular(size: usize) -> impl Iterator<Item = f64> {
 }
 
 /// The same from a seed other than zero.
-pub(super) fn irregular_from(seed: u64, size: usize) -> impl Iterator<Item = f64> {
+#[doc(hidden)]
+pub fn irregular_from(seed: u64, size: usize) -> impl Iterator<Item = f64> {
     let mut state = seed;
     (0..size).map(move |_| {
         state ^= state << 13;
