@@ -244,6 +244,9 @@ impl<P: Pencil> Shifted<P> {
     }
 
     /// The number of eigenvalues up to an end above, by the signs of pivots.
+    ///
+    /// # Errors
+    /// A matrix at the end that has no factor.
     pub fn count_up_to(&self, pencil: &P, end: f64) -> Result<usize, P::Error> {
         let signed = |shifted: &Self| -> Result<i64, P::Error> {
             let negative = pencil.negative(&shifted.factor)? as i64;

@@ -191,7 +191,7 @@ impl Together {
         self.largest_of_each(vec![own])[0]
     }
 
-    /// The same of several numbers.
+    /// Largest of all processes' numbers at each place of a list; NaN if there is one.
     pub fn largest_of_each(&self, own: Vec<f64>) -> Vec<f64> {
         self.fold_each(own, |_, a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) })
     }
