@@ -240,7 +240,7 @@ impl<'w> DistributedMatrix<'w> {
 
 /// Tells GAMG the rigid motions of a matrix of one unknown.
 fn set_motions(matrix: Object, motions: &Motions<'_>) -> Result<(), PetscError> {
-    let [Some(space)] = &motions[..] else { return Ok(()) };
+    let [Some(space)] = motions else { return Ok(()) };
     // SAFETY: both objects live, and PETSc counts its own reference to the space.
     unsafe { call!(MatSetNearNullSpace(matrix, space.handle())) }
 }

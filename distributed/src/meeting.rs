@@ -48,6 +48,9 @@ pub struct Traffic {
     pub bytes: u64,
 }
 
+/// A call with the numbers that go along.
+type Statement = (Call, [u64; ALONG]);
+
 /// Lists for other processes, by rank.
 pub(crate) type Lists = Vec<(usize, Vec<u64>)>;
 
@@ -176,7 +179,7 @@ impl Meetings {
     }
 
     /// The same with a few numbers of each process.
-    fn meet_with(&self, own: Call, along: &[u64]) -> Result<Vec<(Call, [u64; ALONG])>, PetscError> {
+    fn meet_with(&self, own: Call, along: &[u64]) -> Result<Vec<Statement>, PetscError> {
         let all = self.statements(own, along, None)?.unwrap_or_default();
         self.same(own, &all.iter().map(|(call, _)| *call).collect::<Vec<_>>())?;
         Ok(all)
@@ -272,7 +275,7 @@ impl Meetings {
         own: Call,
         along: &[u64],
         patience: Option<Duration>,
-    ) -> Result<Option<Vec<(Call, [u64; ALONG])>>, PetscError> {
+    ) -> Result<Option<Vec<Statement>>, PetscError> {
         const WORDS: usize = 2 + ALONG;
         let mut words = Box::new([0_u64; WORDS]);
         words[..2].copy_from_slice(&own.words());
@@ -389,6 +392,8 @@ mod tests {
             Call::Sum { length: 7 },
             Call::End { failed: false },
             Call::Exchange { number: 9 },
+            Call::List { length: 3 },
+            Call::NoExchange { number: 9 },
         ];
         calls.into_iter().for_each(|call| assert_eq!(Call::of_words(call.words()), call));
     }
