@@ -15,6 +15,9 @@ use crate::mpi::{self, Handle, call_mpi};
 /// Time between two checks whether the other processes have arrived.
 const LOOK: Duration = Duration::from_millis(1);
 
+/// Most numbers that go along with a statement.
+const ALONG: usize = 6;
+
 /// A call that a process is about to make with the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Call {
@@ -22,12 +25,16 @@ pub(crate) enum Call {
     Agree { failed: bool },
     /// A number of each process.
     Gather { number: u64 },
+    /// Numbers of each process, as many of each.
+    List { length: u64 },
     /// A sum of vectors.
     Sum { length: u64 },
     /// No further call.
     End { failed: bool },
     /// Lists from process to process, with a number of their own.
     Exchange { number: u64 },
+    /// The same of a process that has nothing to send, because it failed: there is no exchange then.
+    NoExchange { number: u64 },
 }
 
 /// Counts of a process's messages so far, apart from PETSc's.
@@ -41,6 +48,9 @@ pub struct Traffic {
     pub bytes: u64,
 }
 
+/// A call with the numbers that go along.
+type Statement = (Call, [u64; ALONG]);
+
 /// Lists for other processes, by rank.
 pub(crate) type Lists = Vec<(usize, Vec<u64>)>;
 
@@ -52,6 +62,8 @@ impl Call {
             Call::Sum { length } => [2, length],
             Call::End { failed } => [3, u64::from(failed)],
             Call::Exchange { number } => [4, number],
+            Call::List { length } => [5, length],
+            Call::NoExchange { number } => [6, number],
         }
     }
 
@@ -61,6 +73,8 @@ impl Call {
             [1, number] => Call::Gather { number },
             [2, length] => Call::Sum { length },
             [4, number] => Call::Exchange { number },
+            [5, length] => Call::List { length },
+            [6, number] => Call::NoExchange { number },
             [_, failed] => Call::End { failed: failed != 0 },
         }
     }
@@ -68,8 +82,12 @@ impl Call {
     /// Whether both can be made together.
     fn fits(self, other: Call) -> bool {
         match (self, other) {
-            (Call::Sum { length }, Call::Sum { length: other }) => length == other,
-            (Call::Exchange { number }, Call::Exchange { number: other }) => number == other,
+            (Call::Sum { length }, Call::Sum { length: other })
+            | (Call::List { length }, Call::List { length: other }) => length == other,
+            (
+                Call::Exchange { number } | Call::NoExchange { number },
+                Call::Exchange { number: other } | Call::NoExchange { number: other },
+            ) => number == other,
             (one, other) => one.words()[0] == other.words()[0],
         }
     }
@@ -82,7 +100,10 @@ impl fmt::Display for Call {
             Call::Gather { .. } => f.write_str("a comparison"),
             Call::Sum { length } => write!(f, "a sum of {length} numbers"),
             Call::End { .. } => f.write_str("the end"),
-            Call::Exchange { number } => write!(f, "an exchange between pieces (number {number:x})"),
+            Call::List { length } => write!(f, "a comparison of {length} numbers"),
+            Call::Exchange { number } | Call::NoExchange { number } => {
+                write!(f, "an exchange between pieces (number {number:x})")
+            }
         }
     }
 }
@@ -154,9 +175,26 @@ impl Meetings {
 
     /// The call that all processes are about to make, which has to be the same.
     pub fn meet(&self, own: Call) -> Result<Vec<Call>, PetscError> {
-        let all = self.all(own, None)?.unwrap_or_default();
-        self.same(own, &all)?;
+        Ok(self.meet_with(own, &[])?.into_iter().map(|(call, _)| call).collect())
+    }
+
+    /// The same with a few numbers of each process.
+    fn meet_with(&self, own: Call, along: &[u64]) -> Result<Vec<Statement>, PetscError> {
+        let all = self.statements(own, along, None)?.unwrap_or_default();
+        self.same(own, &all.iter().map(|(call, _)| *call).collect::<Vec<_>>())?;
         Ok(all)
+    }
+
+    /// As many numbers of each process, in their order: one call for a few of them.
+    pub fn gather_lists(&self, own: &[u64]) -> Result<Vec<Vec<u64>>, PetscError> {
+        let (mut lists, length) = (vec![vec![]; self.size], own.len() as u64);
+        for piece in own.chunks(ALONG) {
+            let all = self.meet_with(Call::List { length }, piece)?;
+            for (list, (_, numbers)) in lists.iter_mut().zip(all) {
+                list.extend_from_slice(&numbers[..piece.len()]);
+            }
+        }
+        Ok(lists)
     }
 
     /// Takes down whether all processes make the same call.
@@ -169,7 +207,20 @@ impl Meetings {
     /// Sends lists to other processes, and receives one of the given length from each of them: each of them does the same in return, in a
     /// call with the same number.
     pub fn exchange(&self, number: u64, to: Lists, lengths: &[usize]) -> Result<Vec<Vec<u64>>, PetscError> {
-        self.meet(Call::Exchange { number })?;
+        self.exchange_if_all(number, Some(to), lengths)
+    }
+
+    /// The same if all processes have lists; else an error on all.
+    pub fn exchange_if_all(
+        &self,
+        number: u64,
+        to: Option<Lists>,
+        lengths: &[usize],
+    ) -> Result<Vec<Vec<u64>>, PetscError> {
+        let own = if to.is_some() { Call::Exchange { number } } else { Call::NoExchange { number } };
+        let all = self.meet(own)?;
+        let count = all.iter().filter(|call| matches!(call, Call::NoExchange { .. })).count();
+        let Some(to) = to.filter(|_| count == 0) else { return Err(PetscError::Elsewhere { count }) };
         let (kind, communicator) = (mpi::unsigned(), self.communicator()?);
         let mut from: Vec<Vec<u64>> = lengths.iter().map(|length| vec![0; *length]).collect();
         let count = |list: &[u64]| {
@@ -214,28 +265,47 @@ impl Meetings {
 
     /// Statements of all processes. `None` if some have not come by the end of `patience`; then there is no further meeting.
     pub fn all(&self, own: Call, patience: Option<Duration>) -> Result<Option<Vec<Call>>, PetscError> {
-        let words = Box::new(own.words());
-        let mut all = vec![[0_u64; 2]; self.size];
+        let all = self.statements(own, &[], patience)?;
+        Ok(all.map(|all| all.into_iter().map(|(call, _)| call).collect()))
+    }
+
+    /// The same with the numbers that go along.
+    fn statements(
+        &self,
+        own: Call,
+        along: &[u64],
+        patience: Option<Duration>,
+    ) -> Result<Option<Vec<Statement>>, PetscError> {
+        const WORDS: usize = 2 + ALONG;
+        let mut words = Box::new([0_u64; WORDS]);
+        words[..2].copy_from_slice(&own.words());
+        words[2..][..along.len()].copy_from_slice(along);
+        let mut all = vec![[0_u64; WORDS]; self.size];
+        let read = |words: [u64; WORDS]| {
+            let [kind, number, along @ ..] = words;
+            (Call::of_words([kind, number]), along)
+        };
         let (mut request, mut done) = (null_mut(), 0 as c_int);
         let (kind, communicator) = (mpi::unsigned(), self.communicator()?);
         self.count(1, 0, 0);
-        // SAFETY: two numbers from here and two from each process, for which there is room; both lists stay where they are until the
+        // SAFETY: as many numbers from here as from each process, for which there is room; both lists stay where they are until the
         // request is done, or for ever.
         unsafe {
             let (own, all) = (words.as_ptr().cast(), all.as_mut_ptr().cast());
-            call_mpi!(MPI_Iallgather(own, 2, kind, all, 2, kind, communicator, &mut request))?;
+            let count = WORDS as c_int;
+            call_mpi!(MPI_Iallgather(own, count, kind, all, count, kind, communicator, &mut request))?;
         }
         let Some(patience) = patience else {
             // SAFETY: the request that was just made; its status is not asked for.
             unsafe { call_mpi!(MPI_Wait(&mut request, null_mut()))? };
-            return Ok(Some(all.into_iter().map(Call::of_words).collect()));
+            return Ok(Some(all.into_iter().map(read).collect()));
         };
         let start = Instant::now();
         loop {
             // SAFETY: as above.
             unsafe { call_mpi!(MPI_Test(&mut request, &mut done, null_mut()))? };
             if done != 0 {
-                return Ok(Some(all.into_iter().map(Call::of_words).collect()));
+                return Ok(Some(all.into_iter().map(read).collect()));
             }
             if start.elapsed() > patience {
                 // MPI may still write there.
@@ -249,6 +319,16 @@ impl Meetings {
     /// The sums over all processes of as many numbers of each: added in an order that follows from the number of processes only, with
     /// the same bits on all.
     pub fn sum(&self, own: &[f64]) -> Result<Vec<f64>, PetscError> {
+        let length = own.len() as u64;
+        if own.len() <= ALONG {
+            let along: Vec<u64> = own.iter().map(|number| number.to_bits()).collect();
+            let mut sums = vec![0.0; own.len()];
+            for (_, numbers) in self.meet_with(Call::Sum { length }, &along)? {
+                sums.iter_mut().zip(numbers).for_each(|(sum, bits)| *sum += f64::from_bits(bits));
+            }
+            return Ok(sums);
+        }
+        self.meet(Call::Sum { length })?;
         let too_many = PetscError::TooMany { what: "numbers", count: own.len() };
         let count = c_int::try_from(own.len()).map_err(|_| too_many)?;
         let mut sum = vec![0.0_f64; own.len()];
@@ -312,6 +392,8 @@ mod tests {
             Call::Sum { length: 7 },
             Call::End { failed: false },
             Call::Exchange { number: 9 },
+            Call::List { length: 3 },
+            Call::NoExchange { number: 9 },
         ];
         calls.into_iter().for_each(|call| assert_eq!(Call::of_words(call.words()), call));
     }

@@ -8,6 +8,8 @@ pub const TOLERANCE: f64 = 1e-10;
 pub enum Method {
     /// LU by MUMPS, for any matrix.
     Direct,
+    /// LDLᵀ by MUMPS, for symmetric matrices, with a count of negative pivots: for eigenproblems.
+    Symmetric,
     /// Conjugate gradients with smoothed aggregation (GAMG), with the rigid motions if the unknown is a displacement: for
     /// symmetric positive definite matrices.
     ConjugateGradients {
@@ -37,13 +39,19 @@ impl Method {
         Method::Gmres { tolerance: TOLERANCE, max_iterations: 500 }
     }
 
-    /// The method of a name: `direct`, `cg` or `gmres`.
+    /// Whether it solves by a factor.
+    pub(crate) fn is_direct(self) -> bool {
+        matches!(self, Method::Direct | Method::Symmetric)
+    }
+
+    /// The method of a name: `direct`, `symmetric`, `cg` or `gmres`.
     ///
     /// # Errors
     /// [`UnknownMethod`].
     pub fn named(name: &str) -> Result<Self, UnknownMethod> {
         match name {
             "direct" => Ok(Method::Direct),
+            "symmetric" => Ok(Method::Symmetric),
             "cg" => Ok(Method::conjugate_gradients()),
             "gmres" => Ok(Method::gmres()),
             name => Err(UnknownMethod { name: name.to_owned() }),
@@ -52,7 +60,7 @@ impl Method {
 
     pub(crate) fn name(self) -> &'static str {
         match self {
-            Method::Direct => "MUMPS",
+            Method::Direct | Method::Symmetric => "MUMPS",
             Method::ConjugateGradients { .. } => "CG with GAMG",
             Method::Gmres { .. } => "GMRES",
         }
@@ -62,7 +70,8 @@ impl Method {
 /// There is no method of this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "no method is called \"{name}\": there are \"direct\" (MUMPS), \"cg\" (conjugate gradients with GAMG) and \"gmres\""
+    "no method is called \"{name}\": there are \"direct\" and \"symmetric\" (MUMPS), \"cg\" (conjugate gradients with GAMG) and \
+     \"gmres\""
 )]
 pub struct UnknownMethod {
     /// The name that was asked for.

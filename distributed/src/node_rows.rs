@@ -79,8 +79,8 @@ impl<const D: usize> FreeNodes<D> {
         let is_displacement = self.components == D && D > 1;
         let motions = if is_displacement { rigid_motions(&self.positions) } else { vec![] };
         let rows = Rows::of_nodes(world, self.positions.len(), self.components)?;
-        let product = |a: &[f64], b: &[f64]| Ok(product(a, b));
-        let mut motions = orthonormal(motions, &held, &product)?;
+        let products = |all: &[&[f64]], b: &[f64]| Ok(all.iter().map(|a| product(a, b)).collect());
+        let mut motions = orthonormal(motions, &held, &products)?;
         motions.iter_mut().for_each(|motion| *motion = motion[rows.own.clone()].to_vec());
         Ok(FieldRows { rows, start, motions })
     }
@@ -128,6 +128,18 @@ impl NodeRows {
         Fingerprint::default().numbers(sizes).numbers(places).reals(coordinates).finish()
     }
 
+    /// The free unknowns whose rows this process judges, with the places of these among the rows that it knows.
+    pub fn judged(&self) -> Vec<(usize, usize)> {
+        let rows = self.places.iter().map(|place| *place as usize).enumerate();
+        match self.divided {
+            None => rows.collect(),
+            Some(_) => {
+                let own = &self.rows.own;
+                rows.filter(|(_, row)| own.contains(row)).map(|(free, row)| (free, row - own.start)).collect()
+            }
+        }
+    }
+
     /// This process's rows of a vector over the free unknowns.
     pub fn own_of(&self, reduced: &[f64]) -> Vec<f64> {
         let mut own = vec![0.0; self.rows.own.len()];
@@ -151,14 +163,6 @@ impl NodeRows {
         let found = self.places.iter().map(|place| own(place).and_then(|row| known.get(row)).copied());
         divided.spread(found.map(Option::unwrap_or_default))
     }
-
-    /// The sum of all processes' contributions to a vector over the free unknowns.
-    pub fn add_up(&self, world: &World, reduced: &[f64]) -> Result<Vec<f64>, PetscError> {
-        match &self.divided {
-            None => world.sum(reduced),
-            Some(divided) => divided.add_up(reduced),
-        }
-    }
 }
 
 /// The part of a product of two vectors in some rows.
@@ -166,27 +170,31 @@ pub(crate) fn product(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// A product of two vectors. A process may have some of their rows only.
-pub(crate) type Product<'a> = dyn Fn(&[f64], &[f64]) -> Result<f64, PetscError> + 'a;
+/// Products of some vectors with one. A process may have some of their rows only.
+pub(crate) type Products<'a> = dyn Fn(&[&[f64]], &[f64]) -> Result<Vec<f64>, PetscError> + 'a;
 
 /// Gram and Schmidt's basis of some vectors that are zero in the held rows.
 pub(crate) fn orthonormal(
     vectors: Vec<Vec<f64>>,
     held: &[usize],
-    product: &Product<'_>,
+    products: &Products<'_>,
 ) -> Result<Vec<Vec<f64>>, PetscError> {
     let mut basis: Vec<Vec<f64>> = Vec::new();
     for mut vector in vectors {
         held.iter().for_each(|row| vector[*row] = 0.0);
-        let before = product(&vector, &vector)?.sqrt();
+        let mut before = None;
         // Once more, for what rounding left.
         for _ in 0..2 {
-            for known in &basis {
-                let factor = product(known, &vector)?;
+            let asked: Vec<&[f64]> = basis.iter().chain([&vector]).map(|one| &one[..]).collect();
+            let mut factors = products(&asked, &vector)?;
+            let square = factors.pop().unwrap_or(f64::NAN);
+            before = before.or(Some(square.sqrt()));
+            for (known, factor) in basis.iter().zip(factors) {
                 vector.iter_mut().zip(known).for_each(|(value, known)| *value -= factor * known);
             }
         }
-        let length = product(&vector, &vector)?.sqrt();
+        let before = before.unwrap_or(f64::NAN);
+        let length = products(&[&vector], &vector)?[0].sqrt();
         if length > DEPENDENT * before {
             vector.iter_mut().for_each(|value| *value /= length);
             basis.push(vector);
@@ -202,7 +210,8 @@ mod tests {
     #[test]
     fn motions_become_a_basis_that_leaves_held_rows_alone() {
         let vectors = vec![vec![1.0, 1.0, 0.0], vec![1.0, 1.0, 1.0], vec![2.0, 2.0, 5.0]];
-        let basis = orthonormal(vectors, &[0], &|a, b| Ok(product(a, b))).unwrap();
+        let products = |all: &[&[f64]], b: &[f64]| Ok(all.iter().map(|a| product(a, b)).collect());
+        let basis = orthonormal(vectors, &[0], &products).unwrap();
         assert_eq!(basis, [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
     }
 }

@@ -31,6 +31,10 @@ pub const EUCLIDEAN: c_int = 1;
 pub const DEFAULT: c_double = -2.0;
 /// `MAT_INITIAL_MATRIX`.
 pub const INITIAL: c_int = 0;
+/// `MAT_NO_OFF_PROC_ENTRIES`.
+pub const NO_ENTRIES_OF_OTHERS: c_int = 17;
+/// `MAT_FINAL_ASSEMBLY`.
+pub const FINAL: c_int = 0;
 /// `PC_COMPOSITE_SCHUR`.
 pub const SCHUR: c_int = 4;
 /// `PC_FIELDSPLIT_SCHUR_FACT_FULL`.
@@ -96,13 +100,35 @@ unsafe extern "C" {
     ) -> Code;
     pub fn MatSetBlockSize(matrix: Object, size: Index) -> Code;
     pub fn MatSetType(matrix: Object, name: *const c_char) -> Code;
-    pub fn MatSetPreallocationCOO(
+    pub fn MatSeqAIJSetPreallocation(matrix: Object, each: Index, counts: *const Index) -> Code;
+    pub fn MatMPIAIJSetPreallocation(
         matrix: Object,
-        count: isize,
-        rows: *mut Index,
-        columns: *mut Index,
+        inside: Index,
+        counts_inside: *const Index,
+        outside: Index,
+        counts_outside: *const Index,
     ) -> Code;
-    pub fn MatSetValuesCOO(matrix: Object, values: *const c_double, mode: c_int) -> Code;
+    pub fn MatMPIAIJGetSeqAIJ(
+        matrix: Object,
+        inside: *mut Object,
+        outside: *mut Object,
+        columns: *mut *const Index,
+    ) -> Code;
+    pub fn MatSeqAIJGetArray(matrix: Object, values: *mut *mut c_double) -> Code;
+    pub fn MatSeqAIJRestoreArray(matrix: Object, values: *mut *mut c_double) -> Code;
+    pub fn MatSetOption(matrix: Object, option: c_int, is_set: c_int) -> Code;
+    pub fn MatSetValues(
+        matrix: Object,
+        row_count: Index,
+        rows: *const Index,
+        column_count: Index,
+        columns: *const Index,
+        values: *const c_double,
+        mode: c_int,
+    ) -> Code;
+    pub fn MatAssemblyBegin(matrix: Object, kind: c_int) -> Code;
+    pub fn MatAssemblyEnd(matrix: Object, kind: c_int) -> Code;
+    pub fn MatGetDiagonal(matrix: Object, diagonal: Object) -> Code;
     pub fn MatSetNearNullSpace(matrix: Object, space: Object) -> Code;
     pub fn MatMult(matrix: Object, x: Object, product: Object) -> Code;
     pub fn MatMultTranspose(matrix: Object, x: Object, product: Object) -> Code;
@@ -140,6 +166,7 @@ unsafe extern "C" {
     ) -> Code;
     pub fn KSPSetResidualHistory(solver: Object, values: *mut c_double, count: Index, reset: c_int) -> Code;
     pub fn KSPGetResidualHistory(solver: Object, values: *mut *const c_double, count: *mut Index) -> Code;
+    pub fn KSPSetUp(solver: Object) -> Code;
     pub fn KSPSolve(solver: Object, b: Object, x: Object) -> Code;
     pub fn KSPSolveTranspose(solver: Object, b: Object, x: Object) -> Code;
     pub fn KSPGetConvergedReason(solver: Object, reason: *mut c_int) -> Code;
@@ -147,6 +174,13 @@ unsafe extern "C" {
     pub fn KSPGetIterationNumber(solver: Object, count: *mut Index) -> Code;
     pub fn KSPDestroy(solver: *mut Object) -> Code;
     pub fn PCSetType(preconditioner: Object, name: *const c_char) -> Code;
+    pub fn PCFactorGetMatrix(preconditioner: Object, factor: *mut Object) -> Code;
+    pub fn MatGetInertia(
+        factor: Object,
+        negative: *mut Index,
+        zero: *mut Index,
+        positive: *mut Index,
+    ) -> Code;
     pub fn PCFactorSetMatSolverType(preconditioner: Object, name: *const c_char) -> Code;
     pub fn PCFieldSplitSetIS(preconditioner: Object, name: *const c_char, rows: Object) -> Code;
     pub fn PCFieldSplitSetType(preconditioner: Object, kind: c_int) -> Code;

@@ -7,20 +7,26 @@ use std::ptr::null;
 use std::time::Instant;
 
 use forms_fem::linear_algebra::backward_error::check_rows;
-use forms_fem::linear_algebra::{CsrMatrix, LinearAlgebraError, ResidualHistory};
+use forms_fem::linear_algebra::{BlockMatrix, CsrMatrix, LinearAlgebraError, ResidualHistory};
 use forms_fem::prelude::*;
 use forms_fem::solve::communicator::Fingerprint;
 use forms_fem::solve::linear_system::HOLDS;
-use forms_fem::solve::{LinearSolution, SolverError, Transpose};
+use forms_fem::solve::{Elimination, LinearSolution, SolverError, Transpose};
 
-use crate::error::PetscError;
+use crate::error::{DistributedError, PetscError};
+use crate::local_matrix::LocalMatrix;
+use crate::matrix::take_motions;
 use crate::method::Method;
 use crate::node_rows::NodeRows;
+use crate::object::Owned;
 use crate::part::MeshPart;
 use crate::petsc::{EUCLIDEAN, Index, call};
 use crate::system::System;
 use crate::vector::DistributedVector;
 use crate::world::World;
+
+/// Statement of a process whose matrix is unfit.
+const UNFIT: u64 = 2;
 
 /// Counts of a solver so far.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -53,6 +59,8 @@ pub struct PetscSolver<'w> {
     /// Number of processes whose matrices add up to the one that is meant; 1 for whole matrices.
     processes: usize,
     nodes: NodeRows,
+    /// Of each unknown.
+    motions: Vec<Option<Owned<'w>>>,
     b: DistributedVector<'w>,
     x: DistributedVector<'w>,
     residual: DistributedVector<'w>,
@@ -103,15 +111,18 @@ impl<'w> PetscSolver<'w> {
         Self::on_rows(part.world(), nodes, method)
     }
 
-    fn on_rows(world: &'w World, nodes: NodeRows, method: Method) -> Result<Self, PetscError> {
+    fn on_rows(world: &'w World, mut nodes: NodeRows, method: Method) -> Result<Self, PetscError> {
         world.destroy_dropped()?;
+        let motions = nodes.fields.iter_mut().map(|field| take_motions(world, field)).collect();
+        let motions: Vec<_> = world.agree_on_calls(motions)?;
         let vector = || DistributedVector::new(world, nodes.rows.clone());
         let copied = || if nodes.divided.is_some() { vector() } else { vector()?.with_copy(world) };
         let vectors = || Ok((vector()?, copied()?, copied()?));
         let (b, x, residual) = world.agree_on_calls(vectors())?;
         let report = PetscReport { rows: nodes.rows.count, ..PetscReport::default() };
         let prefix = CString::default();
-        Ok(PetscSolver { world, method, prefix, processes: 1, b, x, residual, nodes, system: None, report })
+        let (processes, system) = (1, None);
+        Ok(PetscSolver { world, method, prefix, processes, nodes, motions, b, x, residual, system, report })
     }
 
     /// A prefix of the names of its options, to tell the solvers of a program apart: with `contact_`, `PETSC_OPTIONS` has
@@ -140,7 +151,7 @@ impl<'w> PetscSolver<'w> {
         Err(LinearAlgebraError::SizeMismatch { what, expected, found })
     }
 
-    fn check_matrix(&self, local: &CsrMatrix) -> Result<(), SolverError> {
+    fn check_matrix(&self, local: &LocalMatrix<'_>) -> Result<(), SolverError> {
         self.check_processes()?;
         self.check_size("the set of rows", local.rows())?;
         Ok(local.check_finite()?)
@@ -162,7 +173,7 @@ impl<'w> PetscSolver<'w> {
         // SAFETY: PETSc writes a string of its own, and lends the list of residuals with its length.
         let reason = unsafe {
             call!(KSPGetConvergedReasonString(solver, &mut text))?;
-            if self.method != Method::Direct {
+            if !self.method.is_direct() {
                 call!(KSPGetResidualHistory(solver, &mut values, &mut count))?;
             }
             if !values.is_null() {
@@ -182,21 +193,28 @@ impl LinearSolver for PetscSolver<'_> {
     }
 
     fn set_matrix(&mut self, local: CsrMatrix) -> Result<(), SolverError> {
-        let start = Instant::now();
-        self.world.agree(self.check_matrix(&local))?;
-        // All processes tell their positions anew if one has to.
-        let is_new = !self.system.as_ref().is_some_and(|system| system.fits(&local));
-        if self.world.gather(u64::from(is_new))?.contains(&1) {
-            self.system = None;
-            self.world.destroy_dropped()?;
+        self.set_local(&LocalMatrix::Free(&local))
+    }
+
+    /// Without a copy of the process's part, where no unknown is given by others.
+    fn set_reduced(
+        &mut self,
+        matrix: &BlockMatrix,
+        elimination: &mut Elimination,
+    ) -> Result<(), SolverError> {
+        if elimination.only_prescribes() {
+            return self.set_local(&LocalMatrix::of_all(matrix, elimination));
         }
-        let assembled = self.assembled(&local);
-        let mut system = self.world.agree_on_calls(assembled)?;
-        system.diagonal = self.nodes.add_up(self.world, &local.diagonal())?;
-        system.local = local;
-        self.system = Some(system);
-        self.report.assembly_seconds += start.elapsed().as_secs_f64();
-        Ok(())
+        self.set_matrix(elimination.reduce_matrix(matrix)?)
+    }
+
+    /// By the signs of MUMPS's pivots.
+    fn negative_eigenvalues(&mut self) -> Result<Option<usize>, SolverError> {
+        if self.method != Method::Symmetric {
+            return Ok(None);
+        }
+        let counted = self.system.as_ref().map(System::negative_pivots).transpose();
+        Ok(Some(self.world.agree_on_calls(counted)?.ok_or(SolverError::NoMatrix)?))
     }
 
     /// Each equation of a solution that is handed out holds relative to the sizes of its own terms, whatever the norm says.
@@ -223,18 +241,10 @@ impl LinearSolver for PetscSolver<'_> {
             return Err(self.not_converged(&solved)?);
         }
         let relative_residual = if solved.size == 0.0 { 0.0 } else { solved.norm / solved.size };
-        let iterations = if self.method == Method::Direct { 0 } else { solved.iterations as usize };
+        let iterations = if self.method.is_direct() { 0 } else { solved.iterations as usize };
         let solution = self.nodes.unknowns_of(&solved.solution)?;
         if let Some(rest) = &solved.rest {
-            let rest = self.nodes.unknowns_of(rest)?;
-            let system = self.system.as_ref().ok_or(SolverError::NoMatrix)?;
-            let sizes = |y: &[f64]| {
-                let own = term_sizes(&system.local, y, transpose);
-                Ok::<_, SolverError>(self.nodes.add_up(self.world, &own)?)
-            };
-            let of_all = |own: bool| Ok(!self.world.gather(u64::from(own))?.contains(&0));
-            let checked = check_rows(&rest, (&solution, b), &system.diagonal, sizes, of_all, HOLDS);
-            self.world.agree(checked)?;
+            self.judge_rows(rest, (&solution, b), transpose)?;
         }
         self.report.iterations.push(iterations);
         self.report.largest_residual = self.report.largest_residual.max(relative_residual);
@@ -259,16 +269,79 @@ struct Found {
 }
 
 impl<'w> PetscSolver<'w> {
+    /// Takes the matrix to which this process contributes a part.
+    fn set_local(&mut self, local: &LocalMatrix<'_>) -> Result<(), SolverError> {
+        let (start, fit) = (Instant::now(), self.check_matrix(local));
+        let is_new = !self.system.as_ref().is_some_and(|system| system.fits(local));
+        let all = self.world.gather(if fit.is_err() { UNFIT } else { u64::from(is_new) })?;
+        fit?;
+        match all.iter().filter(|one| **one == UNFIT).count() {
+            0 => {}
+            count => return Err(DistributedError::<SolverError>::Elsewhere { count }.into()),
+        }
+        // All processes tell their positions anew if one has to.
+        if all.contains(&1) {
+            self.system = None;
+            self.world.destroy_dropped()?;
+        }
+        let assembled = self.assembled(local);
+        self.system = Some(self.world.agree_on_calls(assembled)?);
+        self.report.assembly_seconds += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Whether each equation holds. Where processes have parts of vectors, each judges the rows that it keeps.
+    fn judge_rows(
+        &mut self,
+        rest: &[f64],
+        (solution, b): (&[f64], &[f64]),
+        transpose: Transpose,
+    ) -> Result<(), SolverError> {
+        let PetscSolver { world, nodes, system, b: amounts, residual: product, .. } = self;
+        let (system, product) = (system.as_ref().ok_or(SolverError::NoMatrix)?, &*product);
+        let judged = nodes.judged();
+        let known = |rows: &[f64]| judged.iter().map(|(_, row)| rows[*row]).collect::<Vec<_>>();
+        let of = |reduced: &[f64]| judged.iter().map(|(free, _)| reduced[*free]).collect::<Vec<_>>();
+        let sizes = |y: &[f64]| -> Result<Vec<f64>, SolverError> {
+            let mut reduced = vec![0.0; nodes.places.len()];
+            judged.iter().zip(y).for_each(|((free, _), value)| reduced[*free] = value.abs());
+            let multiplied = amounts
+                .set(&nodes.own_of(&reduced))
+                .and_then(|()| {
+                    system.matrix().multiply_amounts(amounts, product, transpose == Transpose::Yes)
+                })
+                .and_then(|()| product.values());
+            Ok(known(&world.agree_on_calls(multiplied)?))
+        };
+        let diagonal = || -> Result<Vec<f64>, SolverError> {
+            let written = system.matrix().write_diagonal(product).and_then(|()| product.values());
+            Ok(known(&world.agree_on_calls(written)?))
+        };
+        let mut all_hold = false;
+        let of_all = |own: bool| -> Result<bool, SolverError> {
+            all_hold = !world.gather(u64::from(own))?.contains(&0);
+            Ok(all_hold)
+        };
+        let mut checked = check_rows(&known(rest), (&of(solution), &of(b)), diagonal, sizes, of_all, HOLDS);
+        if all_hold {
+            return checked;
+        }
+        if let Err(SolverError::LinearAlgebra(LinearAlgebraError::Inaccurate { row, .. })) = &mut checked {
+            *row = judged[*row].0;
+        }
+        Ok(world.agree(checked)?)
+    }
+
     /// The system with this matrix: the known one where there is one, else a new one.
-    fn assembled(&mut self, local: &CsrMatrix) -> Result<System<'w>, PetscError> {
+    fn assembled(&mut self, local: &LocalMatrix<'_>) -> Result<System<'w>, PetscError> {
         let mut system = match self.system.take() {
             Some(system) => system,
             None => {
                 self.report.patterns += 1;
-                System::new(self.world, &self.nodes, local, self.method, &self.prefix)?
+                System::new(self.world, (&self.nodes, &self.motions[..]), local, self.method, &self.prefix)?
             }
         };
-        system.assemble(local)?;
+        system.assemble(&self.nodes, local)?;
         Ok(system)
     }
 
@@ -281,12 +354,12 @@ impl<'w> PetscSolver<'w> {
         let mut found = Found::default();
         let Some(system) = &mut self.system else { return Ok(found) };
         self.b.set(&self.nodes.own_of(b))?;
-        let solver = system.solver_for(&self.nodes, transpose)?;
-        let matrix = system.matrix();
+        let solver = system.solver_for((&self.nodes, &self.motions[..]), transpose)?;
+        let matrix = system.matrix().handle();
         let (b, x, rest) = (self.b.handle(), self.x.handle(), self.residual.handle());
         // SAFETY: handles that this owns, of one size; PETSc writes the numbers.
         unsafe {
-            if self.method != Method::Direct {
+            if !self.method.is_direct() {
                 let (mut relative, mut before, mut divergence, mut most) = (0.0, 0.0, 0.0, 0);
                 call!(KSPGetTolerances(solver, &mut relative, &mut before, &mut divergence, &mut most))?;
                 let absolute = absolute.max(f64::MIN_POSITIVE);
@@ -317,20 +390,4 @@ impl<'w> PetscSolver<'w> {
         }
         Ok(found)
     }
-}
-
-/// Σ_j |a_ij x_j| of each row of a matrix or its transposed.
-fn term_sizes(matrix: &CsrMatrix, x: &[f64], transpose: Transpose) -> Vec<f64> {
-    let mut sizes = vec![0.0; x.len()];
-    for row in 0..matrix.rows() {
-        let (columns, values) = matrix.row(row);
-        for (column, value) in columns.iter().zip(values) {
-            let (target, source) = match transpose {
-                Transpose::No => (row, *column as usize),
-                Transpose::Yes => (*column as usize, row),
-            };
-            sizes[target] += (value * x[source]).abs();
-        }
-    }
-    sizes
 }

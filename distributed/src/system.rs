@@ -5,11 +5,11 @@
 use std::ffi::{CStr, CString};
 use std::ptr::null_mut;
 
-use forms_fem::linear_algebra::CsrMatrix;
 use forms_fem::solve::Transpose;
 
 use crate::error::PetscError;
-use crate::matrix::{DistributedMatrix, motions_of};
+use crate::local_matrix::LocalMatrix;
+use crate::matrix::{DistributedMatrix, Motions};
 use crate::method::Method;
 use crate::node_rows::NodeRows;
 use crate::object::Owned;
@@ -28,16 +28,13 @@ pub(crate) struct System<'w> {
     transposed: Option<[Owned<'w>; 2]>,
     /// Whether the last solution was one of the transposed matrix's own solver.
     was_transposed: bool,
-    /// This process's part, and the whole matrix's diagonal: by them each equation is judged.
-    pub local: CsrMatrix,
-    pub diagonal: Vec<f64>,
 }
 
 impl<'w> System<'w> {
     pub fn new(
         world: &'w World,
-        nodes: &NodeRows,
-        local: &CsrMatrix,
+        (nodes, motions): (&NodeRows, &Motions<'w>),
+        local: &LocalMatrix<'_>,
         method: Method,
         prefix: &CStr,
     ) -> Result<Self, PetscError> {
@@ -45,28 +42,40 @@ impl<'w> System<'w> {
             world,
             method,
             prefix: prefix.to_owned(),
-            matrix: DistributedMatrix::new(world, nodes, local)?,
-            solver: krylov(world, nodes, method, prefix)?,
+            matrix: DistributedMatrix::new(world, nodes, motions, local)?,
+            solver: krylov(world, (nodes, motions), method, prefix)?,
             transposed: None,
             was_transposed: false,
-            local: local.clone(),
-            diagonal: vec![],
         })
     }
 
-    pub fn fits(&self, local: &CsrMatrix) -> bool {
+    pub fn fits(&self, local: &LocalMatrix<'_>) -> bool {
         self.matrix.fits(local)
     }
 
-    pub fn matrix(&self) -> Object {
-        self.matrix.handle()
+    pub fn matrix(&self) -> &DistributedMatrix<'w> {
+        &self.matrix
     }
 
     /// Sets the matrix to the sum of the processes' parts.
-    pub fn assemble(&mut self, local: &CsrMatrix) -> Result<(), PetscError> {
+    pub fn assemble(&mut self, nodes: &NodeRows, local: &LocalMatrix<'_>) -> Result<(), PetscError> {
         self.transposed = None;
-        self.matrix.assemble(local)?;
+        self.matrix.assemble(nodes, local)?;
         operators(&self.solver, self.matrix.handle())
+    }
+
+    /// The number of negative pivots of the factor of a symmetric matrix.
+    pub fn negative_pivots(&self) -> Result<usize, PetscError> {
+        let solver = self.solver.handle();
+        let (mut preconditioner, mut factor, mut negative) = (null_mut(), null_mut(), 0);
+        // SAFETY: the solver lives, and has the preconditioner with the factor, of which PETSc tells the numbers that are asked for.
+        unsafe {
+            call!(KSPSetUp(solver))?;
+            call!(KSPGetPC(solver, &mut preconditioner))?;
+            call!(PCFactorGetMatrix(preconditioner, &mut factor))?;
+            call!(MatGetInertia(factor, &mut negative, null_mut(), null_mut()))?;
+        }
+        Ok(negative.max(0) as usize)
     }
 
     /// The solver of the last solution.
@@ -78,12 +87,16 @@ impl<'w> System<'w> {
     }
 
     /// The solver of equations with the matrix or its transposed. A factor serves both, and so does a symmetric matrix.
-    pub fn solver_for(&mut self, nodes: &NodeRows, transpose: Transpose) -> Result<Object, PetscError> {
+    pub fn solver_for(
+        &mut self,
+        (nodes, motions): (&NodeRows, &Motions<'w>),
+        transpose: Transpose,
+    ) -> Result<Object, PetscError> {
         self.was_transposed = transpose == Transpose::Yes && matches!(self.method, Method::Gmres { .. });
         if self.was_transposed && self.transposed.is_none() {
             // Not all preconditioners can be applied transposed.
-            let matrix = self.matrix.transposed(nodes)?;
-            let solver = krylov(self.world, nodes, self.method, &self.prefix)?;
+            let matrix = self.matrix.transposed(motions)?;
+            let solver = krylov(self.world, (nodes, motions), self.method, &self.prefix)?;
             operators(&solver, matrix.handle())?;
             self.transposed = Some([matrix, solver]);
         }
@@ -102,7 +115,7 @@ const MORE_MEMORY: &CStr = c"80";
 /// The solver of a method, as the options change it.
 fn krylov<'w>(
     world: &'w World,
-    nodes: &NodeRows,
+    (nodes, motions): (&NodeRows, &Motions<'w>),
     method: Method,
     prefix: &CStr,
 ) -> Result<Owned<'w>, PetscError> {
@@ -117,9 +130,15 @@ fn krylov<'w>(
         call!(KSPSetOptionsPrefix(solver, prefix.as_ptr()))?;
         call!(KSPGetPC(solver, &mut preconditioner))?;
         match method {
-            Method::Direct => {
+            Method::Direct | Method::Symmetric => {
+                let is_symmetric = method == Method::Symmetric;
+                let kind = if is_symmetric { c"cholesky" } else { c"lu" };
                 call!(KSPSetType(solver, c"preonly".as_ptr()))?;
-                call!(PCSetType(preconditioner, c"lu".as_ptr()))?;
+                call!(PCSetType(preconditioner, kind.as_ptr()))?;
+                if is_symmetric {
+                    // The last front on one process too: its pivots are counted only then.
+                    default_option(prefix, "mat_mumps_icntl_13", c"1")?;
+                }
                 call!(PCFactorSetMatSolverType(preconditioner, c"mumps".as_ptr()))?;
                 if nodes.divided.is_some() {
                     default_option(prefix, "mat_mumps_icntl_14", MORE_MEMORY)?;
@@ -142,7 +161,7 @@ fn krylov<'w>(
         call!(KSPSetFromOptions(solver))?;
     }
     if several {
-        set_blocks(world, preconditioner, nodes)?;
+        set_blocks(world, preconditioner, nodes, motions)?;
     }
     Ok(made)
 }
@@ -192,14 +211,18 @@ fn default_option(prefix: &CStr, name: &str, value: &CStr) -> Result<(), PetscEr
 }
 
 /// Tells a preconditioner by blocks which rows each unknown has. Other preconditioners take no notice.
-fn set_blocks(world: &World, preconditioner: Object, nodes: &NodeRows) -> Result<(), PetscError> {
-    for (number, field) in nodes.fields.iter().enumerate() {
+fn set_blocks<'w>(
+    world: &'w World,
+    preconditioner: Object,
+    nodes: &NodeRows,
+    motions: &Motions<'w>,
+) -> Result<(), PetscError> {
+    for (number, (field, motions)) in nodes.fields.iter().zip(motions).enumerate() {
         let (count, first) = (field.rows.own.len() as Index, field.start as Index);
         // SAFETY: PETSc writes the handle.
         let rows = Owned::made(world, petsc::ISDestroy, |rows| unsafe {
             call!(ISCreateStride(world.communicator(), count, first, 1, rows))
         })?;
-        let motions = motions_of(world, field)?;
         let name = CString::new(number.to_string()).unwrap_or_default();
         // SAFETY: all objects live, and PETSc counts its own references; the names end with zero, and are copied.
         unsafe {

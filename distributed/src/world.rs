@@ -156,7 +156,6 @@ impl World {
     /// # Errors
     /// [`PetscError::Failed`] or [`PetscError::OtherCalls`] where others do not add up as many numbers; MPI's error.
     pub fn sum(&self, numbers: &[f64]) -> Result<Vec<f64>, PetscError> {
-        self.meet(Call::Sum { length: numbers.len() as u64 })?;
         self.meetings.sum(numbers)
     }
 
@@ -296,6 +295,10 @@ fn failures(all: &[Call]) -> usize {
 }
 
 impl Communicator for World {
+    fn gather_lists(&self, own: &[u64]) -> Result<Vec<Vec<u64>>, CommunicationError> {
+        self.meetings.gather_lists(own).map_err(|error| CommunicationError::Exchange(error.to_string()))
+    }
+
     fn rank(&self) -> usize {
         World::rank(self)
     }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use forms_distributed::cases::ball_on_flat::ball_on_flat;
+use forms_distributed::cases::eigenmodes::{self, Eigenmodes};
 use forms_distributed::cases::histories;
 use forms_distributed::cases::mixed_block::MixedBlock;
 use forms_distributed::cases::motions::Motion;
@@ -25,6 +26,9 @@ const SAME: f64 = 1e-9;
 const DIGITS: f64 = 1e-12;
 /// 7 and 3 do not divide the meshes; the parts of 7 meet in edges and vertices only, too.
 const PROCESSES: [usize; 5] = [1, 2, 3, 4, 7];
+
+/// Most collective calls per Newton step of rubber, those before the first step included.
+const CALLS: f64 = 30.0;
 
 type Numbers = BTreeMap<&'static str, Vec<f64>>;
 
@@ -149,6 +153,20 @@ fn a_stretched_cube_of_rubber_is_the_same_step_by_step() {
     assert!(of(1)["steps"][0] > 3.0);
     check(&PROCESSES, &["rubber", "3", "1", "direct"], &of(1));
     check(&[4], &["rubber", "3", "2", "direct"], &of(2));
+}
+
+/// Several numbers go in one call of all processes, and nothing but blocks and rows has as many entries as the matrix.
+#[test]
+fn few_calls_and_little_memory_are_taken() {
+    for processes in [2, 3, 7] {
+        let calls = read(&told(processes, &["rubber", "3", "1", "direct"]))["sent"][2];
+        assert!(calls <= CALLS, "{calls} collective calls per Newton step on {processes} processes");
+    }
+    let peak = |cells| read(&told(1, &["hanging", cells, "2", "cg"]))["megabytes"][0];
+    // Of degree 2 a node has 64 others near it. Rows take 12 bytes for each entry, blocks 8 until PETSc has the rows.
+    let entries = 192.0 * 3.0 * 21.0_f64.powi(3);
+    let found = peak("10") - peak("2");
+    assert!(found < 1.2 * 20e-6 * entries, "{found} MB for {entries} entries");
 }
 
 #[test]
@@ -332,6 +350,30 @@ fn histories_are_the_same_with_gradient_and_hessian() {
     }
 }
 
+/// Vibrations and buckling, by Lanczos' method on divided vectors, and a count by MUMPS that none is missing: prescribed values, a body that
+/// moves freely, with its three zeros, and unknowns that others give.
+#[test]
+fn eigenmodes_are_the_same() {
+    let (upper, cells) = eigenmodes::SIZE;
+    let mesh = rectangle([0.0; 2], upper, cells, CellShape::Quadrilateral, 1).unwrap();
+    for name in ["vibrates", "floats", "closed", "buckles"] {
+        let modes = Eigenmodes::new(name, &mesh).unwrap();
+        let (shift, count) = Eigenmodes::ASKED;
+        let found = modes.problem().above(shift, count).unwrap();
+        let values = eigenmodes::values(&found);
+        let processes = if name == "vibrates" { &PROCESSES[..] } else { &[1, 2, 3] };
+        let mut expected = BTreeMap::from([("values", values)]);
+        if name == "vibrates" {
+            check_to(DIGITS, &[1, 3], &["shared"], &expected);
+        }
+        // Those of the closed plate are double.
+        if name != "closed" {
+            expected.insert("amounts", vertices(&eigenmodes::amounts(&found).unwrap()));
+        }
+        check_to(SAME, processes, &[name], &expected);
+    }
+}
+
 /// Nothing is silently the answer of one process's piece.
 #[test]
 fn what_is_not_divided_is_refused() {
@@ -347,6 +389,8 @@ fn what_is_not_divided_is_refused() {
         ("split", "3", "has some of the unknowns of a relation"),
         ("interior", "3", "interior facets"),
         ("reaction", "3", "a reaction of one process is not available on a mesh that is divided"),
+        ("uncounted", "3", "does not tell how many eigenvalues of a matrix are negative"),
+        ("heavy", "3", "4294967296 weights of cells, added up, are more than PETSc's indices can count"),
         ("functional", "3", "and `part.functional(..)` for a functional"),
         ("diffusion", "1", "2 processes cannot each have cells of a mesh of 1"),
     ];

@@ -9,6 +9,7 @@ use std::time::Instant;
 use forms_contact::threshold::of_law;
 use forms_distributed::cases::ball_on_flat::{is_near, place, pressed};
 use forms_distributed::cases::divided_contact;
+use forms_distributed::cases::eigenmodes::{self, Eigenmodes};
 use forms_distributed::cases::histories;
 use forms_distributed::cases::mixed_block::MixedBlock;
 use forms_distributed::cases::motions::Motion;
@@ -82,6 +83,11 @@ fn run(world: &World) -> Outcome {
             pair_histories::run(world, &name, given(5).as_deref())
         }
         "creep" | "swing" => history(world, &name),
+        "vibrates" | "floats" | "closed" | "buckles" | "shared" | "uncounted" => eigenmodes(world, &name),
+        "heavy" => {
+            let mesh = rectangle([0.0; 2], [1.0; 2], [2; 2], CellShape::Quadrilateral, 1)?;
+            world.divide_weighted(&mesh, |_| 1 << 30).map(drop).map_err(Into::into)
+        }
         name if Motion::named(name).is_ok() => {
             motion(world, Motion::named(name)?, divisions, given(5).as_deref())
         }
@@ -211,6 +217,31 @@ fn history(world: &World, name: &str) -> Outcome {
     tell(world, "value", &[found.value]);
     tell(world, "gradient", &found.gradient);
     tell(world, "along", &found.along);
+    Ok(())
+}
+
+/// Eigenvalues, and a mode. With `shared` each process has the whole mesh.
+fn eigenmodes(world: &World, name: &str) -> Outcome {
+    let (upper, cells) = eigenmodes::SIZE;
+    let (shift, count) = Eigenmodes::ASKED;
+    if name == "shared" {
+        let mesh = rectangle([0.0; 2], upper, cells, CellShape::Quadrilateral, 1)?;
+        let modes = Eigenmodes::new("vibrates", &mesh)?;
+        let mut solver = PetscSolver::new(world, &modes.held, Method::Symmetric)?;
+        let found = modes.problem().on(world).solver(&mut solver).above(shift, count)?;
+        tell(world, "values", &eigenmodes::values(&found));
+        return Ok(());
+    }
+    let mut part = world.rectangle([0.0; 2], upper, cells, CellShape::Quadrilateral, 1)?;
+    if name == "closed" {
+        part = part.with_surfaces(&["left", "right"])?;
+    }
+    let modes = Eigenmodes::new(name, &part)?;
+    let method = if name == "uncounted" { Method::Direct } else { Method::Symmetric };
+    let mut solver = PetscSolver::for_part(&part, &[&modes.held], method)?;
+    let found = modes.problem().on(&part).solver(&mut solver).above(shift, count)?;
+    tell(world, "values", &eigenmodes::values(&found));
+    tell(world, "amounts", &whole(&part, &eigenmodes::amounts(&found)?)?);
     Ok(())
 }
 

@@ -4,6 +4,7 @@ pub mod adaptive;
 pub mod ball_on_flat;
 pub mod divided_contact;
 pub mod drawn_block;
+pub mod eigenmodes;
 pub mod hanging_block;
 pub mod histories;
 pub mod mixed_block;

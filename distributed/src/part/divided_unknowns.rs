@@ -20,6 +20,11 @@ impl fmt::Debug for DividedUnknowns {
 }
 
 impl DividedUnknowns {
+    /// The processes whose parts meet this one.
+    pub fn neighbours(&self) -> Vec<usize> {
+        self.vectors.neighbours()
+    }
+
     fn full(&self, reduced: impl Iterator<Item = f64>) -> Vec<f64> {
         let mut full = vec![0.0; self.vectors.count()];
         self.free.iter().zip(reduced).for_each(|(unknown, value)| full[*unknown] = value);
@@ -35,10 +40,5 @@ impl DividedUnknowns {
         let mut full = self.full(reduced);
         self.vectors.copy_from_owners(&mut full)?;
         Ok(self.reduced(&full))
-    }
-
-    /// The sum of all processes' contributions to the free unknowns.
-    pub fn add_up(&self, reduced: &[f64]) -> Result<Vec<f64>, PetscError> {
-        Ok(self.reduced(&self.vectors.sums(&self.full(reduced.iter().copied()))?))
     }
 }

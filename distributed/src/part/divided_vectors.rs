@@ -7,7 +7,7 @@ use forms_fem::solve::{CommunicationError, DividedVectors};
 
 use super::shared_nodes::SharedNodes;
 use crate::error::PetscError;
-use crate::meeting::{Call, Meetings};
+use crate::meeting::Meetings;
 
 /// Vectors over the unknowns of some spaces, one after the other.
 pub(crate) struct SpacesOnPart {
@@ -66,27 +66,41 @@ impl SpacesOnPart {
         SpacesOnPart { meetings, owners, with, owned, of_owners, shared, replicated, number }
     }
 
+    /// The processes whose parts meet this one.
+    pub fn neighbours(&self) -> Vec<usize> {
+        self.with.iter().map(|(rank, _)| *rank).collect()
+    }
+
     /// Number of unknowns here.
     pub fn count(&self) -> usize {
         self.owners.len()
     }
 
     /// Sends each other process the values at the unknowns of a list, and receives its values at those of another list.
-    fn exchange(&self, values: &[f64], to: &Lists, from: &Lists) -> Result<Vec<Vec<f64>>, PetscError> {
-        let list = |(rank, unknowns): &(usize, Vec<u32>)| {
-            (*rank, unknowns.iter().map(|unknown| values[*unknown as usize].to_bits()).collect())
-        };
+    fn exchange(
+        &self,
+        values: Option<&[f64]>,
+        to: &Lists,
+        from: &Lists,
+    ) -> Result<Vec<Vec<f64>>, PetscError> {
+        let lists = values.map(|values| {
+            let list = |(rank, unknowns): &(usize, Vec<u32>)| {
+                (*rank, unknowns.iter().map(|unknown| values[*unknown as usize].to_bits()).collect())
+            };
+            to.iter().map(list).collect()
+        });
         let lengths: Vec<usize> = from.iter().map(|(_, unknowns)| unknowns.len()).collect();
-        let found = self.meetings.exchange(self.number, to.iter().map(list).collect(), &lengths)?;
+        let found = self.meetings.exchange_if_all(self.number, lists, &lengths)?;
         Ok(found.into_iter().map(|list| list.into_iter().map(f64::from_bits).collect()).collect())
     }
 
-    /// See [`DividedVectors::add_up`].
-    pub fn sums(&self, own: &[f64]) -> Result<Vec<f64>, PetscError> {
+    /// See [`DividedVectors::add_up_if_all`].
+    fn sums(&self, own: Option<&[f64]>) -> Result<Vec<f64>, PetscError> {
         // Each process that adds has all contributions there: all that share an unknown, or its owner.
         let (to, from) =
             if self.replicated { (&self.of_owners, &self.owned) } else { (&self.with, &self.with) };
         let others = self.exchange(own, to, from)?;
+        let own = own.unwrap_or_default();
         let mut sums = own.to_vec();
         self.shared.iter().for_each(|unknown| sums[*unknown as usize] = 0.0);
         let add = |sums: &mut [f64], is_one: &dyn Fn(usize) -> bool| {
@@ -106,7 +120,7 @@ impl SpacesOnPart {
 
     /// See [`DividedVectors::spread`].
     pub fn copy_from_owners(&self, values: &mut [f64]) -> Result<(), PetscError> {
-        let others = self.exchange(values, &self.owned, &self.of_owners)?;
+        let others = self.exchange(Some(values), &self.owned, &self.of_owners)?;
         for ((_, unknowns), found) in self.of_owners.iter().zip(&others) {
             unknowns.iter().zip(found).for_each(|(unknown, value)| values[*unknown as usize] = *value);
         }
@@ -115,7 +129,10 @@ impl SpacesOnPart {
 }
 
 fn failed(error: PetscError) -> CommunicationError {
-    CommunicationError::Exchange(error.to_string())
+    match error {
+        PetscError::Elsewhere { count } => CommunicationError::Elsewhere { count },
+        error => CommunicationError::Exchange(error.to_string()),
+    }
 }
 
 impl DividedVectors for SpacesOnPart {
@@ -123,7 +140,7 @@ impl DividedVectors for SpacesOnPart {
         self.owners[unknown] == self.meetings.rank() as u32
     }
 
-    fn add_up(&self, own: &[f64]) -> Result<Vec<f64>, CommunicationError> {
+    fn add_up_if_all(&self, own: Option<&[f64]>) -> Result<Vec<f64>, CommunicationError> {
         self.sums(own).map_err(failed)
     }
 
@@ -132,16 +149,12 @@ impl DividedVectors for SpacesOnPart {
     }
 
     fn sum(&self, own: &[f64]) -> Result<Vec<f64>, CommunicationError> {
-        let length = own.len() as u64;
-        self.meetings.meet(Call::Sum { length }).and_then(|_| self.meetings.sum(own)).map_err(failed)
+        self.meetings.sum(own).map_err(failed)
     }
 
-    fn gather(&self, own: f64) -> Result<Vec<f64>, CommunicationError> {
-        let all = self.meetings.meet(Call::Gather { number: own.to_bits() }).map_err(failed)?;
-        let numbers = all.into_iter().filter_map(|call| match call {
-            Call::Gather { number } => Some(f64::from_bits(number)),
-            _ => None,
-        });
-        Ok(numbers.collect())
+    fn gather_lists(&self, own: &[f64]) -> Result<Vec<Vec<f64>>, CommunicationError> {
+        let own: Vec<u64> = own.iter().map(|number| number.to_bits()).collect();
+        let all = self.meetings.gather_lists(&own).map_err(failed)?;
+        Ok(all.into_iter().map(|list| list.into_iter().map(f64::from_bits).collect()).collect())
     }
 }

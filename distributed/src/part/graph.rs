@@ -29,6 +29,11 @@ pub(super) fn owners<const D: usize>(
     if Index::try_from(cells.max(links)).is_err() {
         return Err(PetscError::TooMany { what: "facets between cells", count: links });
     }
+    // Partitioners add weights up in the same numbers.
+    let sum: u64 = weights.iter().map(|weight| u64::from(*weight)).sum();
+    if sum > Index::MAX as u64 {
+        return Err(PetscError::TooMany { what: "weights of cells, added up,", count: sum as usize });
+    }
     let found = divided(&starts, &neighbours, processes, weights)?;
     let mut has_cells = vec![false; processes];
     found.iter().for_each(|rank| has_cells[*rank as usize] = true);
@@ -66,8 +71,7 @@ fn divided(
     weights: &[u32],
 ) -> Result<Vec<Index>, PetscError> {
     let (communicator, count) = (mpi::this_process(), starts.len() as Index - 1);
-    let weights: Vec<Index> =
-        weights.iter().map(|weight| Index::try_from(*weight).unwrap_or(Index::MAX)).collect();
+    let weights: Vec<Index> = weights.iter().map(|weight| *weight as Index).collect();
     let name = CString::new(PROGRAM).unwrap_or_default();
     let graph = Made::by(petsc::MatDestroy, |graph| {
         let (starts, neighbours) = (given(starts)?, given(neighbours)?);

@@ -257,6 +257,10 @@ impl<const D: usize> Communicator for MeshPart<'_, D> {
         Communicator::gather(self.world, own)
     }
 
+    fn gather_lists(&self, own: &[u64]) -> Result<Vec<Vec<u64>>, CommunicationError> {
+        Communicator::gather_lists(self.world, own)
+    }
+
     fn divided(&self, spaces: &[&dyn Any]) -> Result<Option<Rc<dyn DividedVectors>>, CommunicationError> {
         let known: Option<Vec<&Arc<Space<D>>>> = spaces.iter().map(|space| space.downcast_ref()).collect();
         let what = "spaces of another dimension".to_owned();

@@ -100,17 +100,20 @@ fn motions<const D: usize>(
 ) -> Result<Vec<Vec<f64>>, PetscError> {
     let count = positions.len();
     // The ends of the whole body come last: about its middle all processes turn.
+    let picks: [fn(f64, f64) -> f64; 2] = [f64::min, f64::max];
     let mut ends = [[f64::INFINITY; D], [f64::NEG_INFINITY; D]];
-    for k in 0..D {
-        for (end, pick) in ends.iter_mut().zip([f64::min, f64::max]) {
-            let own = positions.iter().fold(end[k], |end, position| pick(end, position[k]));
-            let all = world.gather(own.to_bits())?;
-            end[k] = all.into_iter().map(f64::from_bits).fold(end[k], pick);
+    for (end, pick) in ends.iter_mut().zip(picks) {
+        *end = positions.iter().fold(*end, |end, at| std::array::from_fn(|k| pick(end[k], at[k])));
+    }
+    let own: Vec<u64> = ends.iter().flatten().map(|end| end.to_bits()).collect();
+    for of_one in world.meetings().gather_lists(&own)? {
+        for ((end, pick), found) in ends.iter_mut().zip(picks).zip(of_one.chunks(D)) {
+            *end = std::array::from_fn(|k| pick(end[k], f64::from_bits(found[k])));
         }
     }
     positions.extend(ends);
     let mut motions = rigid_motions(&positions);
     motions.iter_mut().for_each(|motion| motion.truncate(count * D));
-    let sum = |a: &[f64], b: &[f64]| Ok(world.sum(&[product(a, b)])?[0]);
-    orthonormal(motions, held, &sum)
+    let sums = |all: &[&[f64]], b: &[f64]| world.sum(&all.iter().map(|a| product(a, b)).collect::<Vec<_>>());
+    orthonormal(motions, held, &sums)
 }

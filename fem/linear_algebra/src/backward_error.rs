@@ -102,7 +102,7 @@ pub fn check_residual<E: From<LinearAlgebraError>>(
     sizes: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
     level: f64,
 ) -> Result<(), E> {
-    check_rows(rest, (x, b), diagonal, sizes, Ok, level)
+    check_rows(rest, (x, b), || Ok(diagonal.to_vec()), sizes, Ok, level)
 }
 
 /// [`check_residual`] of the rows that one of several processes has: `of_all` tells whether what holds on this process holds on all, and all make the same
@@ -114,7 +114,7 @@ pub fn check_residual<E: From<LinearAlgebraError>>(
 pub fn check_rows<E: From<LinearAlgebraError>>(
     rest: &[f64],
     (x, b): (&[f64], &[f64]),
-    diagonal: &[f64],
+    diagonal: impl FnOnce() -> Result<Vec<f64>, E>,
     mut sizes: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
     of_all: impl FnOnce(bool) -> Result<bool, E>,
     level: f64,
@@ -124,7 +124,7 @@ pub fn check_rows<E: From<LinearAlgebraError>>(
     if of_all(WorstRow::of(rest, &own).error <= level)? {
         return Ok(());
     }
-    let amounts: Vec<f64> = diagonal
+    let amounts: Vec<f64> = diagonal()?
         .iter()
         .zip(own.iter().zip(x))
         .map(|(diagonal, (size, x))| if *diagonal == 0.0 { x.abs() } else { size / diagonal.abs() })

@@ -8,9 +8,11 @@ mod krylov_space;
 mod pencil;
 
 use self::krylov_space::{KrylovSpace, Ritz};
+#[doc(hidden)]
+pub use self::pencil::{FactoredPencil, Pencil, amounts_of, check_symmetric, on_one_pattern};
 pub use self::pencil::{Positive, SymmetricPencil};
 use super::error::LinearAlgebraError;
-use super::vector::{add_scaled, largest, norm};
+use super::vector::{add_scaled, largest};
 use pencil::Shifted;
 
 /// An eigenvalue with a vector of it.
@@ -109,106 +111,112 @@ impl SymmetricPencil {
     /// # Errors
     /// [`EigenError`].
     pub fn eigenpairs_above(&self, shift: f64, count: usize) -> Result<Vec<Eigenpair>, EigenError> {
-        if count == 0 {
-            return Ok(vec![]);
+        eigenpairs_above(self, shift, count)
+    }
+}
+
+/// Eigenpairs of any pencil, as [`SymmetricPencil::eigenpairs_above`] has them.
+///
+/// # Errors
+/// Those of the pencil, and [`EigenError`].
+#[doc(hidden)]
+pub fn eigenpairs_above<P: Pencil>(pencil: &P, shift: f64, count: usize) -> Result<Vec<Eigenpair>, P::Error> {
+    if count == 0 {
+        return Ok(vec![]);
+    }
+    let shifted = Shifted::of(pencil, shift)?;
+    let mut space = KrylovSpace::new(pencil, &shifted);
+    space.add_irregular(BLOCK)?;
+    check_shift(pencil, shift, space.first())?;
+    let (mut wanted, mut counts, mut barren) = (count + 1, 0, 0);
+    let mut latest = None;
+    for _ in 0..MOST_RESTARTS {
+        space.grow_to((2 * wanted + 4 * BLOCK).max(24))?;
+        let ritz = space.ritz_values()?;
+        let converged = ritz.iter().take_while(|pair| pair.residual <= FOUND * pair.value + pair.rounding);
+        let converged = converged.count();
+        // All that are positive have converged, and new vectors bring no other.
+        barren = if converged == ritz.len() { barren + 1 } else { 0 };
+        let complete = space.is_exhausted() || barren >= MOST_BARREN;
+        if complete && ritz.len() < count {
+            return Err(EigenError::TooFew { asked: count, found: ritz.len(), shift }.into());
         }
-        let shifted = self.shifted(shift)?;
-        let mut space = KrylovSpace::new(self, &shifted);
-        space.add_irregular(BLOCK)?;
-        self.check_shift(shift, space.first())?;
-        let (mut wanted, mut counts, mut barren) = (count + 1, 0, 0);
-        let mut latest = None;
-        for _ in 0..MOST_RESTARTS {
-            space.grow_to((2 * wanted + 4 * BLOCK).max(24))?;
-            let ritz = space.ritz_values()?;
-            let converged =
-                ritz.iter().take_while(|pair| pair.residual <= FOUND * pair.value + pair.rounding);
-            let converged = converged.count();
-            // All that are positive have converged, and new vectors bring no other.
-            barren = if converged == ritz.len() { barren + 1 } else { 0 };
-            let complete = space.is_exhausted() || barren >= MOST_BARREN;
-            if complete && ritz.len() < count {
-                return Err(EigenError::TooFew { asked: count, found: ritz.len(), shift });
+        match end_of_count(&ritz, count, converged, shift, complete) {
+            Some((found, end)) => {
+                let counted = shifted.count_up_to(pencil, end)?;
+                if counted == found {
+                    return finished(pencil, &shifted, space.vectors(&ritz[..count]));
+                }
+                counts += 1;
+                if counted < found || counts == MOST_COUNTS {
+                    return Err(EigenError::Missed { counted, found, shift, end }.into());
+                }
+                space.restart(&ritz, wanted);
+                space.add_irregular(BLOCK)?;
             }
-            match end_of_count(&ritz, count, converged, shift, complete) {
-                Some((found, end)) => {
-                    let counted = self.count_between(&shifted, end)?;
-                    if counted == found {
-                        return self.finished(&shifted, space.vectors(&ritz[..count]));
-                    }
-                    counts += 1;
-                    if counted < found || counts == MOST_COUNTS {
-                        return Err(EigenError::Missed { counted, found, shift, end });
-                    }
-                    space.restart(&ritz, wanted);
+            None => {
+                // Equal eigenvalues at the end: all of them.
+                wanted = wanted.max(converged + 1);
+                space.restart(&ritz, wanted);
+                if barren > 0 {
                     space.add_irregular(BLOCK)?;
                 }
-                None => {
-                    // Equal eigenvalues at the end: all of them.
-                    wanted = wanted.max(converged + 1);
-                    space.restart(&ritz, wanted);
-                    if barren > 0 {
-                        space.add_irregular(BLOCK)?;
-                    }
-                }
             }
-            latest = ritz.get(converged).map(|pair| (converged, *pair));
         }
-        let (pair, ritz) = latest.unwrap_or_default();
-        let value = shift + 1.0 / ritz.value;
-        Err(EigenError::NotConverged { pair, value, residual: ritz.residual / ritz.value })
+        latest = ritz.get(converged).map(|pair| (converged, *pair));
     }
+    let (pair, ritz) = latest.unwrap_or_default();
+    let value = shift + 1.0 / ritz.value;
+    Err(EigenError::NotConverged { pair, value, residual: ritz.residual / ritz.value }.into())
+}
 
-    /// A singular matrix may have a factor in rounded numbers. What is solved with it is then a vector that it takes to zero.
-    fn check_shift(&self, shift: f64, solved: &[f64]) -> Result<(), EigenError> {
-        let ratio = self.residual(shift, solved)?;
-        if ratio > SINGULAR {
-            return Ok(());
+/// A singular matrix may have a factor in rounded numbers. What is solved with it is then a vector that it takes to zero.
+fn check_shift<P: Pencil>(pencil: &P, shift: f64, solved: &[f64]) -> Result<(), P::Error> {
+    let ratio = residual(pencil, shift, solved)?;
+    if ratio > SINGULAR {
+        return Ok(());
+    }
+    let largest = largest(solved);
+    let unknown = solved.iter().position(|entry| entry.abs() == largest).unwrap_or(0);
+    Err(EigenError::ShiftIsEigenvalue { shift, source: LinearAlgebraError::Singular { unknown, ratio } }
+        .into())
+}
+
+/// Makes eigenpairs of Ritz vectors, each judged by itself.
+fn finished<P: Pencil>(
+    pencil: &P,
+    shifted: &Shifted<P>,
+    vectors: Vec<Vec<f64>>,
+) -> Result<Vec<Eigenpair>, P::Error> {
+    let mut pairs = vec![];
+    for (pair, vector) in vectors.into_iter().enumerate() {
+        // Once more through the operator: what does not belong to the vector shrinks.
+        let mut vector = shifted.apply(pencil, &vector)?;
+        let length = pencil.length(&vector)?;
+        vector.iter_mut().for_each(|entry| *entry /= length);
+        let mut image = shifted.apply(pencil, &vector)?;
+        let inverse = pencil.product(&vector, &image)?;
+        add_scaled(&mut image, -inverse, &vector);
+        let off = pencil.length(&image)? / inverse;
+        let value = shifted.shift + 1.0 / inverse;
+        let residual = residual(pencil, value, &vector)?;
+        // A value that is no number is not small.
+        if !(residual <= HOLDS && off < 1.0 && inverse > 0.0) {
+            return Err(EigenError::NotConverged { pair, value, residual: residual.max(off) }.into());
         }
-        let largest = largest(solved);
-        let unknown = solved.iter().position(|entry| entry.abs() == largest).unwrap_or(0);
-        Err(EigenError::ShiftIsEigenvalue { shift, source: LinearAlgebraError::Singular { unknown, ratio } })
+        let error_bound = off / (1.0 - off) / inverse;
+        pairs.push(Eigenpair { value, vector, error_bound, residual });
     }
+    pairs.sort_by(|one, other| one.value.total_cmp(&other.value));
+    Ok(pairs)
+}
 
-    /// Makes eigenpairs of Ritz vectors, each judged by itself.
-    fn finished(&self, shifted: &Shifted, vectors: Vec<Vec<f64>>) -> Result<Vec<Eigenpair>, EigenError> {
-        let mut pairs = vec![];
-        for (pair, vector) in vectors.into_iter().enumerate() {
-            // Once more through the operator: what does not belong to the vector shrinks.
-            let mut vector = shifted.apply(self, &vector)?;
-            let length = self.length(&vector)?;
-            vector.iter_mut().for_each(|entry| *entry /= length);
-            let mut image = shifted.apply(self, &vector)?;
-            let inverse = self.product(&vector, &image)?;
-            add_scaled(&mut image, -inverse, &vector);
-            let off = self.length(&image)? / inverse;
-            let value = shifted.shift + 1.0 / inverse;
-            let residual = self.residual(value, &vector)?;
-            // A value that is no number is not small.
-            if !(residual <= HOLDS && off < 1.0 && inverse > 0.0) {
-                return Err(EigenError::NotConverged { pair, value, residual: residual.max(off) });
-            }
-            let error_bound = off / (1.0 - off) / inverse;
-            pairs.push(Eigenpair { value, vector, error_bound, residual });
-        }
-        pairs.sort_by(|one, other| one.value.total_cmp(&other.value));
-        Ok(pairs)
-    }
-
-    /// ‖A x − λ B x‖ relative to ‖|A| |x| + |λ| |B| |x|‖.
-    fn residual(&self, value: f64, x: &[f64]) -> Result<f64, EigenError> {
-        let (first, second) = (self.first.multiply(x)?, self.second.multiply(x)?);
-        let rest: Vec<f64> =
-            first.iter().zip(&second).map(|(first, second)| first - value * second).collect();
-        let terms = |row: usize| {
-            let sum = |(columns, entries): (&[u32], &[f64])| -> f64 {
-                columns.iter().zip(entries).map(|(column, entry)| (entry * x[*column as usize]).abs()).sum()
-            };
-            sum(self.first.row(row)) + value.abs() * sum(self.second.row(row))
-        };
-        let terms: Vec<f64> = (0..x.len()).map(terms).collect();
-        Ok(if norm(&rest) == 0.0 { 0.0 } else { norm(&rest) / norm(&terms) })
-    }
+/// ‖A x − λ B x‖ relative to ‖|A| |x| + |λ| |B| |x|‖.
+fn residual<P: Pencil>(pencil: &P, value: f64, x: &[f64]) -> Result<f64, P::Error> {
+    let (first, second) = (pencil.first(x)?, pencil.second(x)?);
+    let rest: Vec<f64> = first.iter().zip(&second).map(|(first, second)| first - value * second).collect();
+    let [rest, terms] = pencil.norms([&rest, &pencil.amounts(value, x)?])?;
+    Ok(if rest == 0.0 { 0.0 } else { rest / terms })
 }
 
 /// Number of the eigenvalues found that a count shall confirm, and where it ends: behind those asked for, in a gap before the

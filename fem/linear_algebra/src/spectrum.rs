@@ -67,8 +67,9 @@ pub fn irregular(size: usize) -> impl Iterator<Item = f64> {
     irregular_from(0x9e37_79b9_7f4a_7c15, size)
 }
 
-/// The same from a seed other than zero.
-pub(super) fn irregular_from(seed: u64, size: usize) -> impl Iterator<Item = f64> {
+/// Numbers without a pattern, from a seed other than zero.
+#[doc(hidden)]
+pub fn irregular_from(seed: u64, size: usize) -> impl Iterator<Item = f64> {
     let mut state = seed;
     (0..size).map(move |_| {
         state ^= state << 13;

@@ -1,11 +1,10 @@
 //! The Krylov space of a shifted pencil from several vectors, orthonormal in the positive matrix.
 
 use super::EigenError;
-use super::pencil::{Shifted, SymmetricPencil};
+use super::pencil::{Pencil, Shifted};
 use crate::error::LinearAlgebraError;
-use crate::spectrum::irregular_from;
 use crate::symmetric_eigen::SymmetricEigen;
-use crate::vector::{add_scaled, dot};
+use crate::vector::add_scaled;
 
 /// A Ritz value ν = 1/(λ − σ) of the space, with its residual.
 #[derive(Clone, Copy, Debug, Default)]
@@ -20,9 +19,9 @@ pub(super) struct Ritz {
 }
 
 /// Vectors v₀, v₁, …; the first ones have been sent through the operator.
-pub(super) struct KrylovSpace<'a> {
-    pencil: &'a SymmetricPencil,
-    shifted: &'a Shifted,
+pub(super) struct KrylovSpace<'a, P: Pencil> {
+    pencil: &'a P,
+    shifted: &'a Shifted<P>,
     basis: Vec<Vec<f64>>,
     /// Of each vector that was sent through the operator the coefficients of its image.
     images: Vec<Vec<f64>>,
@@ -37,8 +36,8 @@ const NEGLIGIBLE: f64 = 1e-11;
 /// Ritz values below this part of the largest belong to no eigenvalue.
 const ZERO: f64 = 1e-13;
 
-impl<'a> KrylovSpace<'a> {
-    pub fn new(pencil: &'a SymmetricPencil, shifted: &'a Shifted) -> Self {
+impl<'a, P: Pencil> KrylovSpace<'a, P> {
+    pub fn new(pencil: &'a P, shifted: &'a Shifted<P>) -> Self {
         KrylovSpace {
             pencil,
             shifted,
@@ -64,9 +63,9 @@ impl<'a> KrylovSpace<'a> {
     ///
     /// # Errors
     /// Those of the solution with the shifted matrix.
-    pub fn add_irregular(&mut self, count: usize) -> Result<(), EigenError> {
+    pub fn add_irregular(&mut self, count: usize) -> Result<(), P::Error> {
         for _ in 0..count {
-            let vector: Vec<f64> = irregular_from(self.seed, self.pencil.size()).collect();
+            let vector = self.pencil.irregular(self.seed)?;
             self.seed = self.seed.rotate_left(17) ^ 0x2545_f491_4f6c_dd1d;
             // In the range of the operator, which is all that eigenvectors are made of.
             let image = self.shifted.apply(self.pencil, &vector)?;
@@ -79,7 +78,7 @@ impl<'a> KrylovSpace<'a> {
     ///
     /// # Errors
     /// Those of the solution with the shifted matrix.
-    pub fn grow_to(&mut self, count: usize) -> Result<(), EigenError> {
+    pub fn grow_to(&mut self, count: usize) -> Result<(), P::Error> {
         while self.images.len() < count {
             if self.images.len() == self.basis.len() {
                 self.add_irregular(1)?;
@@ -96,15 +95,15 @@ impl<'a> KrylovSpace<'a> {
     }
 
     /// The coefficients of a vector; what is left of it joins the basis.
-    fn append(&mut self, mut vector: Vec<f64>) -> Result<Vec<f64>, EigenError> {
+    fn append(&mut self, mut vector: Vec<f64>) -> Result<Vec<f64>, P::Error> {
         let mut coefficients = vec![0.0; self.basis.len()];
         let mut measured = self.pencil.measured(&vector)?;
         let whole = self.pencil.length_of(&vector, &measured)?;
         let mut length = whole;
         // Twice is enough (Kahan), unless all of the vector goes.
         for _ in 0..4 {
-            for (coefficient, own) in coefficients.iter_mut().zip(&self.basis) {
-                let part = dot(own, &measured);
+            let parts = self.pencil.dots(&self.basis, &measured)?;
+            for ((coefficient, own), part) in coefficients.iter_mut().zip(&self.basis).zip(parts) {
                 *coefficient += part;
                 add_scaled(&mut vector, -part, own);
             }
@@ -127,7 +126,7 @@ impl<'a> KrylovSpace<'a> {
     ///
     /// # Errors
     /// A projected problem that is not finite.
-    pub fn ritz_values(&mut self) -> Result<Vec<Ritz>, EigenError> {
+    pub fn ritz_values(&mut self) -> Result<Vec<Ritz>, P::Error> {
         let size = self.images.len();
         let coefficient = |image: usize, row: usize| self.images[image].get(row).copied().unwrap_or(0.0);
         let entry = |place: usize| {
@@ -137,7 +136,9 @@ impl<'a> KrylovSpace<'a> {
         let matrix: Vec<f64> = (0..size * size).map(entry).collect();
         let what = "a projected eigenproblem";
         let found = SymmetricEigen::of(size, &matrix);
-        let found = found.ok_or(LinearAlgebraError::VectorNotFinite { what, index: 0, value: f64::NAN })?;
+        let found = found.ok_or_else(|| {
+            EigenError::from(LinearAlgebraError::VectorNotFinite { what, index: 0, value: f64::NAN })
+        })?;
         let largest = found.values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
         let ritz = |place: usize| {
             let of_row = |row: usize| -> f64 {

@@ -34,6 +34,19 @@ pub trait Communicator {
     /// [`CommunicationError::Exchange`].
     fn gather(&self, own: u64) -> Result<Vec<u64>, CommunicationError>;
 
+    /// As many numbers of each process, in their order; the same on all.
+    ///
+    /// # Errors
+    /// [`CommunicationError::Exchange`].
+    fn gather_lists(&self, own: &[u64]) -> Result<Vec<Vec<u64>>, CommunicationError> {
+        let mut lists = vec![vec![]; self.size()];
+        for number in own {
+            let all = self.gather(*number)?;
+            lists.iter_mut().zip(all).for_each(|(list, number)| list.push(number));
+        }
+        Ok(lists)
+    }
+
     /// The division of vectors over the unknowns of spaces, if the processes have pieces of a mesh; none if each has all of it. Each of
     /// the spaces is an `Arc<Space<D>>`.
     ///
@@ -216,7 +229,7 @@ pub(crate) fn all_active(
     communicator: &dyn Communicator,
     own: ActivePoints,
 ) -> Result<ActivePoints, CommunicationError> {
-    let fingerprint = Fingerprint::default().numbers(communicator.gather(own.fingerprint)?).finish();
-    let count = communicator.gather(own.count as u64)?.iter().sum::<u64>() as usize;
-    Ok(ActivePoints { count, fingerprint })
+    let all = communicator.gather_lists(&[own.fingerprint, own.count as u64])?;
+    let fingerprint = Fingerprint::default().numbers(all.iter().map(|of| of[0])).finish();
+    Ok(ActivePoints { count: all.iter().map(|of| of[1]).sum::<u64>() as usize, fingerprint })
 }

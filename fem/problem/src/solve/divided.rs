@@ -6,6 +6,7 @@ use std::any::Any;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fmt;
+use std::ops::Range;
 use std::rc::Rc;
 
 pub use conditions::conditions_of_all;
@@ -30,7 +31,15 @@ pub trait DividedVectors {
     ///
     /// # Errors
     /// [`CommunicationError::Exchange`].
-    fn add_up(&self, own: &[f64]) -> Result<Vec<f64>, CommunicationError>;
+    fn add_up(&self, own: &[f64]) -> Result<Vec<f64>, CommunicationError> {
+        self.add_up_if_all(Some(own))
+    }
+
+    /// The same if all processes have something to add; else an error on all.
+    ///
+    /// # Errors
+    /// [`CommunicationError::Elsewhere`], also where this process is the one without; [`CommunicationError::Exchange`].
+    fn add_up_if_all(&self, own: Option<&[f64]>) -> Result<Vec<f64>, CommunicationError>;
 
     /// Copies the values of unknowns from the processes that own them.
     ///
@@ -44,11 +53,19 @@ pub trait DividedVectors {
     /// [`CommunicationError::Exchange`].
     fn sum(&self, own: &[f64]) -> Result<Vec<f64>, CommunicationError>;
 
+    /// As many numbers of each process, in their order; the same on all.
+    ///
+    /// # Errors
+    /// [`CommunicationError::Exchange`].
+    fn gather_lists(&self, own: &[f64]) -> Result<Vec<Vec<f64>>, CommunicationError>;
+
     /// A number of each process, in their order; the same on all.
     ///
     /// # Errors
     /// [`CommunicationError::Exchange`].
-    fn gather(&self, own: f64) -> Result<Vec<f64>, CommunicationError>;
+    fn gather(&self, own: f64) -> Result<Vec<f64>, CommunicationError> {
+        Ok(self.gather_lists(&[own])?.into_iter().flatten().collect())
+    }
 }
 
 /// Prescribed values of all processes at this one's unknowns. A process may have a node of a boundary without the facet there. Where several
@@ -143,22 +160,40 @@ impl Together {
     }
 
     fn fold(&self, own: f64, fold: impl Fn(f64, f64) -> f64) -> f64 {
+        self.fold_each(vec![own], |_, a, b| fold(a, b))[0]
+    }
+
+    /// Several numbers of all processes by one exchange; the fold gets the place of each.
+    fn fold_each(&self, own: Vec<f64>, fold: impl Fn(usize, f64, f64) -> f64) -> Vec<f64> {
         let Some(division) = &self.0 else { return own };
+        let none = vec![f64::NAN; own.len()];
         if division.failure.borrow().is_some() {
-            return f64::NAN;
+            return none;
         }
-        match division.vectors.gather(own) {
-            Ok(all) => all.into_iter().reduce(fold).unwrap_or(own),
+        let join = |mut sums: Vec<f64>, list: Vec<f64>| {
+            sums.iter_mut()
+                .zip(list)
+                .enumerate()
+                .for_each(|(place, (sum, one))| *sum = fold(place, *sum, one));
+            sums
+        };
+        match division.vectors.gather_lists(&own) {
+            Ok(all) => all.into_iter().reduce(join).unwrap_or(own),
             Err(error) => {
                 *division.failure.borrow_mut() = Some(error);
-                f64::NAN
+                none
             }
         }
     }
 
     /// The largest of all processes' numbers; NaN if there is one.
     pub fn largest(&self, own: f64) -> f64 {
-        self.fold(own, |a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) })
+        self.largest_of_each(vec![own])[0]
+    }
+
+    /// Largest of all processes' numbers at each place of a list; NaN if there is one.
+    pub fn largest_of_each(&self, own: Vec<f64>) -> Vec<f64> {
+        self.fold_each(own, |_, a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) })
     }
 
     /// The smallest of all processes' numbers; NaN if there is one.
@@ -182,18 +217,28 @@ impl Together {
     }
 
     /// The norm of a vector over the free unknowns, or of those of its entries at some places.
-    pub fn norm(&self, reduced: &[f64], places: std::ops::Range<usize>) -> f64 {
-        let Some(division) = &self.0 else { return norm(&reduced[places]) };
-        let own: Vec<f64> = division.own_in(&places).iter().map(|place| reduced[*place]).collect();
-        self.fold(norm(&own), f64::hypot)
+    pub fn norm(&self, reduced: &[f64], places: Range<usize>) -> f64 {
+        self.norms_and_sum(&[(reduced, places)], None)[0]
     }
 
-    /// The sum of the numbers of those free unknowns that this process owns, on all processes.
-    pub fn sum_of_own(&self, count: usize, value: impl Fn(usize) -> f64) -> f64 {
-        match &self.0 {
-            None => (0..count).map(value).sum(),
-            Some(division) => self.sum(division.own_in(&(0..count)).iter().map(|place| value(*place)).sum()),
-        }
+    /// Norms of vectors over the free unknowns at some places, and then the sum of a number of each free unknown, by one exchange.
+    pub fn norms_and_sum(
+        &self,
+        vectors: &[(&[f64], Range<usize>)],
+        summed: Option<(usize, &dyn Fn(usize) -> f64)>,
+    ) -> Vec<f64> {
+        let norm_here = |(reduced, places): &(&[f64], Range<usize>)| match &self.0 {
+            None => norm(&reduced[places.clone()]),
+            Some(division) => {
+                norm(&division.own_in(places).iter().map(|place| reduced[*place]).collect::<Vec<_>>())
+            }
+        };
+        let mut own: Vec<f64> = vectors.iter().map(norm_here).collect();
+        own.extend(summed.map(|(count, value)| match &self.0 {
+            None => (0..count).map(value).sum::<f64>(),
+            Some(division) => division.own_in(&(0..count)).iter().map(|place| value(*place)).sum(),
+        }));
+        self.fold_each(own, |place, a, b| if place < vectors.len() { a.hypot(b) } else { a + b })
     }
 
     /// The product of two vectors over all unknowns.
@@ -205,7 +250,7 @@ impl Together {
 }
 
 impl Division {
-    fn own_in(&self, places: &std::ops::Range<usize>) -> &[usize] {
+    fn own_in(&self, places: &Range<usize>) -> &[usize] {
         let place = |end: usize| self.own.partition_point(|own| *own < end);
         &self.own[place(places.start)..place(places.end)]
     }

@@ -1,19 +1,24 @@
 //! Eigenproblems of two forms: vibrations and buckling.
 
+mod on_processes;
+
 use std::borrow::Cow;
 use std::sync::Arc;
 
 use thiserror::Error;
 
+use self::on_processes::PencilOfAll;
+use super::communicator::{Communicator, agreed};
 use super::local_unknowns::{LeftPencil, groups_of};
 use super::problem::Problem;
-use super::{Elimination, NonlinearProblem, PerUnknown, SolverError};
+use super::{Elimination, LinearSolver, NonlinearProblem, PerUnknown, Processes, SolverError};
 use crate::assemble::{Assembler, AssemblyError};
 use crate::constraints::Constraints;
 use crate::contract::Form;
 use crate::field::Field;
 use crate::instantiate::instantiate;
-use crate::linear_algebra::{Counts, EigenError, LinearAlgebraError, Positive, SymmetricPencil};
+use crate::linear_algebra::eigenpairs::eigenpairs_above;
+use crate::linear_algebra::{Counts, EigenError, Eigenpair, LinearAlgebraError, Positive, SymmetricPencil};
 use crate::space::Space;
 
 /// Two forms with N unknowns, whose tangents K and M or K_G make an eigenproblem.
@@ -61,6 +66,8 @@ pub struct Eigenproblem<'a, const D: usize, const N: usize = 1> {
     positive: Positive,
     about: Option<[&'a Field<D>; N]>,
     local_unknowns: Option<Counts>,
+    /// Of several processes.
+    solver: Option<&'a mut dyn LinearSolver>,
 }
 
 /// An eigenvalue with its mode.
@@ -109,6 +116,29 @@ pub enum EigenproblemError {
     /// Constraints that do not fit.
     #[error(transparent)]
     LinearAlgebra(#[from] LinearAlgebraError),
+    /// The solver of several processes failed at a shift.
+    #[error("the linear solver failed at the shift {shift:e}: {why}")]
+    Solver {
+        /// The shift.
+        shift: f64,
+        /// Its error.
+        why: SolverError,
+    },
+    /// Several processes without a solver of theirs.
+    #[error("an eigenproblem on several processes needs `.solver(..)`, which adds up their matrices")]
+    NoSolver,
+    /// A solver that does not count pivots.
+    #[error(
+        "the linear solver does not tell how many eigenvalues of a matrix are negative, so that some might be missed: take one that \
+         factors symmetric matrices (`Method::Symmetric` of forms-distributed)"
+    )]
+    NoCount,
+}
+
+impl From<EigenError> for EigenproblemError {
+    fn from(error: EigenError) -> Self {
+        EigenproblemError::Eigen(error)
+    }
 }
 
 impl<'a, const D: usize, const N: usize> Eigenproblem<'a, D, N> {
@@ -139,6 +169,7 @@ impl<'a, const D: usize, const N: usize> Eigenproblem<'a, D, N> {
             positive,
             about: None,
             local_unknowns: None,
+            solver: None,
         }
     }
 
@@ -152,6 +183,20 @@ impl<'a, const D: usize, const N: usize> Eigenproblem<'a, D, N> {
     pub fn assembler(mut self, assembler: &'a Assembler<D>) -> Self {
         self.stiffness.system.assembler = Cow::Borrowed(assembler);
         self.other.system.assembler = Cow::Borrowed(assembler);
+        self
+    }
+
+    /// Solution on several processes, with [`Eigenproblem::solver`]. Each assembles its cells' part of both matrices; on a part of a mesh the
+    /// modes are those of this process's part. Nothing is eliminated beforehand.
+    pub fn on(mut self, communicator: &'a dyn Communicator) -> Self {
+        (self.stiffness, self.other) = (self.stiffness.on(communicator), self.other.on(communicator));
+        self
+    }
+
+    /// The solver of several processes. It adds up their matrices and counts negative eigenvalues: a `PetscSolver` with
+    /// `Method::Symmetric`.
+    pub fn solver(mut self, solver: &'a mut dyn LinearSolver) -> Self {
+        self.solver = Some(solver);
         self
     }
 
@@ -186,7 +231,14 @@ impl<'a, const D: usize, const N: usize> Eigenproblem<'a, D, N> {
             return Err(EigenproblemError::Sliding { form: problem.system.form.name() });
         }
         let constraints = self.stiffness.all_constraints()?;
-        let mut elimination = Elimination::of(&constraints.each_ref().map(|one| &**one))?;
+        let constraints = constraints.each_ref().map(|one| &**one);
+        let mut elimination = Elimination::of(&constraints)?;
+        for problem in [&mut self.stiffness, &mut self.other] {
+            let shared = problem.share_cells();
+            agreed(problem.communicator, problem.system.form.name(), shared)?;
+            problem.agree_on_problem(&constraints)?;
+            elimination = problem.divide(elimination)?;
+        }
         let state = match self.about {
             Some(state) => {
                 self.stiffness.check_spaces("state", state.map(|field| field.space()))?;
@@ -194,6 +246,9 @@ impl<'a, const D: usize, const N: usize> Eigenproblem<'a, D, N> {
             }
             None => vec![0.0; self.stiffness.system.unknowns()],
         };
+        if self.stiffness.communicator.is_some() {
+            return self.above_on_processes(state, elimination, shift, count);
+        }
         let asked = count;
         if elimination.free().is_empty() && asked > 0 {
             return Err(EigenproblemError::Eigen(EigenError::TooFew { asked, found: 0, shift }));
@@ -213,16 +268,53 @@ impl<'a, const D: usize, const N: usize> Eigenproblem<'a, D, N> {
             let error = left.as_ref().map_or(error.clone(), |left| left.of_all(error));
             self.named(error, &elimination)
         })?;
-        let mode = |pair: crate::linear_algebra::Eigenpair| {
-            let vector = match &left {
-                Some(left) => left.complete(&pair.vector)?,
-                None => pair.vector,
-            };
-            let fields = self.stiffness.system.fields(&elimination.extend_by_zero(&vector)?);
-            let (value, error_bound, residual) = (pair.value, pair.error_bound, pair.residual);
-            Ok(Eigenmode { value, fields, error_bound, residual })
+        let completed = |mut pair: Eigenpair| {
+            if let Some(left) = &left {
+                pair.vector = left.complete(&pair.vector)?;
+            }
+            self.mode(pair, &elimination)
         };
-        pairs.into_iter().map(mode).collect()
+        pairs.into_iter().map(completed).collect()
+    }
+
+    fn mode(&self, pair: Eigenpair, elimination: &Elimination) -> Result<Eigenmode<D, N>, EigenproblemError> {
+        let fields = self.stiffness.system.fields(&elimination.extend_by_zero(&pair.vector)?);
+        let Eigenpair { value, error_bound, residual, .. } = pair;
+        Ok(Eigenmode { value, fields, error_bound, residual })
+    }
+
+    /// The same, where each process has a part of the matrices.
+    fn above_on_processes(
+        &mut self,
+        mut state: Vec<f64>,
+        mut elimination: Elimination,
+        shift: f64,
+        count: usize,
+    ) -> Result<Vec<Eigenmode<D, N>>, EigenproblemError> {
+        let form = self.stiffness.system.form.name();
+        let Some(all) = self.stiffness.communicator else { return Ok(vec![]) };
+        let processes = Processes::new(Some(all), self.stiffness.divided.clone());
+        if let Some(divided) = processes.divided() {
+            let spread = divided.spread(&mut state);
+            spread.map_err(|source| AssemblyError::Communication { form, source })?;
+        }
+        let solver = self.solver.take().ok_or(EigenproblemError::NoSolver)?;
+        let reduced = (|| {
+            let first = elimination.reduce_matrix(&self.stiffness.tangent(&state)?.matrix)?;
+            let mut second = elimination.reduce_matrix(&self.other.tangent(&state)?.matrix)?;
+            if self.positive == Positive::First {
+                second.values_mut().iter_mut().for_each(|entry| *entry = -*entry);
+            }
+            Ok([first, second])
+        })();
+        let found = reduced.and_then(|matrices| {
+            let (free, size) = (elimination.free(), self.stiffness.system.unknowns());
+            let parts = ((all, &processes, form), (matrices, self.positive), (free, size));
+            let pencil = PencilOfAll::new(parts.0, parts.1, parts.2, &mut *solver)?;
+            eigenpairs_above(&pencil, shift, count)
+        });
+        self.solver = Some(solver);
+        found?.into_iter().map(|pair| self.mode(pair, &elimination)).collect()
     }
 
     /// A shift that is an eigenvalue is reported with the unknown or the motion that is not determined.

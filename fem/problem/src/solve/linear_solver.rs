@@ -96,6 +96,15 @@ pub trait LinearSolver {
         false
     }
 
+    /// The number of negative eigenvalues of the matrix, which is symmetric, by the signs of pivots; none of a solver that does not count
+    /// them. An eigenproblem on several processes needs it.
+    ///
+    /// # Errors
+    /// If no matrix was set, or its factor failed.
+    fn negative_eigenvalues(&mut self) -> Result<Option<usize>, SolverError> {
+        Ok(None)
+    }
+
     /// The pattern that the solver keeps of earlier matrices: one with the same entries takes less memory if it shares it.
     fn pattern(&self) -> Option<&Arc<SparsityPattern>> {
         None

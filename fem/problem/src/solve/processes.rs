@@ -142,8 +142,9 @@ impl<'a> Processes<'a> {
         own: Result<Vec<f64>, AssemblyError>,
     ) -> Result<Vec<f64>, AssemblyError> {
         let Some(divided) = &self.divided else { return summed(self.communicator, form, own) };
-        let own = agreed(self.communicator, form, own)?;
-        divided.add_up(&own).map_err(|source| AssemblyError::Communication { form, source })
+        let sums = divided.add_up_if_all(own.as_deref().ok());
+        own?;
+        sums.map_err(|source| AssemblyError::Communication { form, source })
     }
 
     /// The sum at some places of a vector with `count` entries.

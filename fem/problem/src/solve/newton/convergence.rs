@@ -47,24 +47,36 @@ impl Component {
 
     /// The largest amount in it.
     pub fn largest(&self, full: &[f64]) -> f64 {
-        self.together.largest(self.unknowns().fold(0.0, |largest, unknown| largest.max(full[unknown].abs())))
+        self.together.largest(self.largest_here(full))
     }
 
-    /// The largest amount in all components of its field, which have one unit.
-    pub fn largest_in_field(&self, full: &[f64]) -> f64 {
-        self.together.largest(largest(&full[self.field.clone()]))
+    /// The same of this process.
+    fn largest_here(&self, full: &[f64]) -> f64 {
+        self.unknowns().fold(0.0, |largest, unknown| largest.max(full[unknown].abs()))
     }
 
-    /// The difference of the largest and the smallest value, which an offset does not change.
-    pub fn range(&self, full: &[f64]) -> f64 {
+    /// The negative of the smallest value, and the largest one, on this process.
+    fn ends_here(&self, full: &[f64]) -> [f64; 2] {
         let ends = self.unknowns().fold(None, |ends: Option<(f64, f64)>, unknown| {
             let value = full[unknown];
             Some(ends.map_or((value, value), |(low, high)| (low.min(value), high.max(value))))
         });
         let (low, high) = ends.unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
-        let (low, high) = (self.together.smallest(low), self.together.largest(high));
-        if low > high { 0.0 } else { high - low }
+        [-low, high]
     }
+}
+
+/// Sizes of a component of all processes.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::solve) struct Sizes {
+    /// The largest amount in a change of the unknowns.
+    pub change: f64,
+    /// The largest amount in the unknowns.
+    pub most: f64,
+    /// The difference of the largest and the smallest of the unknowns, which an offset does not change.
+    pub range: f64,
+    /// The largest amount in all components of its field, which have one unit.
+    pub in_field: f64,
 }
 
 /// The fields of a problem as ranges of its free unknowns.
@@ -100,19 +112,54 @@ impl Fields {
         Fields { components, free, together: together.clone() }
     }
 
+    /// The sizes of each component in a change and in the unknowns, by one exchange.
+    pub fn sizes(&self, change: &[f64], u: &[f64]) -> Vec<Sizes> {
+        let of = |component: &Component| {
+            let [low, high] = component.ends_here(u);
+            let in_field = largest(&u[component.field.clone()]);
+            [component.largest_here(change), component.largest_here(u), low, high, in_field]
+        };
+        let found = self.together.largest_of_each(self.components.iter().flat_map(of).collect());
+        let sizes = found.as_chunks().0.iter().map(|[change, most, low, high, in_field]| {
+            let range = if -low > *high { 0.0 } else { high + low };
+            Sizes { change: *change, most: *most, range, in_field: *in_field }
+        });
+        sizes.collect()
+    }
+
     /// Norm of each field's part of a vector of free unknowns.
     pub fn norms(&self, reduced: &[f64]) -> Vec<f64> {
-        self.free.iter().map(|range| self.together.norm(reduced, range.clone())).collect()
+        self.together.norms_and_sum(&self.parts(reduced), None)
+    }
+
+    fn parts<'v>(&self, reduced: &'v [f64]) -> Vec<(&'v [f64], Range<usize>)> {
+        self.free.iter().map(|range| (reduced, range.clone())).collect()
+    }
+
+    /// Norm of a vector of free unknowns, and of each field's part of it, by one exchange.
+    pub fn norm_and_norms(&self, reduced: &[f64]) -> (f64, Vec<f64>) {
+        let mut asked = self.parts(reduced);
+        asked.push((reduced, 0..reduced.len()));
+        let mut norms = self.together.norms_and_sum(&asked, None);
+        (norms.pop().unwrap_or(f64::NAN), norms)
+    }
+
+    /// The norm of a residual, and norms of it and of the free unknowns by fields, by one exchange.
+    pub fn norms_at(&self, residual: &[f64], free: &[f64]) -> (f64, Norms) {
+        let mut asked = self.parts(residual);
+        asked.extend(self.parts(free));
+        asked.push((residual, 0..residual.len()));
+        // With weights that follow no pattern of a mesh.
+        let mark = |place: usize| weight(place) * free[place];
+        let mut found = self.together.norms_and_sum(&asked, Some((free.len(), &mark)));
+        let (mark, size) = (found.pop().unwrap_or(f64::NAN), found.pop().unwrap_or(f64::NAN));
+        let u = found.split_off(self.free.len());
+        (size, Norms { residual: found, u, step: None, mark })
     }
 
     /// Norm of a vector of free unknowns.
     pub fn norm(&self, reduced: &[f64]) -> f64 {
         self.together.norm(reduced, 0..reduced.len())
-    }
-
-    /// A sum of free unknowns with weights between ½ and 1½ that follow no pattern of a mesh.
-    pub fn mark(&self, reduced: &[f64]) -> f64 {
-        self.together.sum_of_own(reduced.len(), |place| weight(place) * reduced[place])
     }
 
     /// Norms over only some free unknowns, given by their reduced numbers in ascending order.

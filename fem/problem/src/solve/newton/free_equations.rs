@@ -7,9 +7,10 @@ use super::{
     Change, Equations, Iterates, NewtonFailure, NonlinearProblem, Norms, Origin, PrescribedValues, Products,
     Step, Verdict, WorstEquation,
 };
+use crate::linear_algebra::BlockMatrix;
 use crate::linear_algebra::vector::add_scaled;
 use crate::solve::elimination::Elimination;
-use crate::solve::linear_solver::LinearSolver;
+use crate::solve::linear_solver::{LinearSolver, SolverError};
 
 /// The residual on all unknowns, and on the free ones.
 #[derive(Default)]
@@ -143,10 +144,8 @@ impl<'a> FreeEquations<'a> {
         let active = self.problem.active_points(&self.iterates.u)?;
         self.update_held()?;
         let held = self.bounds.as_ref().map(ActiveSet::count);
-        let reduced = &self.residuals.reduced;
-        let norms = Norms { step: lengths, ..self.iterates.norms_at(&self.elimination, reduced) };
-        let size = self.iterates.fields.norm(reduced);
-        self.iterates.record(size, norms, active, Step { held, ..step });
+        let (size, norms) = self.iterates.norms_at(&self.elimination, &self.residuals.reduced);
+        self.iterates.record(size, Norms { step: lengths, ..norms }, active, Step { held, ..step });
         Ok(())
     }
 
@@ -158,6 +157,9 @@ impl<'a> FreeEquations<'a> {
         self.products_are_old = false;
         let tangent = self.problem.tangent(&self.iterates.u)?;
         check_potential(self.iterates.options.line_search, &mut self.elimination, &tangent.matrix)?;
+        if self.bounds.is_none() {
+            return Ok(hand_over(self.solver, &mut self.elimination, &tangent.matrix)?);
+        }
         let mut reduced = self.elimination.reduce_matrix(&tangent.matrix)?;
         drop(tangent);
         if let Some(bounds) = &mut self.bounds {
@@ -198,6 +200,18 @@ impl<'a> FreeEquations<'a> {
             values,
             origin: Origin::Tangent { linear_iterations: found.iterations, condensed_unknowns },
         })
+    }
+}
+
+/// Hands a solver the free part of a tangent: without a copy of it, where the solver takes its rows one by one.
+pub(super) fn hand_over(
+    solver: &mut dyn LinearSolver,
+    elimination: &mut Elimination,
+    tangent: &BlockMatrix,
+) -> Result<(), SolverError> {
+    match solver.as_condensed() {
+        Some(_) => solver.set_matrix(elimination.reduce_matrix(tangent)?),
+        None => solver.set_reduced(tangent, elimination),
     }
 }
 
@@ -256,14 +270,14 @@ impl Equations for FreeEquations<'_> {
         };
         let part = self.move_along(&values, origin)?;
         let reduced: Vec<f64> = self.elimination.free().iter().map(|unknown| values[*unknown]).collect();
+        let (length, lengths) = self.iterates.fields.norm_and_norms(&reduced);
         let step = Step {
-            length: Some(part * self.iterates.fields.norm(&reduced)),
+            length: Some(part * length),
             damping: Some(part),
             linear_iterations: Some(linear_iterations),
             condensed_unknowns,
             held: None,
         };
-        let lengths = self.iterates.fields.norms(&reduced);
         values.iter_mut().for_each(|value| *value *= part);
         self.last_change = Some(LastChange { values, origin });
         self.enter(step, Some(lengths))

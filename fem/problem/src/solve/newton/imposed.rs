@@ -1,6 +1,7 @@
 //! Prescribed values that move so far, with all else at rest, that nothing can be computed or a quantity is no longer positive: the rest then follows
 //! by the tangent, part by part of the way if need be.
 
+use super::free_equations::hand_over;
 use super::{FreeEquations, NewtonFailure, Step};
 use crate::linear_algebra::vector::{add_scaled, is_finite};
 
@@ -67,14 +68,14 @@ impl FreeEquations<'_> {
 
     /// Enters the iterate at a part of a jump, whose change of the free unknowns is known.
     fn enter_jump(&mut self, jump: &Jump, part: f64, moved: &[f64]) -> Result<(), NewtonFailure> {
+        let (length, lengths) = self.iterates.fields.norm_and_norms(moved);
         let step = Step {
-            length: Some(part * self.iterates.fields.norm(moved)),
+            length: Some(part * length),
             damping: Some(part),
             linear_iterations: Some(jump.linear_iterations),
             condensed_unknowns: None,
             held: None,
         };
-        let lengths = self.iterates.fields.norms(moved);
         self.enter(step, Some(lengths))
     }
 
@@ -97,8 +98,11 @@ impl FreeEquations<'_> {
         self.elimination.impose(&mut imposed)?;
         let mut values: Vec<f64> = imposed.iter().zip(u).map(|(imposed, u)| imposed - u).collect();
         let together = self.iterates.fields.together.clone();
-        let nothing_moves = together.all(values.iter().all(|value| *value == 0.0));
-        if nothing_moves || !together.all(is_finite(&values)) {
+        let moves = values.iter().any(|value| *value != 0.0);
+        // One exchange for both questions.
+        let wrong =
+            together.largest_of_each([moves, !is_finite(&values)].map(|is| f64::from(u8::from(is))).to_vec());
+        if wrong[0] == 0.0 || wrong[1] != 0.0 {
             return Ok(None);
         }
         let mut forces = self.problem.residual(u)?;
@@ -106,12 +110,11 @@ impl FreeEquations<'_> {
             return Ok(None);
         }
         let tangent = self.problem.tangent(u)?;
-        let matrix = self.elimination.reduce_matrix(&tangent.matrix)?;
-        drop(tangent);
+        let taken = hand_over(self.solver, &mut self.elimination, &tangent.matrix);
         add_scaled(&mut forces, 1.0, &self.problem.products(u, &values)?.sums);
         let load: Vec<f64> = self.elimination.reduce(&forces)?.iter().map(|force| -force).collect();
         // A tangent that cannot be solved with is no reason to fail: that nothing can be computed is.
-        let Ok(solution) = self.solver.set_matrix(matrix).and_then(|()| self.solver.solve(&load, 0.0)) else {
+        let Ok(solution) = taken.and_then(|()| self.solver.solve(&load, 0.0)) else {
             return Ok(None);
         };
         add_scaled(&mut values, 1.0, &self.elimination.extend_by_zero(&solution.solution)?);

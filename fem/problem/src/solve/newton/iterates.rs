@@ -42,11 +42,10 @@ impl<'a> Iterates<'a> {
         Iterates { u, fields, history: vec![], norms: vec![], active: vec![], options, progress }
     }
 
-    /// Norms at the last iterate, without those of a step.
-    pub fn norms_at(&self, elimination: &Elimination, reduced_residual: &[f64]) -> Norms {
+    /// The norm of the residual at the last iterate, and norms by fields there, without those of a step.
+    pub fn norms_at(&self, elimination: &Elimination, reduced_residual: &[f64]) -> (f64, Norms) {
         let free: Vec<f64> = elimination.free().iter().map(|unknown| self.u[*unknown]).collect();
-        let (residual, u) = (self.fields.norms(reduced_residual), self.fields.norms(&free));
-        Norms { residual, u, step: None, mark: self.fields.mark(&free) }
+        self.fields.norms_at(reduced_residual, &free)
     }
 
     /// The residual to which a linear system is to be solved.
@@ -86,7 +85,7 @@ impl<'a> Iterates<'a> {
     /// New residual of the last iterate, which was known in part.
     pub fn replace_last_residual(&mut self, elimination: &Elimination, reduced: &[f64]) {
         let first = self.history.first().map_or(0.0, |start| start.residual);
-        let (residual, found) = (self.fields.norm(reduced), self.norms_at(elimination, reduced));
+        let (residual, found) = self.norms_at(elimination, reduced);
         if let (Some(last), Some(norms)) = (self.history.last_mut(), self.norms.last_mut()) {
             last.residual = residual;
             last.relative_residual = if residual == 0.0 { 0.0 } else { residual / first };

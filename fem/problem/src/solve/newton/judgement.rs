@@ -34,6 +34,9 @@ const UNKNOWN_ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Largest effect of rounding on a component of the solution, as a part of its largest value.
 const LARGEST_ROUNDING: f64 = 1e-6;
 
+/// A norm below this may be zero although no entry is, or the other way round: squares of smaller numbers underflow.
+const UNDERFLOW: f64 = 1e-150;
+
 /// A component that varies by less than this part of itself is uniform.
 const UNIFORM: f64 = 1e-9;
 
@@ -57,7 +60,8 @@ impl FreeEquations<'_> {
             return Err(NewtonFailure::NotFinite);
         }
         if total <= self.iterates.options.absolute_tolerance
-            || self.iterates.fields.together.largest(largest(&self.residuals.reduced)) == 0.0
+            || total < UNDERFLOW
+                && self.iterates.fields.together.largest(largest(&self.residuals.reduced)) == 0.0
             || self.iterates.all_fields_vanished()
         {
             return Ok(Verdict::Solution);

@@ -1,9 +1,12 @@
 //! Affine problems: one assembly, one linear system.
 
+use std::cell::OnceCell;
 use std::sync::Arc;
+use std::time::Instant;
 
 use super::Problem;
 use super::solution::Found;
+use crate::assemble::AssemblyError;
 use crate::solve::divided::Together;
 use crate::solve::linear_system::{check_equations, solve_reduced};
 use crate::solve::{
@@ -27,20 +30,24 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
         // Of several processes each has a part of the matrix alone: the solver has to judge there.
         let alone = self.communicator.is_none();
         let tangent = self.tangent(&u)?;
-        let found = solve_reduced(&tangent.matrix, &load, elimination, solver, Transpose::No);
-        let found = match found {
-            Ok(found) if alone => {
+        let found = if alone {
+            solve_reduced(&tangent.matrix, &load, elimination, solver, Transpose::No).and_then(|found| {
                 check_equations(&tangent.matrix, &load, elimination, solver, &found, Transpose::No)
                     .map(|()| found)
-            }
-            found => found,
+            })
+        } else {
+            let taken = solver.set_reduced(&tangent.matrix, elimination);
+            // The solver has its own by now: twice the matrix would be most of the memory.
+            self.assembled = None;
+            self.system.pattern = OnceCell::new();
+            taken.and_then(|()| solver.solve_with(&load, 0.0, Transpose::No))
         };
         let found = found.map_err(|error| NewtonFailure::LinearSolver(self.named(error, elimination)))?;
         for (&unknown, &value) in elimination.free().iter().zip(&found.solution) {
             u[unknown] = value;
         }
         elimination.impose(&mut u).map_err(NewtonFailure::Mismatch)?;
-        let residual = self.residual(&u)?;
+        let residual = if alone { self.residual(&u)? } else { self.residual_by_integrals(&u)? };
         let reduced = elimination.reduce(&residual).map_err(NewtonFailure::Mismatch)?;
         let (first, last) = (norm(&load), norm(&reduced));
         let history = vec![
@@ -63,6 +70,14 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
             history.iter().for_each(progress);
         }
         Ok((u, residual, history))
+    }
+
+    /// The residual of all processes' integrals, without a matrix.
+    fn residual_by_integrals(&mut self, u: &[f64]) -> Result<Vec<f64>, AssemblyError> {
+        let start = Instant::now();
+        let own = self.system.whole_residual(u);
+        self.seconds += start.elapsed().as_secs_f64();
+        self.added_up(own)
     }
 
     /// The norm of each field's part of a reduced vector.

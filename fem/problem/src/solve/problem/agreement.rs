@@ -32,7 +32,10 @@ pub struct GivenEquations<'a, const D: usize> {
 
 impl<const D: usize, const N: usize> Problem<'_, D, N> {
     /// Compares what the processes were given.
-    pub(super) fn agree_on_problem(&self, constraints: &[&Constraints<D>; N]) -> Result<(), AssemblyError> {
+    pub(in crate::solve) fn agree_on_problem(
+        &self,
+        constraints: &[&Constraints<D>; N],
+    ) -> Result<(), AssemblyError> {
         let Some(communicator) = self.communicator else { return Ok(()) };
         let system = &self.system;
         let starts = [self.start, self.last_state].map(|state| add_state(Fingerprint::default(), state));

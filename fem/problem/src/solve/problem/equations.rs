@@ -34,7 +34,7 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
     }
 
     /// The sum of the parts of a vector over all unknowns that the processes assembled.
-    fn added_up(&self, own: Result<Vec<f64>, AssemblyError>) -> Result<Vec<f64>, AssemblyError> {
+    pub(super) fn added_up(&self, own: Result<Vec<f64>, AssemblyError>) -> Result<Vec<f64>, AssemblyError> {
         let form = self.system.form.name();
         Processes::new(self.communicator, self.divided.clone()).added_up(form, own)
     }
@@ -109,7 +109,8 @@ impl<const D: usize, const N: usize> NonlinearProblem for Problem<'_, D, N> {
     }
 
     fn active_points(&mut self, u: &[f64]) -> Result<Option<ActivePoints>, AssemblyError> {
-        if self.system.assembler_at.is_some() || self.system.slides() {
+        let switches = !self.system.form.switches().is_empty();
+        if !switches || self.system.assembler_at.is_some() || self.system.slides() {
             return Ok(None);
         }
         let (own, form) = (self.own_active_points(u), self.system.form.name());

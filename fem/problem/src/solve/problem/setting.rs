@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::{Problem, SolveError};
+use super::Problem;
 use crate::assemble::AssemblyError;
 use crate::constraints::Constraints;
 use crate::contract::Form;
@@ -110,7 +110,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     ///
     /// # Errors
     /// [`CommunicationError::Divided`](crate::solve::CommunicationError::Divided) of what a divided mesh does not have; a failed exchange.
-    pub(super) fn divide(&mut self, own: Elimination) -> Result<Elimination, SolveError> {
+    pub(in crate::solve) fn divide(&mut self, own: Elimination) -> Result<Elimination, AssemblyError> {
         let form = self.system.form.name();
         let processes = Processes::on(self.communicator, &self.system.spaces.each_ref(), form)?;
         self.divided = processes.divided().cloned();
@@ -128,11 +128,11 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
             processes.refuse(form, things)?;
             processes.check_form(&self.system.form)?;
         }
-        Ok(processes.elimination(form, own)?)
+        processes.elimination(form, own)
     }
 
     /// On several processes the assembler takes this one's part of the cells, unless it has its own already.
-    pub(super) fn share_cells(&mut self) -> Result<(), AssemblyError> {
+    pub(in crate::solve) fn share_cells(&mut self) -> Result<(), AssemblyError> {
         let Some(communicator) = self.communicator else { return Ok(()) };
         if self.system.assembler.has_owned_cells() {
             return Ok(());

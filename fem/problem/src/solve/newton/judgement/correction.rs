@@ -2,7 +2,7 @@
 
 use super::{LastChange, Rows, UNIFORM, UNKNOWN_ROUNDING, ZERO_COMPONENT, ZERO_PART};
 use crate::assemble::Terms;
-use crate::solve::newton::convergence::Component;
+use crate::solve::newton::convergence::{Component, Sizes};
 use crate::solve::newton::{FreeEquations, NewtonFailure};
 
 /// A correction may be this much larger, as a part of u, than a residual as a part of its terms: a fine mesh has directions that
@@ -16,10 +16,8 @@ impl FreeEquations<'_> {
     /// Whether the last tangent is far from the one at the last iterate, because the step was long.
     pub(super) fn tangent_is_old(&self) -> bool {
         let Some(LastChange { values: step, .. }) = &self.last_change else { return true };
-        let long = |component: &Component| {
-            component.largest(step) > SHORT_STEP * component.largest(&self.iterates.u)
-        };
-        self.iterates.fields.components.iter().any(long)
+        let sizes = self.iterates.fields.sizes(step, &self.iterates.u);
+        sizes.iter().any(|sizes| sizes.change > SHORT_STEP * sizes.most)
     }
 
     /// −K⁻¹R with the last tangent, on all unknowns; none where it cannot be computed.
@@ -43,11 +41,10 @@ impl FreeEquations<'_> {
     ) -> Result<Vec<(Component, f64)>, NewtonFailure> {
         let tolerance = SOFTNESS * self.iterates.options.relative_tolerance;
         let mut unsettled = Vec::new();
-        for component in self.iterates.fields.components.clone() {
-            let (change, most) = (component.largest(correction), component.largest(&self.iterates.u));
-            let range = component.range(&self.iterates.u);
+        let sizes = self.iterates.fields.sizes(correction, &self.iterates.u);
+        for (component, sizes) in self.iterates.fields.components.clone().into_iter().zip(sizes) {
+            let Sizes { change, most, range, in_field } = sizes;
             // A component may be zero, and its corrections the rounding of others.
-            let in_field = component.largest_in_field(&self.iterates.u);
             let part = if most <= ZERO_PART * in_field { ZERO_COMPONENT } else { UNKNOWN_ROUNDING };
             let rounding = part * in_field;
             let mut allowed = (tolerance * range).max(rounding);

@@ -1,10 +1,12 @@
 //! Corrections that do not become shorter: rounding of the solution, or more than that.
 
+use std::collections::BTreeMap;
+
 use super::rows::CELL_ROUNDING;
 use super::vanishing::LEFT_OVER;
 use super::{LARGEST_ROUNDING, ROW_ROUNDING, UNIFORM, UNKNOWN_ROUNDING, ZERO_COMPONENT, ZERO_PART};
 use crate::assemble::Terms;
-use crate::solve::newton::convergence::Component;
+use crate::solve::newton::convergence::{Component, Sizes};
 use crate::solve::newton::{FreeEquations, NewtonFailure};
 
 /// Corrections of an unknown that is zero, where residuals stay, as a part of its field.
@@ -14,9 +16,9 @@ impl FreeEquations<'_> {
     /// Whether a correction is small next to the unknowns around each one, wherever they are: then residuals are rounding that
     /// the sizes of their terms do not show, as that of a stress computed from 1 + ∇u.
     pub(super) fn is_small_everywhere(&mut self, correction: &[f64]) -> Result<bool, NewtonFailure> {
-        for component in self.iterates.fields.components.clone() {
-            let (change, range) = (component.largest(correction), component.range(&self.iterates.u));
-            let in_field = component.largest_in_field(&self.iterates.u);
+        let sizes = self.iterates.fields.sizes(correction, &self.iterates.u);
+        for (component, sizes) in self.iterates.fields.components.clone().into_iter().zip(sizes) {
+            let Sizes { change, range, in_field, .. } = sizes;
             // A pressure may be the same everywhere.
             let uniform = range <= UNIFORM * in_field && change <= ZERO_COMPONENT * in_field;
             if !uniform && change > UNKNOWN_ROUNDING * in_field && change > LARGEST_ROUNDING * range {
@@ -43,9 +45,8 @@ impl FreeEquations<'_> {
 
     /// Whether a correction is below the rounding of each field.
     pub(in crate::solve::newton) fn is_rounding(&self, correction: &[f64]) -> bool {
-        let components = self.iterates.fields.components.iter();
-        let allowed = |component: &Component| UNKNOWN_ROUNDING * component.largest_in_field(&self.iterates.u);
-        components.into_iter().all(|component| component.largest(correction) <= allowed(component))
+        let sizes = self.iterates.fields.sizes(correction, &self.iterates.u);
+        sizes.iter().all(|sizes| sizes.change <= UNKNOWN_ROUNDING * sizes.in_field)
     }
 
     /// Whether each residual is below the rounding of its row, whatever the tolerance.
@@ -67,12 +68,14 @@ impl FreeEquations<'_> {
         unsettled: &[(Component, f64)],
         correction: &[f64],
     ) -> Result<Option<f64>, NewtonFailure> {
+        let fields = &self.iterates.fields;
+        let all =
+            fields.components.iter().map(Component::first).zip(fields.sizes(correction, &self.iterates.u));
+        let all: BTreeMap<usize, Sizes> = all.collect();
         let mut rest = vec![0.0; correction.len()];
         let mut part = None;
         for (component, _) in unsettled {
-            let (change, most) = (component.largest(correction), component.largest(&self.iterates.u));
-            let (range, in_field) =
-                (component.range(&self.iterates.u), component.largest_in_field(&self.iterates.u));
+            let Sizes { change, most, range, in_field } = all[&component.first()];
             // An offset is no scale: next to a large one a solution may be all rounding.
             let scale = if range <= UNIFORM * most { most } else { range.min(most) };
             // Nothing of the component is left next to its corrections.

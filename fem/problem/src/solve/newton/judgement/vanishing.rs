@@ -2,7 +2,6 @@
 
 use super::{LastChange, ROW_ROUNDING, Reason, Rows};
 use crate::linear_algebra::vector::largest;
-use crate::solve::newton::convergence::Component;
 use crate::solve::newton::{FreeEquations, Iterates, NewtonFailure};
 
 /// A step that leaves this part of a component has led to zero, or it is rounding that is left.
@@ -34,11 +33,8 @@ impl FreeEquations<'_> {
     /// Whether the last step led a component to zero, but for rounding.
     pub(super) fn some_component_vanishes(&self) -> bool {
         let Some(LastChange { values: step, .. }) = &self.last_change else { return false };
-        let vanishes = |component: &Component| {
-            let left = component.largest(&self.iterates.u);
-            left > 0.0 && left <= NOTHING_LEFT * component.largest(step)
-        };
-        self.iterates.fields.components.iter().any(vanishes)
+        let sizes = self.iterates.fields.sizes(step, &self.iterates.u);
+        sizes.iter().any(|sizes| sizes.most > 0.0 && sizes.most <= NOTHING_LEFT * sizes.change)
     }
 
     /// A change that makes those components zero that are rounding only. None if there is none, or it was tried before.
@@ -52,9 +48,9 @@ impl FreeEquations<'_> {
         }
         let mut zeroed = self.iterates.u.clone();
         let mut vanishing = vec![false; zeroed.len()];
-        for component in &self.iterates.fields.components {
-            let most = component.largest(&self.iterates.u);
-            if most > 0.0 && component.largest(correction) >= LEFT_OVER * most {
+        let sizes = self.iterates.fields.sizes(correction, &self.iterates.u);
+        for (component, sizes) in self.iterates.fields.components.iter().zip(sizes) {
+            if sizes.most > 0.0 && sizes.change >= LEFT_OVER * sizes.most {
                 for unknown in component.unknowns() {
                     (zeroed[unknown], vanishing[unknown]) = (0.0, true);
                 }
