@@ -106,7 +106,7 @@ impl<'w> DistributedMatrix<'w> {
         let at = self.handle();
         self.visit_rows(nodes, local, |row, columns, values| {
             let count = columns.len() as Index;
-            // SAFETY: one row with as many columns as values, all of which were declared; PETSc copies them.
+            // SAFETY: one row with as many columns as values, which were all declared; PETSc copies them.
             unsafe {
                 call!(MatSetValues(at, 1, &row, count, columns.as_ptr(), values.as_ptr(), petsc::INSERT))
             }

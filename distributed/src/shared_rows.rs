@@ -61,7 +61,7 @@ impl SharedRows {
         let lengths = lists.iter().map(|(rank, words)| (*rank, vec![words.len() as u64])).collect();
         let lengths = world.meetings().exchange(LENGTHS, lengths, &vec![1; ranks.len()])?;
         let lengths: Vec<usize> = lengths.into_iter().map(|length| length[0] as usize).collect();
-        // Those of which neither sends anything have nothing in common.
+        // Two that send nothing to each other have nothing in common.
         let common = lists.into_iter().zip(lengths).filter(|((_, words), length)| words.len() + length > 0);
         let (lists, lengths): (Vec<_>, Vec<_>) = common.unzip();
         let entries: Vec<usize> =

@@ -68,7 +68,7 @@ impl<'w> System<'w> {
     pub fn negative_pivots(&self) -> Result<usize, PetscError> {
         let solver = self.solver.handle();
         let (mut preconditioner, mut factor, mut negative) = (null_mut(), null_mut(), 0);
-        // SAFETY: the solver lives, and has the preconditioner with the factor, of which PETSc tells the numbers that are asked for.
+        // SAFETY: the solver lives, and has the preconditioner with the factor. PETSc tells the numbers that are asked for.
         unsafe {
             call!(KSPSetUp(solver))?;
             call!(KSPGetPC(solver, &mut preconditioner))?;

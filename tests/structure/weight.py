@@ -17,7 +17,7 @@ COUNTS = [
     ("#[inline(never)]", r"#\[inline\(never\)\]", False, 274),
     ("instantiate! blocks", r"^\s*instantiate!\(", False, 97),
 ]
-LINES = [("lines of Rust without tests", False, 184_900), ("lines of Rust", True, 258_200)]
+LINES = [("lines of Rust without tests", False, 186_500), ("lines of Rust", True, 260_100)]
 
 
 def sources():

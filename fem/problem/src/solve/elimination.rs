@@ -55,7 +55,7 @@ impl Elimination {
         Ok(Self { size, prescribed, relations, free, threads, restriction: None, weighted: None })
     }
 
-    /// The same with another number of threads than all, on which submatrices are taken out.
+    /// This elimination on another number of threads than all, which take submatrices out.
     pub fn on(mut self, threads: Threads) -> Self {
         self.threads = threads;
         self

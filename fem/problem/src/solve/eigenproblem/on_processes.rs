@@ -1,4 +1,4 @@
-//! Pencil of which each process has a part: products are added up, and solutions come from the solver of all processes.
+//! Pencil with a part on each process: products are added up, and solutions come from the solver of all processes.
 
 use std::cell::{Cell, RefCell};
 
