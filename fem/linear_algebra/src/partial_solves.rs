@@ -92,7 +92,7 @@ fn in_place(sides: &mut [Vec<f64>]) -> Vec<&mut [f64]> {
 /// Columns of L D Lᵀ that are computed together.
 const TILE: usize = 96;
 
-/// L D Lᵀ of a dense lower triangular L and a diagonal of signs. The same bits come from any number of threads: tiles of columns are tasks.
+/// L D Lᵀ of a dense lower triangular L and a diagonal of signs. The same bits come from any number of threads, which share tiles of columns.
 pub(crate) fn lower_times_transposed(threads: Threads, lower: &Mat<f64>, signs: &[f64]) -> Mat<f64> {
     let size = lower.nrows();
     let signed = Mat::from_fn(size, size, |i, j| lower[(i, j)] * signs[j]);

@@ -186,7 +186,7 @@ impl Restriction {
         self.check(matrix)?;
         let pointers = self.target.row_pointers();
         let pieces = pieces(threads, self.target.rows(), self.target.entries());
-        // Where the rows of each piece begin among those of the matrix.
+        // The row of the matrix that each row of the submatrix is.
         let mut old_rows = Vec::with_capacity(self.target.rows());
         old_rows.extend((0..self.new_rows.len()).filter(|old| self.new_rows[*old] != DROPPED));
         let mut values = vec![0.0; self.target.entries()];

@@ -34,7 +34,7 @@ pub trait Communicator {
     /// [`CommunicationError::Exchange`].
     fn gather(&self, own: u64) -> Result<Vec<u64>, CommunicationError>;
 
-    /// As many numbers of each process, in their order; the same on all.
+    /// A list of each process, in the order of ranks; the same lists on all. All processes give equally many numbers.
     ///
     /// # Errors
     /// [`CommunicationError::Exchange`].

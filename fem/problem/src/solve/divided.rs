@@ -35,7 +35,7 @@ pub trait DividedVectors {
         self.add_up_if_all(Some(own))
     }
 
-    /// The same if all processes have something to add; else an error on all.
+    /// The sums of [`DividedVectors::add_up`] if all processes have something to add, else an error on all.
     ///
     /// # Errors
     /// [`CommunicationError::Elsewhere`], also where this process is the one without; [`CommunicationError::Exchange`].
@@ -53,7 +53,7 @@ pub trait DividedVectors {
     /// [`CommunicationError::Exchange`].
     fn sum(&self, own: &[f64]) -> Result<Vec<f64>, CommunicationError>;
 
-    /// As many numbers of each process, in their order; the same on all.
+    /// A list of each process, in the order of ranks; the same lists on all. All processes give equally many numbers.
     ///
     /// # Errors
     /// [`CommunicationError::Exchange`].

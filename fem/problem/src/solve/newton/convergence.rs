@@ -50,7 +50,7 @@ impl Component {
         self.together.largest(self.largest_here(full))
     }
 
-    /// The same of this process.
+    /// The largest amount on this process.
     fn largest_here(&self, full: &[f64]) -> f64 {
         self.unknowns().fold(0.0, |largest, unknown| largest.max(full[unknown].abs()))
     }
