@@ -19,7 +19,8 @@ pub enum Method {
         max_iterations: u16,
     },
     /// GMRES, for any matrix, such as that of contact with θ ≠ 1: with smoothed aggregation for one unknown, and for two by their blocks
-    /// with the Schur complement, where GAMG serves the first unknown and the complement's diagonal the second.
+    /// with the Schur complement, where GAMG serves the first unknown and the complement's diagonal the second. Multipliers on facets are one
+    /// block, for which MUMPS factors the complement with the diagonal's inverse.
     Gmres {
         /// Relative residual ‖b − A x‖₂ / ‖b‖₂ to reach.
         tolerance: f64,

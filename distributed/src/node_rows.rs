@@ -40,11 +40,14 @@ pub(crate) struct FieldRows {
     pub start: usize,
     /// This process's rows of an orthonormal basis of the rigid motions of a displacement, zero in the held rows; empty for other fields.
     pub motions: Vec<Vec<f64>>,
+    /// Whether the unknown lives on facets only, as multipliers do.
+    pub is_on_facets: bool,
 }
 
 /// The nodes of an unknown that have rows.
 struct FreeNodes<const D: usize> {
     components: usize,
+    is_on_facets: bool,
     /// Whether its components are free, node by node.
     is_free: Vec<bool>,
     positions: Vec<[f64; D]>,
@@ -63,7 +66,7 @@ impl<const D: usize> FreeNodes<D> {
                 positions.push(*position);
             }
         }
-        FreeNodes { components, is_free, positions }
+        FreeNodes { components, is_on_facets: space.facet_region().is_some(), is_free, positions }
     }
 
     /// The rows of a process's part of the nodes, among those of the unknown.
@@ -76,13 +79,13 @@ impl<const D: usize> FreeNodes<D> {
     fn field_rows(&self, world: &World, start: usize) -> Result<FieldRows, PetscError> {
         let held = self.is_free.iter().enumerate().filter(|(_, is_free)| !**is_free);
         let held: Vec<usize> = held.map(|(row, _)| row).collect();
-        let is_displacement = self.components == D && D > 1;
+        let is_displacement = self.components == D && D > 1 && !self.is_on_facets;
         let motions = if is_displacement { rigid_motions(&self.positions) } else { vec![] };
         let rows = Rows::of_nodes(world, self.positions.len(), self.components)?;
         let products = |all: &[&[f64]], b: &[f64]| Ok(all.iter().map(|a| product(a, b)).collect());
         let mut motions = orthonormal(motions, &held, &products)?;
         motions.iter_mut().for_each(|motion| *motion = motion[rows.own.clone()].to_vec());
-        Ok(FieldRows { rows, start, motions })
+        Ok(FieldRows { rows, start, motions, is_on_facets: self.is_on_facets })
     }
 }
 

@@ -11,7 +11,7 @@ use crate::error::PetscError;
 use crate::local_matrix::LocalMatrix;
 use crate::matrix::{DistributedMatrix, Motions};
 use crate::method::Method;
-use crate::node_rows::NodeRows;
+use crate::node_rows::{FieldRows, NodeRows};
 use crate::object::Owned;
 use crate::petsc::{self, DEFAULT, Index, Object, TRUE, UNPRECONDITIONED, call};
 use crate::world::World;
@@ -177,11 +177,16 @@ fn iterations(solver: Object, name: &CStr, tolerance: f64, most: u16) -> Result<
     }
 }
 
-/// The preconditioner of several unknowns: by the Schur complement of two, else one block after the other.
+/// The unknowns of each block: one each, but those on facets together, whose equations couple them, as those of a pressure and of a mean gap.
+fn blocks(nodes: &NodeRows) -> Vec<&[FieldRows]> {
+    nodes.fields.chunk_by(|one, next| one.is_on_facets && next.is_on_facets).collect()
+}
+
+/// The preconditioner of several unknowns: by the Schur complement of two blocks, else one block after the other.
 fn by_blocks(preconditioner: Object, nodes: &NodeRows, prefix: &CStr) -> Result<(), PetscError> {
     // SAFETY: the preconditioner lives; the name ends with zero, and is copied.
     unsafe { call!(PCSetType(preconditioner, c"fieldsplit".as_ptr()))? };
-    if nodes.fields.len() == 2 {
+    if let [_, second] = blocks(nodes)[..] {
         // SAFETY: as above; no matrix of the caller's is named.
         unsafe {
             call!(PCFieldSplitSetType(preconditioner, petsc::SCHUR))?;
@@ -189,7 +194,13 @@ fn by_blocks(preconditioner: Object, nodes: &NodeRows, prefix: &CStr) -> Result<
             call!(PCFieldSplitSetSchurPre(preconditioner, petsc::BY_DIAGONAL, null_mut()))?;
         }
         default_option(prefix, "fieldsplit_1_ksp_type", c"preonly")?;
-        default_option(prefix, "fieldsplit_1_pc_type", c"jacobi")?;
+        if second[0].is_on_facets {
+            // Few unknowns, whose conditions are not symmetric.
+            default_option(prefix, "fieldsplit_1_pc_type", c"lu")?;
+            default_option(prefix, "fieldsplit_1_pc_factor_mat_solver_type", c"mumps")?;
+        } else {
+            default_option(prefix, "fieldsplit_1_pc_type", c"jacobi")?;
+        }
     }
     default_option(prefix, "fieldsplit_0_ksp_type", c"preonly")?;
     default_option(prefix, "fieldsplit_0_pc_type", c"gamg")
@@ -217,8 +228,14 @@ fn set_blocks<'w>(
     nodes: &NodeRows,
     motions: &Motions<'w>,
 ) -> Result<(), PetscError> {
-    for (number, (field, motions)) in nodes.fields.iter().zip(motions).enumerate() {
-        let (count, first) = (field.rows.own.len() as Index, field.start as Index);
+    let mut first_of_block = 0;
+    for (number, fields) in blocks(nodes).into_iter().enumerate() {
+        // A process has the rows of all unknowns one after the other.
+        let field = &fields[0];
+        let count = fields.iter().map(|field| field.rows.own.len()).sum::<usize>() as Index;
+        let (first, size) = (field.start as Index, if fields.len() == 1 { field.rows.block } else { 1 });
+        let motions = motions[first_of_block].as_ref().filter(|_| fields.len() == 1);
+        first_of_block += fields.len();
         // SAFETY: PETSc writes the handle.
         let rows = Owned::made(world, petsc::ISDestroy, |rows| unsafe {
             call!(ISCreateStride(world.communicator(), count, first, 1, rows))
@@ -226,7 +243,7 @@ fn set_blocks<'w>(
         let name = CString::new(number.to_string()).unwrap_or_default();
         // SAFETY: all objects live, and PETSc counts its own references; the names end with zero, and are copied.
         unsafe {
-            call!(ISSetBlockSize(rows.handle(), field.rows.block as Index))?;
+            call!(ISSetBlockSize(rows.handle(), size as Index))?;
             if let Some(motions) = motions {
                 call!(PetscObjectCompose(rows.handle(), c"nearnullspace".as_ptr(), motions.handle()))?;
             }

@@ -3,6 +3,8 @@
 
 use forms_contact::ContactProblem;
 use forms_contact::law::ContactLaw;
+use forms_contact::laws::mortar_bodies as by_multipliers;
+use forms_contact::laws::mortar_bodies::mortar_bodies_with_friction as with_friction;
 use forms_contact::laws::{mean_sliding_bodies as of_facets, sliding_bodies as at_points};
 use forms_fem::contract::PairQuadrature;
 use forms_fem::mesh::structured;
@@ -23,6 +25,8 @@ fn mesh(fineness: usize) -> Mesh<2> {
     .unwrap();
     let mut mesh = Mesh::of_bodies(&[("foundation", &foundation), ("block", &block)]).unwrap();
     mesh.name_facets("skin", "block boundary", |x| x[1] < 5.4 - 1e-9).unwrap();
+    // Multipliers have no node on the top, which is held.
+    mesh.name_facets("sole", "block boundary", |x| x[1] < 5.1).unwrap();
     mesh
 }
 
@@ -30,12 +34,12 @@ fn modulus(x: &[f64; 2]) -> f64 {
     if x[1] > 4.0 + 1e-9 { 10.0 * YOUNG } else { YOUNG }
 }
 
-/// Forces (down, along) at each step of sliding, and Newton's steps in all.
+/// Forces (down, along) at each step of sliding, Newton's steps in all, and the last displacement.
 fn forces<L: ContactLaw<2>>(
     mesh: &Mesh<2>,
     (steps, points): (usize, PairQuadrature),
     law: impl Fn(at_points::Data<2>, Pairing) -> L,
-) -> (Vec<[f64; 2]>, usize) {
+) -> (Vec<[f64; 2]>, usize, Field<2>) {
     let space = Space::vector(mesh, 1).unwrap();
     // Points of segments move: what is read there is a field, which says how it varies.
     let moduli = Space::discontinuous_scalar(mesh, 0).unwrap();
@@ -66,7 +70,43 @@ fn forces<L: ContactLaw<2>>(
     };
     let pressing = (1..=8).map(|step| f64::from(step) / 8.0);
     let sliding = (1..=steps).map(|step| 1.0 + 0.002 * step as f64);
-    LoadSteps::through(pressing.chain(sliding)).advance(Field::zero(&space), solve).unwrap();
+    let path = LoadSteps::through(pressing.chain(sliding)).advance(Field::zero(&space), solve).unwrap();
+    (found, iterations, path.state)
+}
+
+/// The same with multipliers on the block's sole, from a state that was pressed with means.
+fn forces_by_multipliers(mesh: &Mesh<2>, steps: usize, pressed: &Field<2>) -> (Vec<[f64; 2]>, usize) {
+    let space = Space::vector(mesh, 1).unwrap();
+    let traces = Space::vector_on_facets(mesh, "sole", 1).unwrap();
+    let moduli = Space::discontinuous_scalar(mesh, 0).unwrap();
+    let field = |of: fn(&[f64; 2]) -> f64| Field::interpolate(&moduli, of).unwrap();
+    let lambda = field(|x| modulus(x) * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)));
+    let (mu, gamma0) = (field(|x| modulus(x) / (2.0 * (1.0 + POISSON))), field(|x| 10.0 * modulus(x)));
+    let assembler = Assembler::new(mesh).with_quadrature(Quadrature::Degree(3));
+    let (mut found, mut iterations) = (vec![], 0);
+    let bears = |x: &[f64; 2]| [if x[1] < 4.35 { 300.0 } else { 0.0 }, 0.0];
+    let pressures = traces.positions().iter().flat_map(bears).collect();
+    let u = Field::from_values(&space, pressed.values().to_vec()).unwrap();
+    let mut fields = [u, Field::from_values(&traces, pressures).unwrap(), Field::zero(&traces)];
+    for way in (0..=steps).map(|step| 1.0 + 0.002 * step as f64) {
+        let mut held = Constraints::new(&space);
+        held.fix("foundation bottom", |_| [0.0, 0.0]).unwrap();
+        held.fix("block top", |_| [10.0 * (way - 1.0).max(0.0), -way.min(1.0)]).unwrap();
+        let data = by_multipliers::data().lambda(&lambda).mu(&mu).gamma0(&gamma0).friction(0.3);
+        let data = data.uncovered(1e-15).displacement_before(Given::field(&fields[0]));
+        let touch = Pairing::onto("sole", "foundation top").within_reach(0.4).at(PairQuadrature::Pieces);
+        let regions = with_friction::Regions::default().touch(touch).own("sole").gamma_n("block top");
+        let model = with_friction::Model { data, regions };
+        let problem = by_multipliers::frictional_mortar_problem(&model, [&space, &traces], &held).unwrap();
+        let solved = problem.assembler(&assembler).start(fields.each_ref()).solve();
+        let solved = solved.unwrap_or_else(|error| panic!("{way}: {error}"));
+        if way > 1.0 {
+            let force = solved.reaction_of(0, "foundation bottom").unwrap();
+            found.push([force[1], -force[0]]);
+            iterations += solved.iterations();
+        }
+        fields = solved.fields;
+    }
     (found, iterations)
 }
 
@@ -79,7 +119,7 @@ fn roughness(values: &[f64]) -> f64 {
 
 /// A step is a tenth of a cell of the foundation. The first steps, in which the block goes over from stick to slip, do not count.
 #[test]
-fn ironing_at_points_on_segments_and_with_means() {
+fn ironing_at_points_on_segments_with_means_and_multipliers() {
     let mesh = mesh(2);
     let steps = 40;
     let regions = |touch: Pairing| at_points::Regions::default().touch(touch).gamma_n("block top");
@@ -93,17 +133,32 @@ fn ironing_at_points_on_segments_and_with_means() {
         })
     };
     let (whole, pieces) = (PairQuadrature::WholeFacets, PairQuadrature::Pieces);
-    let all = [
-        ("points", at_points(whole)),
-        ("segments", at_points(pieces)),
-        ("means at points", of_facets(whole)),
-        ("means on segments", of_facets(pieces)),
-    ];
+    let mut all = vec![];
+    for (points, of_points, of_means) in
+        [(whole, "points", "means at points"), (pieces, "segments", "means on segments")]
+    {
+        let (found, iterations, _) = at_points(points);
+        all.push((of_points, found, iterations));
+        let (found, iterations, _) = of_facets(points);
+        all.push((of_means, found, iterations));
+    }
+    let (_, _, pressed) = forces(&mesh, (0, pieces), |data, touch| {
+        let regions = of_facets::Regions::default().touch(touch).gamma_n("block top");
+        of_facets::Model { data, regions }
+    });
+    let (found, iterations, _) = forces(&mesh, (steps, pieces), |data, _| {
+        let touch = Pairing::onto("sole", "foundation top").within_reach(0.4).at(pieces);
+        let regions = of_facets::Regions::default().touch(touch).gamma_n("block top");
+        of_facets::Model { data: data.share(1.0), regions }
+    });
+    all.push(("means on segments of the sole", found, iterations));
+    let (found, iterations) = forces_by_multipliers(&mesh, steps, &pressed);
+    all.push(("multipliers on segments", found, iterations));
     println!("| law | down | along | roughness down | along | Newton steps |");
     println!("| --- | --: | --: | --: | --: | --: |");
     let mut rough = vec![];
     let mut lasts = vec![];
-    for (name, (forces, iterations)) in &all {
+    for (name, forces, iterations) in &all {
         let settled = &forces[20..];
         let [down, along] = [0, 1].map(|k| settled.iter().map(|force| force[k]).collect::<Vec<f64>>());
         let last = forces[forces.len() - 1];
@@ -112,7 +167,8 @@ fn ironing_at_points_on_segments_and_with_means() {
         rough.push([a, b]);
         lasts.push(last[0]);
     }
-    for k in [2, 3] {
+    // Those with means, and multipliers.
+    for k in [1, 3, 4, 5] {
         assert!(rough[k][0] < 0.3 * rough[0][0] && rough[k][1] < 0.3 * rough[0][1], "{rough:?}");
         assert!((lasts[0] / lasts[k] - 1.0).abs() < 0.05, "{lasts:?}");
     }

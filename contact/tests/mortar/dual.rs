@@ -12,7 +12,7 @@ use crate::friction;
 use crate::patch::{OFFSETS, bodies, errors};
 
 /// The products of multipliers and hats over the cover.
-#[forms(dimension = 2)]
+#[forms]
 mod product {
     #[pairs]
     pub struct Touch;
@@ -21,6 +21,9 @@ mod product {
     }
     pub fn area(u: State<Vector>, q: Test<Scalar>) -> Form {
         integral(Touch(u), this(q))
+    }
+    pub fn value(p: State<Scalar>) -> Scalar {
+        this(p)
     }
     pub fn pressed(u: Unknown<Vector>, v: Test<Vector>, p: State<Scalar>) -> Form {
         integral(Touch(u), this(p) * dot(toward, jump(v)))
@@ -47,6 +50,72 @@ fn functions_are_dual_over_covered_facets_and_have_the_areas_of_hats_over_others
         for (column, value) in columns.iter().zip(values) {
             let expected = if *column as usize == row { of_hats[row] } else { 0.0 };
             assert!((value - expected).abs() < 1e-15, "{row} {column}: {value} {expected}");
+        }
+    }
+}
+
+/// The largest error of the sum of all functions at the points of the cover, and the largest value of one of them.
+fn sum_and_bound<const D: usize>(
+    mesh: &Mesh<D>,
+    (degree, elements): (usize, &Elements),
+    pairing: &Pairing,
+) -> [f64; 2]
+where
+    Dim: Dimension<D>,
+{
+    let own = pairing.surfaces[0].own.clone();
+    let traces = Space::of(mesh, elements.clone(), Scope::Facets(own), &[]).unwrap();
+    let still = Field::zero(&Space::vector(mesh, degree).unwrap());
+    let assembler = Assembler::new(mesh);
+    let values = |coefficients: Vec<f64>| {
+        let p = Field::from_values(&traces, coefficients).unwrap();
+        assembler.at_sliding_pairs(&product::value(&p), pairing, 2 * degree, &still).unwrap().values
+    };
+    let largest = |values: &[Vec<f64>], less: f64| {
+        values.iter().map(|value| (value[0] - less).abs()).fold(0.0, f64::max)
+    };
+    let count = traces.unknowns();
+    let off = largest(&values(vec![1.0; count]), 1.0);
+    let of_one = |k: usize| largest(&values((0..count).map(|i| f64::from(i == k)).collect()), 0.0);
+    [off, (0..count).map(of_one).fold(0.0, f64::max)]
+}
+
+/// Covers of facets between 1 and 10⁻⁸ of them, in the plane from one side, in space of an edge and of a corner.
+#[test]
+fn functions_over_covers_of_any_size_have_the_sum_one_and_a_bound() {
+    for part in [1.0, 0.84, 0.5, 0.1, 1e-2, 1e-4, 1e-8] {
+        let slab = rectangle([0.0, -0.4], [3.0, 0.0], [3, 1], CellShape::Quadrilateral, 1).unwrap();
+        let block = rectangle([1.0 - part, 0.0], [1.7, 0.4], [4, 1], CellShape::Quadrilateral, 1).unwrap();
+        let mesh = Mesh::of_bodies(&[("slab", &slab), ("block", &block)]).unwrap();
+        let pairing = Pairing::onto("slab top", "block bottom").at(PairQuadrature::Pieces);
+        for (degree, elements) in KINDS {
+            let [off, most] = sum_and_bound(&mesh, (degree, &elements), &pairing);
+            println!("{degree} {elements} {part:e}: sum off by {off:.1e}, largest value {most:.2}");
+            // Bernstein's whole facet has 3.
+            let bound = if elements == Elements::Dual { 2.2 } else { 3.0 };
+            assert!(off < 1e-12 && most < bound, "{degree} {elements} {part:e}: {off:e} {most}");
+        }
+        // Areas of a corner are squares.
+        if part >= 1e-4 {
+            for (shape, degree, elements) in [
+                (CellShape::Tetrahedron, 1, Elements::Dual),
+                (CellShape::Hexahedron, 1, Elements::Dual),
+                (CellShape::Tetrahedron, 2, Elements::DualOfBernstein),
+            ] {
+                let low = [0.5 - 0.5 * part, 0.6 - 0.6 * part, 0.0];
+                let slab = cuboid([0.0, 0.0, -0.4], [1.5, 1.2, 0.0], [3, 2, 1], shape, 1).unwrap();
+                let block = cuboid(low, [1.7, 1.3, 0.4], [3, 2, 1], shape, 1).unwrap();
+                let mesh = Mesh::of_bodies(&[("slab", &slab), ("block", &block)]).unwrap();
+                let [off, most] = sum_and_bound(&mesh, (degree, &elements), &pairing);
+                println!("{shape:?} {degree} {part:e}: sum off by {off:.1e}, largest value {most:.2}");
+                // No larger than on whole facets.
+                let bound = match (shape, degree) {
+                    (_, 2) => 6.0,
+                    (CellShape::Hexahedron, _) => 4.0,
+                    _ => 3.0,
+                };
+                assert!(off < 1e-12 && most < bound, "{shape:?} {degree} {part:e}: {off:e} {most}");
+            }
         }
     }
 }

@@ -6,6 +6,10 @@ use forms_fem::mesh::structured;
 use forms_fem::prelude::*;
 use forms_fem::threads::Threads;
 
+use crate::rings::rings;
+use crate::shape::pressed;
+use crate::tangent::{hairpin, wave};
+
 #[forms]
 pub mod springs {
     pub struct Data {
@@ -27,6 +31,14 @@ pub mod springs {
     }
     pub fn forces_of_vertices(u: Unknown<Vector>, v: Test<Vector>) -> Form {
         means(Touch(u), 1, of_means(u, v))
+    }
+    /// The energy of springs at points.
+    pub fn energy(u: Unknown<Vector>) -> Energy {
+        integral(Touch(u), share * gamma / 2 * sqr(gap))
+    }
+    /// Its gradient at held points.
+    pub fn gradient(u: Unknown<Vector>, v: Test<Vector>) -> Form {
+        derivative(energy(u), u, v)
     }
     fn stored(u: Vector) -> Energy {
         means(Touch(u), 0, gamma / 2 * sqr(mean(gap)))
@@ -75,6 +87,21 @@ where
     [model.forces(), model.forces_of_facets(), model.forces_of_vertices()]
 }
 
+/// The largest of the components of the sum of the forces and of their moment about the origin, and the sum of the forces' sizes.
+fn resultants(form: &Form<2>, u: &Field<2>) -> (f64, f64) {
+    let space = u.space();
+    let places = Field::interpolate(space, |x| *x).unwrap();
+    let forces = Assembler::new(space.mesh()).residual(form, &[u], &[space]).unwrap();
+    let (mut sum, mut moment, mut size) = ([0.0; 2], 0.0, 0.0);
+    for (node, f) in forces.chunks_exact(2).enumerate() {
+        let at = |k: usize| places.values()[2 * node + k] + u.values()[2 * node + k];
+        sum = [sum[0] + f[0], sum[1] + f[1]];
+        moment += at(0) * f[1] - at(1) * f[0];
+        size += f[0].abs() + f[1].abs();
+    }
+    (sum.into_iter().chain([moment]).fold(0.0, |most: f64, value| most.max(value.abs())), size)
+}
+
 /// Forces and moments about the origin vanish to rounding, whatever the cut, on kinked and on curved surfaces.
 #[test]
 fn forces_and_moments_balance() {
@@ -87,28 +114,41 @@ fn forces_and_moments_balance() {
     ] {
         let mesh = plates(shape, geometry, [7, 9]);
         let space = Space::vector(&mesh, degree).unwrap();
-        let places = Field::interpolate(&space, |x| *x).unwrap();
-        let assembler = Assembler::new(&mesh);
         for pairing in
             [Pairing::between(lower, upper), Pairing::onto(lower, upper), Pairing::onto(upper, lower)]
         {
             let cases =
                 [0.0, 1.9, 3.1].into_iter().flat_map(|phase| forms(&pairing).map(|form| (phase, form)));
             for (phase, form) in cases {
-                let u = bent(&space, phase);
-                let forces = assembler.residual(&form, &[&u], &[&space]).unwrap();
-                let (mut sum, mut moment, mut size) = ([0.0; 2], 0.0, 0.0);
-                for (node, f) in forces.chunks_exact(2).enumerate() {
-                    let at = |k: usize| places.values()[2 * node + k] + u.values()[2 * node + k];
-                    sum = [sum[0] + f[0], sum[1] + f[1]];
-                    moment += at(0) * f[1] - at(1) * f[0];
-                    size += f[0].abs() + f[1].abs();
+                let (off, size) = resultants(&form, &bent(&space, phase));
+                assert!(size > 0.1 && off < 1e-13 * size, "{shape:?} {pairing} {phase}: {off:e} of {size}");
+            }
+        }
+    }
+}
+
+/// Rings whose polygons see each other from both sides, also with all nodes of one at nodes of the other, and a hairpin whose arms face each other.
+#[test]
+fn forces_and_moments_of_rings_and_hairpins_balance() {
+    for degree in [1, 2] {
+        for (cells, turn) in [([32, 44], 0.21), ([32, 32], 0.0), ([16, 32], 0.0)] {
+            let mesh = rings(degree, cells, turn);
+            let space = Space::vector(&mesh, degree).unwrap();
+            for (phase, aside) in [(0.4, [0.03, -0.02]), (2.1, [0.0, 0.02]), (2.9, [-0.01, 0.04])] {
+                let u = pressed(wave(&space, 0.02, phase), "inner", aside);
+                for form in forms(&Pairing::between("inner rim", "outer hole")) {
+                    let (off, size) = resultants(&form, &u);
+                    let name = format!("degree {degree}, {cells:?}");
+                    assert!(size > 0.1 && off < 1e-13 * size, "{name}: {off:e} of {size}");
                 }
-                let off = [sum[0], sum[1], moment].map(|value: f64| value.abs() / size);
-                assert!(
-                    size > 0.1 && off.iter().all(|off| *off < 1e-13),
-                    "{shape:?} {pairing} {phase}: {off:?}"
-                );
+            }
+        }
+        let pin = hairpin();
+        let space = Space::vector(&pin, degree).unwrap();
+        for u in [Field::zero(&space), wave(&space, 0.02, 0.4), wave(&space, 0.03, 2.1)] {
+            for form in forms(&Pairing::within("top").within_reach(0.5)) {
+                let (off, size) = resultants(&form, &u);
+                assert!(size > 0.1 && off < 1e-13 * size, "degree {degree}: {off:e} of {size}");
             }
         }
     }

@@ -4,6 +4,7 @@ mod balance;
 mod covers;
 mod errors;
 mod histories;
+mod loads;
 mod patch;
 mod rings;
 mod shape;

@@ -50,7 +50,7 @@ mod pressed {
 }
 
 /// Rings of radii 1 to 2 and 2 to 3 with these numbers of cells around, the inner one turned by a part of its cell; closed by periodic cells.
-fn rings(degree: usize, cells: [usize; 2], turn: f64) -> Mesh<2> {
+pub fn rings(degree: usize, cells: [usize; 2], turn: f64) -> Mesh<2> {
     let ring = |count: usize, inner: f64, turn: f64| {
         annulus([inner, inner + 1.0], [4, count], degree, turn / count as f64)
     };

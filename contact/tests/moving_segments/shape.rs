@@ -120,7 +120,7 @@ fn wave<const D: usize>(space: &Arc<Space<D>>, size: f64, phase: f64) -> Field<D
 }
 
 /// The field with a body moved as a whole, by its cells.
-fn pressed<const D: usize>(u: Field<D>, body: &str, by: [f64; D]) -> Field<D> {
+pub fn pressed<const D: usize>(u: Field<D>, body: &str, by: [f64; D]) -> Field<D> {
     let (mut values, space) = (u.values().to_vec(), u.space());
     let cells = space.mesh().cell_region(body).unwrap();
     let mut nodes: Vec<u32> =

@@ -111,6 +111,36 @@ fn tangents_of_mean_gaps_are_symmetric() {
     }
 }
 
+/// Where segments change at the start, an energy over a flat own surface that is covered has two continuous derivatives. Forces at held points and
+/// their tangent are the gradient and the second derivative there, and leave a rest of order three.
+#[test]
+fn taylor_tests_of_an_energy_have_order_three_over_flat_own_surfaces() {
+    for shape in [CellShape::Quadrilateral, CellShape::Triangle] {
+        // Nodes of the block face nodes of the layer at x = 1 and x = 1.5.
+        let layer = rectangle([0.0, -0.5], [3.0, 0.0], [6, 2], shape, 1).unwrap();
+        let block = rectangle([0.75, 0.0], [1.75, 0.5], [4, 2], shape, 1).unwrap();
+        let mesh = Mesh::of_bodies(&[("layer", &layer), ("block", &block)]).unwrap();
+        let (space, assembler) = (Space::vector(&mesh, 1).unwrap(), Assembler::new(&mesh));
+        let law = model(&Pairing::onto("block bottom", "layer top"));
+        let (energy, forces) = (law.energy(), law.gradient());
+        for phase in [0.3, 1.7, 2.9] {
+            let (_, u) =
+                layers_of(&mesh, Method::Penalty, &pairings()[0], (&Field::zero(&space), 0.0, -0.03));
+            let w = wave(&space, 0.3, phase);
+            let product = |a: &[f64]| a.iter().zip(w.values()).map(|(a, b)| a * b).sum::<f64>();
+            let at = |t: f64| assembler.energy(&energy, &[&moved(&u, &w, t)]).unwrap();
+            let slope = product(&assembler.residual(&forces, &[&u], &[&space]).unwrap());
+            let tangent = assembler.tangent(&forces, &[&u], &[&space]).unwrap();
+            let bend = product(&tangent.multiply(w.values()).unwrap());
+            let rest = |t: f64| (at(t) - at(0.0) - t * slope - 0.5 * t * t * bend).abs();
+            let rests: Vec<f64> = (0..4).map(|k| rest(0.02 * 0.5_f64.powi(k))).collect();
+            let orders: Vec<f64> = rests.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect();
+            println!("{shape:?} {phase}: {orders:.3?}");
+            assert!(orders.iter().all(|order| (order - 3.0).abs() < 0.05), "{shape:?} {phase}: {orders:?}");
+        }
+    }
+}
+
 fn pairings_of(lower: &str, upper: &str) -> [Pairing; 3] {
     [Pairing::between(lower, upper), Pairing::onto(lower, upper), Pairing::onto(upper, lower)]
 }
@@ -154,10 +184,9 @@ fn tangents_with_friction_are_those_of_differences() {
     }
 }
 
-/// A hairpin whose arms face each other, and a rigid tool with kinks on a block.
-#[test]
-fn self_contact_and_rigid_tools() {
-    let hairpin = |[s, t]: [f64; 2]| {
+/// A hairpin whose arms face each other.
+pub fn hairpin() -> Mesh<2> {
+    let place = |[s, t]: [f64; 2]| {
         let (along, inner) = (4.0 * s - 2.0, 0.45 - 0.3 * t);
         match along {
             a if a < -0.5 => [a + 0.5, -inner],
@@ -165,7 +194,13 @@ fn self_contact_and_rigid_tools() {
             a => [inner * (std::f64::consts::PI * a).cos(), inner * (std::f64::consts::PI * a).sin()],
         }
     };
-    let pin = structured([17, 1], CellShape::Quadrilateral, 1, hairpin).unwrap();
+    structured([17, 1], CellShape::Quadrilateral, 1, place).unwrap()
+}
+
+/// A hairpin, and a rigid tool with kinks on a block.
+#[test]
+fn self_contact_and_rigid_tools() {
+    let pin = hairpin();
     for degree in [1, 2] {
         let space = Space::vector(&pin, degree).unwrap();
         let (u, w) = (wave(&space, 0.02, 0.4), wave(&space, 1.0, 1.7));

@@ -8,6 +8,7 @@ pub mod eigenmodes;
 pub mod hanging_block;
 pub mod histories;
 pub mod mixed_block;
+pub mod mortar_block;
 pub mod motions;
 pub mod pair_histories;
 pub mod part_steps;

@@ -65,9 +65,10 @@ pub(super) fn rows<const D: usize>(
         }
         let held: Vec<usize> =
             held.iter().filter(|row| **row >= first_row).map(|row| row - first_row).collect();
-        let motions =
-            if space.components() == D && D > 1 { motions(world, positions, &held)? } else { vec![] };
-        fields.push(FieldRows { rows: of_field, start: first_row, motions });
+        let is_on_facets = space.facet_region().is_some();
+        let is_displacement = space.components() == D && D > 1 && !is_on_facets;
+        let motions = if is_displacement { motions(world, positions, &held)? } else { vec![] };
+        fields.push(FieldRows { rows: of_field, start: first_row, motions, is_on_facets });
         offset += space.unknowns();
     }
     vectors.copy_from_owners(&mut rows)?;
