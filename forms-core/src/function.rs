@@ -149,8 +149,8 @@ impl<const D: usize, B: Backend<D>> Function<D, B> {
         &self.action
     }
 
-    /// The motion of points in derivatives by the shape, or by a state that displaces contact pairs, in the direction of a test function T: the
-    /// terms are ∫ e T·e₁ with the integrand e that was differentiated. Where points depend on the displacement, the residual has Σ e ∂w/∂T
+    /// The motion of points in derivatives by the shape, or by a state that displaces contact pairs, in the direction of a test function T, and in
+    /// first variations of energies by the unknown that does: the terms are ∫ e T·e₁ with the integrand e that was differentiated. Where points depend on the displacement, the residual has Σ e ∂w/∂T
     /// and the motion of the points in e besides its other terms, which hold them.
     pub fn motion(&self) -> &[Term<B::Linear>] {
         &self.motion
@@ -180,13 +180,13 @@ impl<const D: usize, B: Backend<D>> Function<D, B> {
     /// Whether there are pairs of surfaces that an unknown displaces.
     pub fn slides(&self) -> bool {
         let is_unknown = |field: &usize| matches!(self.fields[*field].role, Role::Unknown(_));
-        let displacements = self.residual.iter().filter_map(|term| term.integral.displacement);
-        displacements.flatten().any(is_unknown)
+        let terms = self.residual.iter().chain(&self.motion);
+        terms.filter_map(|term| term.integral.displacement).flatten().any(is_unknown)
     }
 
     /// Whether there are pairs of surfaces that any field displaces.
     pub fn is_on_displaced_surfaces(&self) -> bool {
-        self.residual.iter().any(|term| term.integral.displacement.is_some())
+        self.residual.iter().chain(&self.motion).any(|term| term.integral.displacement.is_some())
     }
 
     /// Whether these are its integrals. Those of a sum or multiple are of no type.

@@ -226,8 +226,11 @@ pub struct Requirements {
     /// `trial` reads [`Further::mean`].
     pub trial_mean: bool,
     /// A derivative by the displacement of its contact pairs, at points that are held: wrong where points move with the pairs. Of residuals
-    /// of energies, and of derivatives of integrals that a state displaces.
+    /// of energies of means, and of derivatives of integrals that a state displaces.
     pub holds_points: bool,
+    /// The first variation of an energy, or its tangent, by the displacement of its contact pairs at points that are held. In the plane
+    /// `Function::motion` has the density whose motion completes it.
+    pub varies_energy: bool,
     /// The layout of the `fields` slice.
     pub fields: &'static [FieldSlot],
     /// Length of the `fields` slice.
@@ -258,6 +261,7 @@ impl Requirements {
         test_mean: false,
         trial_mean: false,
         holds_points: false,
+        varies_energy: false,
         fields: &[],
         field_length: 0,
     };
@@ -304,6 +308,9 @@ pub trait LinearKernel<const D: usize>: Clone + Send + Sync + 'static {
     /// It is an integral over contact pairs that an unknown displaces: backends may run it on numbers with derivatives along the motion of
     /// its points.
     const SLIDES: bool = false;
+    /// It is the density of an energy times a test function, over contact pairs that an unknown displaces: backends may run it on numbers with
+    /// two derivatives along the motion of its points.
+    const OF_ENERGY: bool = false;
     /// A level set function may move its points (`#[forms(level_set_derivatives)]`): backends may run it on numbers with derivatives by
     /// the function's values.
     const MOVED_BY_LEVEL_SET: bool = false;

@@ -1,5 +1,5 @@
-//! Refusals of moving segments, by name: derivatives that hold their points, functions without a derivative at them, facets of
-//! degree three.
+//! Refusals of moving segments, by name: derivatives that hold their points, functions with too few derivatives at them, energies in space,
+//! facets of degree three.
 
 use forms_contact::ContactProblem;
 use forms_contact::laws::sliding_bodies as sliding;
@@ -56,10 +56,9 @@ fn derivatives_that_hold_points_are_refused() {
     let law = energies(Given::constant(7.0));
     assert!(assembler.energy(&law.energy(), &[&u]).is_ok());
     let said = "moving segments move with the surfaces, and this derivative";
-    for energy in [law.energy(), law.energy_of_means()] {
-        let error = assembler.residual(&energy.into(), &[&u], &[&space]).unwrap_err();
-        assert!(error.to_string().contains(said), "{error}");
-    }
+    let error = assembler.residual(&law.energy_of_means().into(), &[&u], &[&space]).unwrap_err();
+    assert!(error.to_string().contains(said), "{error}");
+    assert!(assembler.residual(&law.energy().into(), &[&u], &[&space]).is_ok());
     // By a state the points move.
     let (bent, w) = (crate::balance::bent(&space, 0.2), crate::tangent::wave(&space, 1.0, 0.3));
     let gradient = assembler.residual(&law.slope(&bent), &[], &[&space]).unwrap();
@@ -110,6 +109,43 @@ fn functions_need_a_gradient() {
         let off = crate::tangent::off_differences(&assembler, &form, (&u, &w), 2e-4);
         assert!(off < 1e-9, "{off:e}");
     }
+}
+
+/// The tangent of an energy needs two derivatives of a function: constants and fields have them.
+#[test]
+fn energies_need_second_derivatives() {
+    let mesh = plates(CellShape::Quadrilateral, 1, [7, 9]);
+    let space = Space::vector(&mesh, 1).unwrap();
+    let (u, w) = (crate::balance::bent(&space, 0.2), crate::tangent::wave(&space, 1.0, 0.3));
+    let assembler = Assembler::new(&mesh);
+    let stiffness = |x: &[f64; 2]| 2.0 + x[0].sin() * x[1];
+    let slope = |x: &[f64; 2]| [x[0].cos() * x[1], x[0].sin()];
+    let energy: Form<2> = energies(Given::function_with_gradient(stiffness, slope)).energy().into();
+    assert!(assembler.residual(&energy, &[&u], &[&space]).is_ok());
+    let error = assembler.tangent(&energy, &[&u], &[&space]).unwrap_err();
+    assert!(error.to_string().contains("`stiffness` has none: give a field"), "{error}");
+    let energy: Form<2> = energies(Given::function(stiffness)).energy().into();
+    let error = assembler.residual(&energy, &[&u], &[&space]).unwrap_err();
+    assert!(error.to_string().contains("`stiffness` has no derivative along their motion"), "{error}");
+    let field = Field::interpolate(&Space::scalar(&mesh, 2).unwrap(), stiffness).unwrap();
+    for stiffness in [Given::constant(7.0), Given::field(&field)] {
+        let energy: Form<2> = energies(stiffness).energy().into();
+        let off = crate::tangent::off_differences(&assembler, &energy, (&u, &w), 2e-4);
+        assert!(off < 1e-9, "{off:e}");
+    }
+}
+
+#[test]
+fn energies_in_space_are_refused() {
+    let lower = cuboid([0.0; 3], [1.0, 1.0, 0.5], [2, 2, 1], CellShape::Tetrahedron, 1).unwrap();
+    let upper = cuboid([0.1, 0.1, 0.5], [0.9, 0.9, 1.0], [2, 2, 1], CellShape::Tetrahedron, 1).unwrap();
+    let mesh = Mesh::of_bodies(&[("lower", &lower), ("upper", &upper)]).unwrap();
+    let space = Space::vector(&mesh, 1).unwrap();
+    let energy = crate::balance::model::<3>(&Pairing::onto("upper bottom", "lower top")).energy();
+    let (assembler, u) = (Assembler::new(&mesh), Field::zero(&space));
+    assert!(assembler.energy(&energy, &[&u]).is_ok());
+    let error = assembler.residual(&energy.into(), &[&u], &[&space]).unwrap_err();
+    assert!(error.to_string().contains("a residual and a tangent in the plane only"), "{error}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod balance;
 mod covers;
+mod energies;
 mod errors;
 mod histories;
 mod loads;

@@ -17,6 +17,7 @@ use super::element_loops::matrices::{self, ElementMatrices, block_order};
 use super::element_loops::moving_points::{self, PointMotion};
 use super::element_loops::piece_slopes;
 use super::element_loops::point_values::{self, ExpressionCalls, PointBuffers, PointValues, ReceivePoint};
+use super::element_loops::second_motion::{self, Twice};
 use super::element_loops::sink::{Buffered, Deliver, Sink};
 use super::element_loops::vectors::{self, ElementVectors};
 use super::element_loops::{BilinearCalls, Factors, LinearCalls};
@@ -135,6 +136,24 @@ impl<const D: usize> VectorKernel<D> {
         })
     }
 
+    /// The first and second derivatives of the energies of a group's units by their feet, handed over in the same way.
+    ///
+    /// # Errors
+    /// Errors of the form's data, or of `deliver`.
+    pub(in crate::assemble) fn compute_twice_moving(
+        &self,
+        task: &ElementVectors<D>,
+        range: Range<usize>,
+        deliver: Deliver,
+    ) -> Result<(), AssemblyError> {
+        let mut scaled = Vec::new();
+        self.kernel.compute_twice_moving(task, &self.constants, range, &mut |first, values| {
+            scaled.clear();
+            scaled.extend(values.iter().map(|value| self.factor * value));
+            deliver(first, &scaled)
+        })
+    }
+
     /// The slopes by all numbers of the points of a group of pieces, of the integral with a field in the place of the test function.
     ///
     /// # Errors
@@ -237,6 +256,14 @@ trait AnyLinearKernel<const D: usize>: Send + Sync {
         deliver: Deliver,
     ) -> Result<(), AssemblyError>;
 
+    fn compute_twice_moving(
+        &self,
+        task: &ElementVectors<D>,
+        constants: &LinearConstants,
+        range: Range<usize>,
+        deliver: Deliver,
+    ) -> Result<(), AssemblyError>;
+
     fn slopes_on_pieces(
         &self,
         task: &ElementVectors<D>,
@@ -272,6 +299,22 @@ impl<K: LinearKernel<D>, const D: usize> AnyLinearKernel<D> for K {
             return with_lanes!(task.binding.instructions.checked(), L => {
                 let calls = &mut LinearCalls::<K, Moving<L>, D>::new(self);
                 L::call(moving_points::Loops { task, kernel, calls, motion, range, deliver })
+            });
+        }
+        Ok(())
+    }
+
+    fn compute_twice_moving(
+        &self,
+        task: &ElementVectors<D>,
+        kernel: &LinearConstants,
+        range: Range<usize>,
+        deliver: Deliver,
+    ) -> Result<(), AssemblyError> {
+        if const { K::OF_ENERGY } {
+            return with_lanes!(task.binding.instructions.checked(), L => {
+                let calls = &mut LinearCalls::<K, Twice<L>, D>::new(self);
+                L::call(second_motion::Loops { task, kernel, calls, range, deliver })
             });
         }
         Ok(())

@@ -15,6 +15,7 @@
 //! means_tangent   products of the derivatives of means over own facets
 //! residual, tangent, functional, derived   the four loops, one per kind of kernel; action runs the residual's
 //! segment_tangent   what a tangent has of points that move with moving segments
+//! segment_energy   what the tangent of an energy has of them besides
 //! ```
 //!
 //! Cells and facets go through the same loops: an exterior facet is an entity with the cell that owns it, an interior one has
@@ -42,6 +43,7 @@ mod means_tangent;
 pub(crate) mod projection;
 mod residual;
 mod scatter;
+mod segment_energy;
 mod segment_tangent;
 mod shared_work;
 mod tangent;

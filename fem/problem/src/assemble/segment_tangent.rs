@@ -31,7 +31,7 @@ use crate::threads::Threads;
 
 /// Whether a form has integrals over moving segments.
 pub(super) fn has_segments<const D: usize>(form: &Function<D>) -> bool {
-    form.residual().iter().any(|term| displacing_segments(form, term).is_some())
+    form.residual().iter().chain(form.motion()).any(|term| displacing_segments(form, term).is_some())
 }
 
 /// The fields that displace the moving segments of a term; none of other terms.
@@ -50,8 +50,29 @@ pub(super) struct Rates<const D: usize> {
     /// Of each column and coordinate.
     rates: Vec<[f64; D]>,
     coordinates: usize,
-    /// The places of facets' nodes in their cells: of a shape and local number, and of cells that are carried.
+    seen: SeenNodes,
+}
+
+/// The nodes of facets among those of their cells.
+#[derive(Default)]
+pub(super) struct SeenNodes {
+    /// Of a shape and local number, and of cells that are carried.
     places: Vec<(Seen, Vec<usize>)>,
+}
+
+impl SeenNodes {
+    /// The nodes of a facet's cell, and the places of those that the facet sees.
+    pub fn of<'a, const D: usize>(&mut self, space: &'a Space<D>, facet: Facet) -> (&'a [u32], &[usize]) {
+        let (places, shape) = (&mut self.places, space.mesh.cell_shape(facet.cell as usize));
+        let nodes = space.nodes_at(facet.cell, Some(facet.local));
+        let seen = (shape, facet.local, space.mesh.carries(facet.cell));
+        let known = places.iter().position(|(known, _)| *known == seen).unwrap_or_else(|| {
+            let of_facet = || space.traces_of(shape).facet_nodes(usize::from(facet.local));
+            places.push((seen, if seen.2 { (0..nodes.len()).collect() } else { of_facet() }));
+            places.len() - 1
+        });
+        (nodes, &places[known].1)
+    }
 }
 
 /// The shape of a cell, the local number of its facet, whether it is carried.
@@ -88,18 +109,11 @@ impl<const D: usize> Rates<D> {
         of_node: impl Fn(usize, f64, &[f64; D]) -> [f64; D],
     ) {
         let (mut value, mut gradient) = ([0.0; MAXIMUM_NODES], [[0.0; D]; MAXIMUM_NODES]);
-        let shape = space.mesh.cell_shape(facet.cell as usize);
-        let element = space.traces_of(shape);
+        let element = space.traces_of(space.mesh.cell_shape(facet.cell as usize));
         element.evaluate(reference, &mut value, &mut gradient);
-        let nodes = space.nodes_at(facet.cell, Some(facet.local));
-        let Rates { columns, rates, coordinates, places } = self;
-        let seen = (shape, facet.local, space.mesh.carries(facet.cell));
-        let known = places.iter().position(|(known, _)| *known == seen).unwrap_or_else(|| {
-            let of_facet = || element.facet_nodes(usize::from(facet.local));
-            places.push((seen, if seen.2 { (0..nodes.len()).collect() } else { of_facet() }));
-            places.len() - 1
-        });
-        for &place in &places[known].1 {
+        let Rates { columns, rates, coordinates, seen } = self;
+        let (nodes, places) = seen.of(space, facet);
+        for &place in places {
             let column = columns.iter().position(|known| *known == nodes[place]).unwrap_or_else(|| {
                 columns.push(nodes[place]);
                 rates.resize(columns.len() * *coordinates, [0.0; D]);
@@ -136,13 +150,20 @@ impl<const D: usize> Assembler<D> {
                 if let Role::Unknown(trial) = binding.fields[*field].role {
                     let motion = self.motion(&binding, term, element);
                     motion.add((trial, unknowns[trial].space, tests), &self.quadrature, pattern, matrix)?;
+                    if term.kernel.constants().requirements.varies_energy {
+                        let space = unknowns[term.integral.test].space;
+                        let element = binding.element(space);
+                        let motion = self.motion(&binding, term, element);
+                        motion.add_transposed((trial, space, tests), &self.quadrature, pattern, matrix)?;
+                    }
                 }
             }
         }
-        Ok(())
+        self.add_second_motion_of_energies(form, (unknowns, tests), parts, pattern, matrix)
     }
 
-    /// The motion of points, added to the residual of a form that is a derivative by the shape, or by a state that displaces surfaces.
+    /// The motion of points, added to the residual of a form that is a derivative by the shape, by a state that displaces surfaces, or that of an
+    /// energy.
     ///
     /// # Errors
     /// As [`Assembler::add_motion_of_segments`].
@@ -180,7 +201,7 @@ impl<const D: usize> Assembler<D> {
         Ok(())
     }
 
-    fn motion<'a>(
+    pub(super) fn motion<'a>(
         &self,
         binding: &'a Binding<'a, D>,
         term: &'a Term<VectorKernel<D>>,
@@ -342,13 +363,23 @@ impl<const D: usize> Motion<'_, D> {
 
     #[cold]
     fn no_gradient(&self) -> AssemblyError {
+        let field = self.without_derivatives();
+        self.refused(PairError::NoGradient { field })
+    }
+
+    /// The name of something that is read at the points and has too few derivatives.
+    pub fn without_derivatives(&self) -> &'static str {
         let Motion { binding, term, .. } = *self;
         let without = |slot: &&FieldSlot| matches!(binding.values[slot.field], Values::Function { .. });
         let slots = term.kernel.constants().requirements.fields;
-        let field = slots.iter().find(without).map_or("external function", |s| binding.fields[s.field].name);
-        pair_error(binding.name, &binding.regions[term.integral.region], PairError::NoGradient { field })
+        slots.iter().find(without).map_or("external function", |slot| binding.fields[slot.field].name)
+    }
+
+    pub fn refused(&self, source: PairError) -> AssemblyError {
+        let Motion { binding, term, .. } = *self;
+        pair_error(binding.name, &binding.regions[term.integral.region], source)
     }
 }
 
-instantiate!(segment_tangent: has_segments::<D>, Assembler::<D>::add_motion_of_segments,
+instantiate!(segment_tangent: has_segments::<D>, Assembler::<D>::add_motion_of_segments, Assembler::<D>::add_second_motion_of_energies,
     Assembler::<D>::add_motion_of_integrands);

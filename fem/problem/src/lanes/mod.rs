@@ -112,17 +112,23 @@ pub(crate) trait SimdLane: Lane {
     /// Whether values carry derivatives along a motion of points.
     const CARRIES_SLOPES: bool = false;
 
-    /// [`SimdLane::gather`] with the derivatives of the entries, where values carry any.
+    /// [`SimdLane::gather`] with the first and second derivatives of the entries, where values carry any.
     ///
     /// # Panics
     /// When a place is out of range.
     #[inline(always)]
     fn gather_with_slopes<const COUNT: usize>(
         values: &[f64],
-        _slopes: &[f64],
+        _slopes: [&[f64]; 2],
         places: &[usize; WIDEST],
     ) -> [Self; COUNT] {
         Self::gather(values, places)
+    }
+
+    /// Whether a value is zero, with its derivatives.
+    #[inline(always)]
+    fn vanishes(self) -> Self::Mask {
+        self.equal(Self::splat(0.0))
     }
 
     /// The derivative, as a value; zero where values carry none.

@@ -1,4 +1,5 @@
 //! Lanes that carry a derivative: a kernel that is run on them gives its values together with their derivatives along a motion of its points.
+//! Lanes whose values carry one themselves have two derivatives.
 //!
 //! A value that goes through memory by [`Lane::store`] and [`Lane::load`] loses its derivative, which is NaN then: so functions of a user that have
 //! no derivative do not count as constants. Data that do not move are gathered.
@@ -19,12 +20,11 @@ pub(crate) struct Moving<L> {
     pub slope: L,
 }
 
-impl<L: Lane> Moving<L> {
+impl<L: SimdLane> Moving<L> {
     /// f(self) from f and f′; what does not move has no derivative, whatever f′ is.
     #[inline(always)]
     fn chain(self, value: L, slope: L) -> Self {
-        let zero = L::splat(0.0);
-        Moving { value, slope: L::select(self.slope.equal(zero), zero, slope * self.slope) }
+        Moving { value, slope: L::select(self.slope.vanishes(), L::splat(0.0), slope * self.slope) }
     }
 }
 
@@ -89,7 +89,7 @@ macro_rules! functions {
     };
 }
 
-impl<L: Lane> Lane for Moving<L> {
+impl<L: SimdLane> Lane for Moving<L> {
     const WIDTH: usize = L::WIDTH;
     type Mask = L::Mask;
 
@@ -123,6 +123,12 @@ impl<L: Lane> Lane for Moving<L> {
     }
     #[inline(always)]
     fn powi(self, exponent: i32) -> Self {
+        // Of values with derivatives: no quotient by zero.
+        match exponent {
+            0 => return Self::splat(1.0),
+            1 => return self,
+            _ => {}
+        }
         let slope = L::splat(f64::from(exponent)) * self.value.powi(exponent - 1);
         self.chain(self.value.powi(exponent), slope)
     }
@@ -234,15 +240,22 @@ impl<L: SimdLane> SimdLane for Moving<L> {
     #[inline(always)]
     fn gather_with_slopes<const COUNT: usize>(
         values: &[f64],
-        slopes: &[f64],
+        [slopes, bends]: [&[f64]; 2],
         places: &[usize; WIDEST],
     ) -> [Self; COUNT] {
-        let (entries, slopes) = (L::gather::<COUNT>(values, places), L::gather::<COUNT>(slopes, places));
+        // Inside of values with two derivatives there are values with one.
+        let entries = L::gather_with_slopes::<COUNT>(values, [slopes, bends], places);
+        let slopes = L::gather_with_slopes::<COUNT>(slopes, [bends, &[]], places);
         let mut moving = [Self::splat(0.0); COUNT];
         for k in 0..COUNT {
             moving[k] = Moving { value: entries[k], slope: slopes[k] };
         }
         moving
+    }
+
+    #[inline(always)]
+    fn vanishes(self) -> L::Mask {
+        L::and(self.value.vanishes(), self.slope.vanishes())
     }
 
     #[inline(always)]
@@ -304,5 +317,47 @@ mod tests {
         }
         assert!(M::splat(0.0).sqrt().slope == 0.0);
         assert!(M::splat(0.3).each(f64::cbrt).slope.is_nan());
+    }
+
+    /// Second derivatives are those of differences of first ones, also where the first derivative of an argument is zero.
+    #[test]
+    fn slopes_of_slopes_are_second_derivatives() {
+        type M = Moving<f64>;
+        type Named<L> = (&'static str, fn(L) -> L);
+        fn all<L: SimdLane>() -> [Named<L>; 9] {
+            [
+                ("quotient", |x| (x + L::splat(1.0)) / (x * x)),
+                ("multiply_add", |x| x.multiply_add(x, -x)),
+                ("sqrt", L::sqrt),
+                ("square root of a square", |x| (x * x + L::splat(0.1)).sqrt()),
+                ("square", |x| x.powi(2)),
+                ("powi", |x| x.powi(3) + x.powi(-2) + x.powi(1)),
+                ("powf", |x| x.powf(L::splat(1.7)) + L::splat(1.7).powf(x)),
+                ("exp", |x| (x * x).exp()),
+                ("minimum", |x| (x * x).minimum(x)),
+            ]
+        }
+        // The argument 0.4 + t², whose first derivative vanishes at t = 0.
+        let along = |t: f64| M { value: 0.4 + t * t, slope: 2.0 * t };
+        for (number, (name, function)) in all::<M>().into_iter().enumerate() {
+            for t in [0.0, 0.2] {
+                let twice = Moving { value: along(t), slope: M { value: 2.0 * t, slope: 2.0 } };
+                let found = all::<Moving<M>>()[number].1(twice);
+                let h = 1e-3;
+                let central =
+                    |h: f64| (function(along(t + h)).slope - function(along(t - h)).slope) / (2.0 * h);
+                let difference = (4.0 * central(h) - central(2.0 * h)) / 3.0;
+                let second = found.slope.slope;
+                let off = (second - difference).abs() / (1.0 + second.abs());
+                assert!(off < 1e-9, "{name} at {t}: {second} {difference}");
+                assert!(found.value.slope == found.slope.value, "{name}");
+            }
+        }
+        // A square at zero, where its argument stays or moves.
+        let zero = M { value: 0.0, slope: 1.5 };
+        let square = Moving { value: zero, slope: M { value: 1.5, slope: 0.0 } }.powi(2);
+        assert!(square.slope.slope == 4.5);
+        assert!(Moving::<M>::splat(0.0).sqrt().slope.slope == 0.0);
+        assert!(Moving::<M>::splat(0.3).each(f64::cbrt).slope.slope.is_nan());
     }
 }

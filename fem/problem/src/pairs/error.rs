@@ -157,10 +157,25 @@ pub enum PairError {
     #[error(
         "the points of moving segments move with the surfaces, and this derivative by what displaces them holds them: it is not that of what is \
          assembled. Differentiate by the shape or a state, once, in the direction of a test function, in a form that does not depend on unknowns; take \
-         the transposed tangent of the residual (as `LoadHistory` does); write an energy as a form (`derivative(energy(u), u, v)` of the unknown \
-         u); or leave out `.at(PairQuadrature::Pieces)`"
+         the transposed tangent of the residual (as `LoadHistory` does); write an energy of means as a form (`derivative(energy(u), u, v)` of the \
+         unknown u); or leave out `.at(PairQuadrature::Pieces)`"
     )]
     HeldPoints,
+    /// The residual of an energy over moving segments in space, whose points have no second derivatives.
+    #[error(
+        "an energy over moving segments has a residual and a tangent in the plane only: in space write it as a form (`derivative(energy(u), u, v)` \
+         of the unknown u), or leave out `.at(PairQuadrature::Pieces)`"
+    )]
+    EnergyInSpace,
+    /// Data of an energy without second derivatives that are read at the points of moving segments.
+    #[error(
+        "the tangent of an energy needs second derivatives along the motion of the points of moving segments, and `{field}` has none: give a field, \
+         write the energy as a form (`derivative(energy(u), u, v)` of the unknown u), or leave out `.at(PairQuadrature::Pieces)`"
+    )]
+    NoSecondDerivative {
+        /// Name of the data member.
+        field: &'static str,
+    },
     /// Dual functions over moving covers where they are neither unknowns nor test functions.
     #[error(
         "the dual functions of `{field}` change with the cover of moving segments: only tangents by unknowns have that change. \

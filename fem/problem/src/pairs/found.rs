@@ -122,6 +122,7 @@ pub(super) struct Found<const D: usize> {
     pub rule_points: Vec<u16>,
     /// Of the points of moving segments, as [`GroupMotion`](super::GroupMotion) has them.
     pub slopes: [Vec<f64>; 2],
+    pub bends: Vec<f64>,
     pub shares: Vec<f64>,
     pub feet: Vec<Option<Foot<D>>>,
     /// Of each own facet.
@@ -149,6 +150,7 @@ impl<const D: usize> Found<D> {
             rigid_normals: vec![],
             rule_points: Vec::with_capacity(facets * points),
             slopes: [vec![], vec![]],
+            bends: vec![],
             shares: vec![],
             feet: vec![],
             counts: Vec::with_capacity(facets),

@@ -33,6 +33,7 @@
 mod boundary_edges;
 mod candidates;
 mod clip;
+mod curvature;
 mod cuts;
 mod displacement;
 mod error;
@@ -73,6 +74,7 @@ use std::sync::Arc;
 use forms_core::contract::Pairing;
 
 use self::candidates::KeptCandidates;
+pub(crate) use self::curvature::{FootCurve, NodeOfFoot};
 pub(crate) use self::displacement::{Displacement, DisplacementField};
 pub use self::error::PairError;
 pub use self::first_touch::{Approach, FirstTouch};
@@ -143,6 +145,7 @@ impl<const D: usize> PairGroup<D> {
                 .collect(),
             motion: GroupMotion {
                 slopes: self.motion.slopes.each_ref().map(|slopes| of_units(slopes, Self::STRIDE, &kept)),
+                bends: of_units(&self.motion.bends, Self::STRIDE, &kept),
                 shares: of_units(&self.motion.shares, coordinates * D, &kept),
                 feet: kept.iter().flat_map(|unit| self.motion.feet_of(*unit, units)).cloned().collect(),
             },
@@ -238,7 +241,10 @@ impl<const D: usize> Pairs<D> {
             for (unit, sides) in group.facets.iter().enumerate() {
                 let feet = group.motion.feet_of(unit, group.facets.len()).iter().flatten();
                 let hidden = feet.map(|foot| foot.facet).filter(|facet| *facet != sides[1]);
-                facets.extend(hidden.flat_map(|third| sides.map(|side| [side, third])));
+                facets.extend(hidden.clone().flat_map(|third| sides.map(|side| [side, third])));
+                // The second derivatives of energies couple all nodes that move a unit.
+                let between = hidden.clone().flat_map(|one| hidden.clone().map(move |other| [one, other]));
+                facets.extend(between.filter(|[one, other]| one < other));
             }
         }
         facets.sort_unstable();
@@ -313,6 +319,10 @@ fn grouped<const D: usize>(mesh: &Mesh<D>, found: &[Found<D>]) -> Vec<Arc<PairGr
         if let Some(MovingUnit { feet, shares }) = segment {
             for (slopes, found) in group.motion.slopes.iter_mut().zip(&part.slopes).take(D - 1) {
                 slopes.extend(&found[start.numbers..][..count * PairGroup::<D>::STRIDE]);
+            }
+            if D == 2 {
+                let bends = &part.bends[start.numbers..][..count * PairGroup::<D>::STRIDE];
+                group.motion.bends.extend(bends);
             }
             group.motion.shares.extend(&part.shares[*shares..][..count * feet.len() * (D - 1) * D]);
             group.motion.feet.extend_from_slice(&part.feet[feet.clone()]);

@@ -3,6 +3,7 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
 #![allow(clippy::needless_range_loop)]
 
+use super::curvature::add_bends;
 use super::found::{Found, MovingUnit, PairPoint, Unit};
 use super::rays::Rays;
 use super::search::Search;
@@ -87,6 +88,9 @@ impl<const D: usize> Search<'_, '_, D> {
                 let rigid_normal = opposite.rigid_normal;
                 found.add_point(&PairPoint { reference, weight: *weight, gap, toward, rigid_normal });
                 add_slopes((own, s), (opposite, &met), gap, &mut found.slopes);
+                if D == 2 {
+                    add_bends((own, s), (opposite, &met), gap, &mut found.bends);
+                }
                 let shares = shares.iter().flat_map(|foot| &foot[..D - 1]).take(numbers);
                 found.shares.extend(shares.flat_map(|share| &share[..D]));
                 count += 1;

@@ -17,6 +17,7 @@
 //! feet, with factors that are found with the cut ([`Shares`]); corners of the own facet do not move.
 
 use super::PairGroup;
+use super::curvature::FootCurve;
 use super::surface::{SurfaceFacet, dot, minus};
 use crate::mesh::Facet;
 
@@ -33,6 +34,8 @@ pub(crate) struct GroupMotion<const D: usize> {
     /// The derivatives of the numbers of each point along each of the own facet's coordinates, in the order of the points; that of the
     /// weight is left out.
     pub slopes: [Vec<f64>; 2],
+    /// Their second derivatives, in the plane.
+    pub bends: Vec<f64>,
     /// The [`Shares`] of each point: of each foot and coordinate D numbers.
     pub shares: Vec<f64>,
     /// The feet of each unit, as many of each one; none is an end of the own facet in the plane.
@@ -41,7 +44,7 @@ pub(crate) struct GroupMotion<const D: usize> {
 
 impl<const D: usize> Default for GroupMotion<D> {
     fn default() -> Self {
-        GroupMotion { slopes: [vec![], vec![]], shares: vec![], feet: vec![] }
+        GroupMotion { slopes: [vec![], vec![]], bends: vec![], shares: vec![], feet: vec![] }
     }
 }
 
@@ -71,6 +74,8 @@ pub(crate) struct Foot<const D: usize> {
     pub apart: [[f64; D]; 2],
     pub turning: [[f64; D]; 2],
     pub normal: [f64; D],
+    /// Its second derivatives, in the plane.
+    pub curve: Option<FootCurve<D>>,
 }
 
 /// The inverse of a symmetric matrix; in the plane of its first entry.
@@ -145,5 +150,12 @@ pub(super) fn foot<const D: usize>(
         apart: inverse.map(|row| sum(row, &tangents)),
         turning: inverse.map(|row| sum(row.map(|entry| gap * entry), &own.tangents)),
         normal,
+        curve: (D == 2).then(|| FootCurve {
+            along: own.tangents[0],
+            tangent: tangents[0],
+            bend: own.second(s)[0][0],
+            off,
+            factor: inverse[0][0],
+        }),
     }
 }

@@ -1,6 +1,7 @@
 //! Stage 3: [`CheckedFunction`] → [`Derived`]: the operators of differentiation are carried out, and
 //! residuals and tangents are derived. Nothing of a [`Derived`] holds `Gradient`, `Partial` or `Gateaux`.
 
+mod carried_energy;
 mod cell_mean;
 mod facet_means;
 mod lowering;
@@ -16,6 +17,7 @@ use crate::check::{CheckedFunction, Content, Term};
 use crate::diagnostics::Diagnostics;
 use crate::parse::syntax::Region;
 use crate::tensor::{Arena, FieldInfo, FieldRole, Tensor};
+use carried_energy::CarriedEnergy;
 use facet_means::FacetMeans;
 use lowering::Lowering;
 pub use lowering::multi_indices;
@@ -36,6 +38,8 @@ pub struct Derived {
     pub density: Vec<Term>,
     /// By density, or part of one, that was asked for as a derivative: the integrands that were differentiated.
     pub sources: HashMap<Tensor, Vec<Source>>,
+    /// Regions and displacements of the integrals of an energy whose variation is completed by the motion of their points.
+    pub carried: Vec<(usize, Vec<usize>)>,
     /// A derived field.
     pub value: Option<Tensor>,
     /// The residual is the first variation of an energy: its tangent is symmetric (Schwarz).
@@ -78,6 +82,7 @@ pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: 
     let mut value = None;
     let mut from_energy = false;
     let mut terms = Vec::new();
+    let mut carried = CarriedEnergy::default();
     match content {
         Content::Form(form) => {
             terms = form;
@@ -105,7 +110,9 @@ pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: 
                 let varied =
                     energy.iter().map(|term| term.with(lowering.gateaux(term.density, index, test, &fields)));
                 terms.extend(varied);
+                carried.vary((index, test));
             }
+            carried.take(&mut lowering, &energy, &fields);
             density = energy;
         }
     }
@@ -132,12 +139,17 @@ pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: 
     let mut residual = means.integrals(&mut lowering, &fields, &trials);
     trials.extend(means.varying());
     let mut sources = HashMap::<Tensor, Vec<Source>>::new();
+    for term in carried.terms(&mut lowering, &fields) {
+        sources.insert(term.density, carried.sources_of(&term));
+        residual.push(ResidualPart { term, tangent: vec![], moves: true });
+    }
     for term in terms {
-        let mut found = if from_energy { vec![] } else { lowering.sources(term.density) };
-        let by = term.displacement.as_deref().filter(|_| !found.is_empty());
+        let mut found = if from_energy { carried.sources_of(&term) } else { lowering.sources(term.density) };
+        let by = term.displacement.as_deref().filter(|_| !from_energy && !found.is_empty());
         if let Some(density) = by.and_then(|by| lowering.carried(term.density, by, &fields)) {
             found.iter_mut().for_each(|source| source.moves = true);
             let density = means.replace(&mut lowering, &term, density);
+            sources.entry(density).or_default().extend(found.iter().cloned());
             let tangent = vec![];
             residual.push(ResidualPart { term: term.with(density), tangent, moves: true });
         }
@@ -164,5 +176,6 @@ pub fn differentiate(checked: CheckedFunction, regions: &[Region], diagnostics: 
         })
         .collect();
     let arena = lowering.arena;
-    Derived { function, dimension, arena, fields, residual, density, sources, value, from_energy }
+    let carried = carried.keys;
+    Derived { function, dimension, arena, fields, residual, density, sources, carried, value, from_energy }
 }

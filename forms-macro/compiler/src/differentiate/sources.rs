@@ -107,18 +107,23 @@ impl Lowering<'_> {
                 }
                 let integrand = self.lower(expression);
                 let integrand = FacetMeans::at_points(self, integrand);
-                let side = Operator::Restrict(Side::This, direction);
-                let side = self.arena.push(side, shape.clone(), node.span);
-                let first = self.arena.push(Operator::Component(side, vec![0]), vec![], node.span);
-                Some(self.arena.push(Operator::Scale(first, integrand), vec![], node.span))
+                Some(self.times_first_component(integrand, direction))
             }
             _ if self.moves_points(density, by, &[]) => None,
             _ => Some(self.arena.push(Operator::Zero, vec![], node.span)),
         }
     }
 
+    /// A density times the first component of a vector at the own points.
+    pub(super) fn times_first_component(&mut self, density: Tensor, vector: Tensor) -> Tensor {
+        let (span, shape) = (self.arena.span(density), self.arena.shape(vector).to_vec());
+        let side = self.arena.push(Operator::Restrict(Side::This, vector), shape, span);
+        let first = self.arena.push(Operator::Component(side, vec![0]), vec![], span);
+        self.arena.push(Operator::Scale(first, density), vec![], span)
+    }
+
     /// Whether an expression has derivatives by what displaces pairs, or reads unknowns, on which its derivative depends once more.
-    fn moves_points(&self, expression: Tensor, by: &[usize], fields: &[FieldInfo]) -> bool {
+    pub(super) fn moves_points(&self, expression: Tensor, by: &[usize], fields: &[FieldInfo]) -> bool {
         self.arena.reachable(&[expression]).into_iter().any(|node| match self.arena.node(node).operator {
             Operator::Gateaux { variable, .. } => displaces(variable, by),
             Operator::Field { field, .. } => {

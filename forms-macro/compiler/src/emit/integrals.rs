@@ -6,6 +6,7 @@ use quote::{format_ident, quote};
 use super::description::{Argument as Described, NO_ARGUMENT, describe};
 use super::external::ExternalNames;
 use super::kernel::{KernelWriter, Motion};
+use super::layout::PointsOf;
 use super::names::has_tangent;
 use crate::check::fields_of;
 use crate::optimise::degree::Degree;
@@ -38,7 +39,7 @@ pub fn emit_integrals(
             fields: &fields,
             externals: &externals,
             dimension,
-            holds_points: false,
+            points_of: PointsOf::default(),
             points,
         };
         if products == Products::ByMatrices {
@@ -129,11 +130,12 @@ impl Lists {
                 // Products without a matrix are derivatives already.
                 let slides = prefix == "Motion" || (prefix != "Action" && displaced.into_iter().any(unknown));
                 let motion = match (slides, writer.points) {
+                    (true, _) if prefix == "Motion" && optimised.from_energy => Motion::OfEnergy,
                     (true, _) => Motion::Slides,
                     (false, Points::MovedByLevelSet) if prefix == "Residual" => Motion::ByLevelSet,
                     (false, _) => Motion::Fixed,
                 };
-                writer.holds_points = integral.description.holds_points;
+                writer.points_of = PointsOf::integral(&integral.description);
                 kernels.extend(writer.linear(&kernel, integral.test.field, &integral.flux, motion));
                 let arguments = [argument(integral.test, writer.fields), NO_ARGUMENT];
                 let of_means = list_of_means(integral.test, writer.fields);
@@ -152,7 +154,7 @@ impl Lists {
         ] {
             for (index, integral) in integrals.iter().enumerate() {
                 let kernel = format_ident!("{prefix}{index}");
-                writer.holds_points = integral.description.holds_points;
+                writer.points_of = PointsOf::integral(&integral.description);
                 kernels.extend(writer.bilinear(&kernel, integral));
                 let arguments = [integral.test, integral.trial].map(|one| argument(one, writer.fields));
                 let [made, by] = [integral.test, integral.trial].map(|one| list_of_means(one, writer.fields));
@@ -175,7 +177,7 @@ impl Lists {
             for (index, integral) in integrals.iter().enumerate() {
                 let kernel = format_ident!("{prefix}{index}");
                 let shape = if prefix == "Density" { vec![] } else { vec![integral.components.len()] };
-                writer.holds_points = integral.description.holds_points;
+                writer.points_of = PointsOf::integral(&integral.description);
                 kernels.extend(writer.expression(&kernel, &integral.components, &shape));
                 let description = describe(&integral.description, used, [NO_ARGUMENT; 2], false, 0);
                 kernels.extend(described(&kernel, description));
@@ -184,7 +186,7 @@ impl Lists {
         }
         if let Some((components, shape)) = &optimised.value {
             let kernel = format_ident!("Value");
-            writer.holds_points = false;
+            writer.points_of = PointsOf::default();
             kernels.extend(writer.expression(&kernel, components, shape));
             let description = Description {
                 region: 0,
@@ -193,6 +195,7 @@ impl Lists {
                 dependence: Dependence::Constant,
                 vanishes: false,
                 holds_points: false,
+                varies_energy: false,
                 moves: false,
                 degree: Degree::constant(0),
             };

@@ -4,7 +4,7 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::external::ExternalNames;
-use super::layout::Layout;
+use super::layout::{Layout, PointsOf};
 use super::print::{Demand, PartBody, Printer, Store, from_point, kept_name};
 use crate::optimise::linear::{Coefficients, of_component};
 use crate::optimise::plan::BilinearPlan;
@@ -37,6 +37,8 @@ pub enum Motion {
     Fixed,
     /// An unknown displaces them.
     Slides,
+    /// An unknown of an energy displaces them, which is to be differentiated twice.
+    OfEnergy,
     /// A level set function cuts the body.
     ByLevelSet,
 }
@@ -47,8 +49,8 @@ pub struct KernelWriter<'a> {
     pub fields: &'a [FieldInfo],
     pub externals: &'a ExternalNames,
     pub dimension: usize,
-    /// Of the integral that is written: `contract::Requirements::holds_points`.
-    pub holds_points: bool,
+    /// The points of the integral that is written.
+    pub points_of: PointsOf,
     /// Whether kernels for derivatives by points are wanted.
     pub points: Points,
 }
@@ -68,7 +70,7 @@ impl KernelWriter<'_> {
             }
             roots.push(self.graph.sum(&parts));
         }
-        let layout = Layout::new(self.graph, self.fields, self.dimension, &roots).holding(self.holds_points);
+        let layout = Layout::new(self.graph, self.fields, self.dimension, &roots).on(self.points_of);
         let mut code = Code::new(self.graph, &roots);
         let values: Vec<Value> = roots.iter().map(|root| code.lower(*root)).collect();
 
@@ -89,6 +91,7 @@ impl KernelWriter<'_> {
         let motion = match motion {
             Motion::Fixed => None,
             Motion::Slides => Some(quote! { const SLIDES: bool = true; }),
+            Motion::OfEnergy => Some(quote! { const SLIDES: bool = true; const OF_ENERGY: bool = true; }),
             Motion::ByLevelSet => Some(quote! { const MOVED_BY_LEVEL_SET: bool = true; }),
         };
 
@@ -127,7 +130,7 @@ impl KernelWriter<'_> {
         let cell_constant =
             !tests.iter().chain(trials).any(|factor| self.graph.depends(*factor, varies_over_cell));
         let roots: Vec<Scalar> = integral.plan.roots().copied().collect();
-        let layout = Layout::new(self.graph, self.fields, self.dimension, &roots).holding(self.holds_points);
+        let layout = Layout::new(self.graph, self.fields, self.dimension, &roots).on(self.points_of);
         let mut code = Code::new(self.graph, &roots);
         let mut lower =
             |list: &[Scalar]| -> Vec<Value> { list.iter().map(|scalar| code.lower(*scalar)).collect() };
@@ -231,8 +234,7 @@ impl KernelWriter<'_> {
     pub fn expression(&mut self, name: &Ident, components: &[Scalar], shape: &[usize]) -> TokenStream {
         let d = self.dimension;
         let count = components.len();
-        let layout =
-            Layout::new(self.graph, self.fields, self.dimension, components).holding(self.holds_points);
+        let layout = Layout::new(self.graph, self.fields, self.dimension, components).on(self.points_of);
         let mut code = Code::new(self.graph, components);
         let values: Vec<Value> = components.iter().map(|component| code.lower(*component)).collect();
         let printer = Printer { code: &code, externals: self.externals };

@@ -4,6 +4,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::description::name_of_side;
+use crate::optimise::Description;
 use crate::optimise::scalar::{Argument, Derivative, Graph, Kind, Node, Scalar};
 use crate::sorted::SortedMap;
 use crate::tensor::{FieldInfo, Geometry, Side};
@@ -15,6 +16,20 @@ pub struct Layout {
     /// The requirements that are not those of no kernel.
     members: TokenStream,
     pub requirements: TokenStream,
+}
+
+/// The points of an integral, as `contract::Requirements` has them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PointsOf {
+    holds_points: bool,
+    varies_energy: bool,
+}
+
+impl PointsOf {
+    pub fn integral(description: &Description) -> Self {
+        let Description { holds_points, varies_energy, .. } = *description;
+        PointsOf { holds_points, varies_energy }
+    }
 }
 
 fn requirements_of(members: &TokenStream) -> TokenStream {
@@ -98,12 +113,12 @@ impl Layout {
         Layout { dimension, offsets, members, requirements }
     }
 
-    /// The layout of a kernel that may be a derivative at held points.
-    pub fn holding(mut self, holds_points: bool) -> Self {
-        if holds_points {
-            let members = &self.members;
-            self.requirements = requirements_of(&quote! { holds_points: true, #members });
-        }
+    /// The layout of a kernel whose integral may be a derivative at held points.
+    pub fn on(mut self, PointsOf { holds_points, varies_energy }: PointsOf) -> Self {
+        let marks = [("holds_points", holds_points), ("varies_energy", varies_energy)];
+        let marks = marks.iter().filter(|(_, holds)| *holds).map(|(name, _)| format_ident!("{name}"));
+        let members = &self.members;
+        self.requirements = requirements_of(&quote! { #(#marks: true,)* #members });
         self
     }
 

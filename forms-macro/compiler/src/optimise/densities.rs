@@ -42,6 +42,7 @@ pub(super) fn densities(
                 dependence: Dependence::Nonlinear,
                 vanishes: false,
                 holds_points,
+                varies_energy: false,
                 moves: false,
                 degree,
             },
@@ -57,7 +58,8 @@ pub(super) fn switches(
     scalariser: &mut Scalariser,
     fields: &[FieldInfo],
 ) -> Option<ExpressionIntegral> {
-    if group.description.dependence != Dependence::Nonlinear {
+    // Where points move, the residual at held points has the same kinks.
+    if group.description.dependence != Dependence::Nonlinear || group.description.moves {
         return None;
     }
     let mut found = Vec::new();

@@ -21,18 +21,22 @@ pub(super) struct Group {
 }
 
 impl Group {
-    /// An energy is not differentiated by the motion of its points.
-    pub fn hold_points(&mut self, fields: &[FieldInfo]) {
+    /// The variation of an energy is at points that are held: the motion of those of some regions and displacements is known.
+    pub fn vary_energy(&mut self, fields: &[FieldInfo], carried: &[(usize, Vec<usize>)]) {
         let unknown = |field: &usize| matches!(fields[*field].role, FieldRole::Unknown(_));
-        let displacement = &self.description.displacement;
-        self.description.holds_points |= displacement.as_ref().is_some_and(|by| by.iter().any(unknown));
+        let Description { region, displacement, means, moves, .. } = &self.description;
+        let Some(by) = displacement.as_ref().filter(|by| !moves && by.iter().any(unknown)) else { return };
+        let is_carried = means.is_none() && carried.iter().any(|(known, of)| known == region && of == by);
+        self.description.varies_energy |= is_carried;
+        self.description.holds_points |= !is_carried;
     }
 
     /// Takes in what is on the same region, and its dependence.
     pub fn join(&mut self, other: Group, graph: &mut Graph) {
         let degree = self.description.degree.clone().largest(other.description.degree.clone());
         let holds_points = self.description.holds_points || other.description.holds_points;
-        self.description = Description { degree, holds_points, ..other.description };
+        let varies_energy = self.description.varies_energy || other.description.varies_energy;
+        self.description = Description { degree, holds_points, varies_energy, ..other.description };
         self.parts.extend(other.parts);
         self.density = graph.add(self.density, other.density);
         for (trial, derivative) in other.tangent {
@@ -119,6 +123,7 @@ pub(super) fn group(
                 dependence,
                 vanishes: false,
                 holds_points: false,
+                varies_energy: false,
                 moves,
                 degree: Degree::constant(0),
             },

@@ -79,6 +79,8 @@ pub struct Description {
     pub vanishes: bool,
     /// As `Requirements::holds_points` of the contract.
     pub holds_points: bool,
+    /// As `Requirements::varies_energy` of the contract.
+    pub varies_energy: bool,
     /// It is integrated along the motion of its points.
     pub moves: bool,
     pub degree: Degree,
@@ -138,8 +140,18 @@ pub enum Failure {
 /// Plans all integrals of a function; an integral that turns out not to be linear in an argument,
 /// which `check` rules out, is reported by its absence: `Err` with the name of that argument.
 pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure> {
-    let Derived { function, dimension, arena, fields, residual, density, sources, value, from_energy } =
-        derived;
+    let Derived {
+        function,
+        dimension,
+        arena,
+        fields,
+        residual,
+        density,
+        sources,
+        carried,
+        value,
+        from_energy,
+    } = derived;
     let offsets = parameter_offsets(module, dimension);
     let mut graph = Graph::default();
     let mut scalariser = Scalariser {
@@ -157,7 +169,7 @@ pub fn optimise(derived: Derived, module: &Module) -> Result<Optimised, Failure>
     let value = value.map(|value| (scalariser.components(value), arena.shape(value).to_vec()));
     let mut groups = group(&residual, &fields, &entities, &mut scalariser, &mut degrees);
     if from_energy {
-        groups.iter_mut().for_each(|group| group.hold_points(&fields));
+        groups.iter_mut().for_each(|group| group.vary_energy(&fields, &carried));
     }
     let mut groups = join_on_cells(groups, &fields, &entities, scalariser.graph);
     let mut planned = Optimised {

@@ -51,8 +51,8 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         q: usize,
         pairs: &PairTables<D>,
     ) -> Result<(), AssemblyError> {
-        let (stride, points, slopes) =
-            (PairGroup::<D>::STRIDE, &pairs.group.points, &pairs.group.motion.slopes[self.direction]);
+        let (stride, points, motion) = (PairGroup::<D>::STRIDE, &pairs.group.points, &pairs.group.motion);
+        let slopes = [&motion.slopes[self.direction][..], &motion.bends];
         let mut places = [0; WIDEST];
         for lane in 0..L::WIDTH {
             let unit = self.start + lane.min(self.filled - 1);

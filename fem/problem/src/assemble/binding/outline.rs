@@ -69,6 +69,12 @@ impl<'a, const D: usize> Outline<'a, D> {
         for term in form.residual_by_means().iter().filter(|term| parts.contain(term.integral.dependence)) {
             outline.couple_motion(term.integral, term.kernel.constants().requirements, true);
         }
+        for term in form.motion().iter().filter(|term| parts.contain(term.integral.dependence)) {
+            for test_side in [Side::This, Side::Other] {
+                let integral = Integral { test_side, ..*term.integral };
+                outline.couple_motion(&integral, term.kernel.constants().requirements, false);
+            }
+        }
         outline
     }
 
@@ -93,6 +99,19 @@ impl<'a, const D: usize> Outline<'a, D> {
                 };
                 if !self.couplings.iter().any(has_it) {
                     self.couplings.push(coupling);
+                }
+                if requirements.varies_energy {
+                    let (test, trial, sides) = (trial, test, [trial_side, test_side]);
+                    let [test_derivatives, trial_derivatives] = [false, requirements.test_derivatives];
+                    let requirements = Requirements { test_derivatives, trial_derivatives, ..requirements };
+                    let has_it = |known: &Coupling| {
+                        known.is_like(&Coupling { test, trial, sides, ..coupling })
+                            && (known.displacement, known.of_means) == (displacement, of_means)
+                            && known.requirements.trial_derivatives >= trial_derivatives
+                    };
+                    if !self.couplings.iter().any(has_it) {
+                        self.couplings.push(Coupling { test, trial, sides, requirements, ..coupling });
+                    }
                 }
             }
         }

@@ -12,6 +12,7 @@ pub(super) mod matrices;
 pub(super) mod moving_points;
 pub(super) mod piece_slopes;
 pub(super) mod point_values;
+pub(super) mod second_motion;
 pub(super) mod vectors;
 
 pub(super) use bilinear_calls::{BilinearCalls, Factors};

@@ -14,10 +14,10 @@ use std::ops::Range;
 use forms_core::contract::{Basis, Further, Lane, LinearConstants};
 
 use super::linear_calls::{VectorCall, VectorCalls};
-#[cfg(not(test))]
-use super::piece_slopes;
 use super::sink::Deliver;
 use super::vectors::ElementVectors;
+#[cfg(not(test))]
+use super::{piece_slopes, second_motion};
 use crate::assemble::AssemblyError;
 use crate::assemble::batch::{ArgumentBasis, Batch, BatchBuffers};
 use crate::assemble::scatter::group_nodes::Reading;
@@ -116,4 +116,5 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
     }
 }
 
-instantiate!(moving_points in lanes: L::call::<Loops<L, D>>, L::call::<piece_slopes::Loops<L, D>>);
+instantiate!(moving_points in lanes: L::call::<Loops<L, D>>, L::call::<piece_slopes::Loops<L, D>>,
+    L::call::<second_motion::Loops<L, D>>);

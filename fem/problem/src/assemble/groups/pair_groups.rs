@@ -55,8 +55,14 @@ pub(in crate::assemble) fn pair_groups<const D: usize>(
         let points = PointsOfPairs::of(pairing, integral.displacement.is_some());
         binding.histories_on_pairs(requirements, pairing, points)?;
     }
-    if requirements.holds_points && binding.regions[region].is_on_moving_segments(integral.displacement) {
-        return Err(pair_error(binding.name, &binding.regions[region], PairError::HeldPoints));
+    if binding.regions[region].is_on_moving_segments(integral.displacement) {
+        let refused = |source| Err(pair_error(binding.name, &binding.regions[region], source));
+        if requirements.holds_points {
+            return refused(PairError::HeldPoints);
+        }
+        if requirements.varies_energy && D != 2 {
+            return refused(PairError::EnergyInSpace);
+        }
     }
     binding.check_functions_on_pairs(region, quadrature, degree, requirements)?;
     let pairs = binding.pairs(region, integral.displacement, quadrature, degree)?;
