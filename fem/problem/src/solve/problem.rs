@@ -7,6 +7,7 @@ mod deflated;
 mod diagnosis;
 mod equations;
 mod free_bodies;
+pub mod linear_problems;
 mod positivity;
 mod setting;
 mod solution;
@@ -20,6 +21,7 @@ use std::ops::Range;
 use std::rc::Rc;
 use std::sync::Arc;
 
+pub use self::linear_problems::LinearProblems;
 pub use self::positivity::PositivityError;
 use self::solution::{EachStep, Solver};
 use super::communicator::Communicator;

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::linear_algebra::backward_error::Residual;
+use crate::solve::solver_report::SolverPath;
 use crate::threads::Threads;
 
 const SIDE: usize = 12;
@@ -141,7 +142,7 @@ fn a_part_of_a_larger_matrix_is_compared_with_the_linear_part() {
     for changes in [&few[..], &few[..], &[(4, 4, 1.0)], &rounding] {
         let mut whole = BlockMatrix::from(laplacian(changes, 0.0));
         solver.set_reduced(&whole, &mut elimination).unwrap();
-        let adds = matches!(&solver.current, Some(Current::Condensed { matrix, .. }) if Arc::ptr_eq(&matrix.base, &linear_part));
+        let adds = matches!(&solver.current, Some(Current::Condensed(Condensed { matrix, .. })) if Arc::ptr_eq(&matrix.base, &linear_part));
         assert_eq!(adds, changes.len() < 5);
         let reduced = elimination.reduce_matrix(&whole).unwrap();
         for transpose in [Transpose::No, Transpose::Yes] {
