@@ -48,6 +48,8 @@ pub fn refine_each<'a, F: From<LinearAlgebraError>>(
         if open.is_empty() {
             break;
         }
+        // Memory for the solves of all.
+        open.iter().for_each(|k| found[*k].candidate = vec![]);
         let rests = open.iter().map(|k| found[*k].residual.rest.clone()).collect();
         for (k, change) in open.iter().zip(solve(&open, rests)?) {
             let one = &mut found[*k];

@@ -119,7 +119,7 @@ impl<S: LinearSolver> LocalUnknowns<S> {
         &self.solver
     }
 
-    fn threads(&self) -> Threads {
+    pub(super) fn threads(&self) -> Threads {
         self.threads.unwrap_or_else(Threads::all)
     }
 

@@ -211,7 +211,8 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         self
     }
 
-    /// An assembler that was made for more than this problem, with its quadrature, its threads, its cells.
+    /// An assembler that was made for more than this problem, with its quadrature, its cells, and its threads, which the problem's own linear
+    /// solver has then, too.
     ///
     /// ```
     /// # use forms_fem::prelude::*;
@@ -224,6 +225,9 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     /// ```
     pub fn assembler(mut self, assembler: impl Into<Cow<'a, Assembler<D>>>) -> Self {
         self.system.assembler = assembler.into();
+        if let Solver::Own(solver) = &mut self.solver {
+            **solver = LocalUnknowns::on(self.system.assembler.threads());
+        }
         self
     }
 
@@ -450,3 +454,6 @@ fn solve_on<const D: usize, const N: usize>(
     let Solved { fields, residual, history, .. } = solved?;
     Ok(SolvedForm { fields: fields.into(), pattern, residual, history })
 }
+
+#[cfg(test)]
+mod tests;

@@ -136,9 +136,15 @@ impl TangentSolver {
         &self.report
     }
 
-    /// Threads for products.
+    /// Threads for factors, solves and products.
     pub(super) fn threads(&self) -> Threads {
         self.options.threads
+    }
+
+    /// Threads of the current factor.
+    #[cfg(test)]
+    pub(super) fn threads_of_factor(&self) -> Option<Threads> {
+        self.factor.as_ref().map(SymmetricFactor::threads)
     }
 
     /// The current matrix.

@@ -20,7 +20,7 @@ const REFINEMENTS: usize = 4;
 /// Systems that wait for others to be solved together with the factor of K, and what was found of earlier ones.
 #[derive(Debug, Default)]
 pub(super) struct Kept {
-    waiting: Vec<(Condensed, Vec<f64>)>,
+    waiting: Vec<(Condensed, Arc<[f64]>)>,
     solved: Vec<Result<KeptSolution, SolverError>>,
 }
 
@@ -47,7 +47,7 @@ impl CondensedSolver {
     ///
     /// # Errors
     /// A right-hand side that is unfit.
-    pub(in crate::solve) fn keep(&mut self, b: &[f64]) -> Result<bool, SolverError> {
+    pub(in crate::solve) fn keep(&mut self, b: &Arc<[f64]>) -> Result<bool, SolverError> {
         let (Some(Current::Condensed(system)), Some(LinearPart { matrix, .. })) =
             (&self.current, &self.linear_part)
         else {
@@ -59,7 +59,7 @@ impl CondensedSolver {
         }
         check_size("the right-hand side", matrix.rows(), b.len())?;
         check_finite("the right-hand side", b)?;
-        self.kept.waiting.push((system.clone(), b.to_vec()));
+        self.kept.waiting.push((system.clone(), b.clone()));
         Ok(true)
     }
 

@@ -22,7 +22,7 @@ pub(super) struct AffineLoad {
     /// The residual there, on all unknowns.
     pub residual: Vec<f64>,
     /// The right-hand side of the reduced system.
-    pub load: Vec<f64>,
+    pub load: Arc<[f64]>,
 }
 
 impl<const D: usize, const N: usize> Problem<'_, D, N> {

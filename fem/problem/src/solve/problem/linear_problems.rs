@@ -5,6 +5,7 @@ use std::time::Instant;
 use super::affine::{AffineLoad, complete};
 use super::solution::Solver;
 use super::{Problem, SolveError};
+use crate::instantiate::instantiate;
 use crate::linear_algebra::vector::add_scaled;
 use crate::linear_algebra::{BlockMatrix, Entry, LinearAlgebraError, Transpose};
 use crate::solve::linear_system::check_equations;
@@ -21,7 +22,7 @@ use crate::threads::Threads;
 /// Problems that follow each other with equal matrices share one factor, and the solver gets all their right-hand sides in one call
 /// ([`LinearSolver::solve_each`]). With a [`CondensedSolver`] that has solved the direct problem, their matrices may differ from each other where
 /// contact changes them: all read the factor of the linear part once. A solution has the bits that [`Problem::solve`] finds, whatever
-/// the others are. What can not be shared (nonlinear forms, several processes) is solved by itself, in its place.
+/// the others are. What cannot be shared (nonlinear forms, several processes) is solved by itself, in its place.
 ///
 /// ```
 /// use forms_fem::prelude::*;
@@ -42,19 +43,19 @@ use crate::threads::Threads;
 /// assert_eq!((states.len(), solver.report().factorisations), (2, 1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct LinearProblems<'a, const D: usize, const N: usize = 1> {
+pub struct LinearProblems<'a, 's, const D: usize, const N: usize = 1> {
     problems: Vec<Problem<'a, D, N>>,
-    solver: Option<&'a mut dyn LinearSolver>,
+    solver: Option<&'s mut dyn LinearSolver>,
 }
 
-impl<'a, const D: usize, const N: usize> LinearProblems<'a, D, N> {
+impl<'a, 's, const D: usize, const N: usize> LinearProblems<'a, 's, D, N> {
     /// Problems in the order in which they are solved. The solver is that of the first one, unless another is given.
     pub fn of(problems: impl IntoIterator<Item = Problem<'a, D, N>>) -> Self {
         LinearProblems { problems: problems.into_iter().collect(), solver: None }
     }
 
     /// The linear solver, in place of that of the first problem.
-    pub fn solver(mut self, solver: &'a mut dyn LinearSolver) -> Self {
+    pub fn solver(mut self, solver: &'s mut dyn LinearSolver) -> Self {
         self.solver = Some(solver);
         self
     }
@@ -63,34 +64,42 @@ impl<'a, const D: usize, const N: usize> LinearProblems<'a, D, N> {
     ///
     /// # Errors
     /// [`SolveError`] of the first problem that is found not to be solved, with a remark that names it.
-    #[inline(never)]
     pub fn solve(self) -> Result<Vec<Solved<D, N>>, SolveError> {
         let LinearProblems { mut problems, solver } = self;
-        let count = problems.len();
-        let Some(first) = problems.first_mut() else { return Ok(vec![]) };
-        let mut solver = match solver {
-            Some(solver) => Solver::Lent(solver),
-            None => std::mem::replace(&mut first.solver, Solver::Own(Box::default())),
-        };
-        let mut session = Session {
-            solver: solver.get(),
-            columns: vec![],
-            matrix: None,
-            spare: StepMemory::default(),
-            solved: problems.iter().map(|_| None).collect(),
-        };
-        let Err(Failed { number, mut error }) = session.run(&mut problems) else {
-            return Ok(session.solved.into_iter().flatten().collect());
-        };
-        if let Some(condensed) = session.solver.as_condensed() {
-            condensed.forget_kept();
+        match (solver, problems.first_mut()) {
+            (Some(solver), _) => solve_by(solver, &mut problems),
+            (None, None) => Ok(vec![]),
+            (None, Some(first)) => {
+                let mut own = std::mem::replace(&mut first.solver, Solver::Own(Box::default()));
+                solve_by(own.get(), &mut problems)
+            }
         }
-        if count > 1 {
-            let form = problems[number].system.form.name();
-            error.notes.push(format!("this is number {} of {count} problems, `{form}`", number + 1));
-        }
-        Err(*error)
     }
+}
+
+fn solve_by<const D: usize, const N: usize>(
+    solver: &mut dyn LinearSolver,
+    problems: &mut [Problem<'_, D, N>],
+) -> Result<Vec<Solved<D, N>>, SolveError> {
+    let count = problems.len();
+    let mut session = Session {
+        solver,
+        columns: vec![],
+        matrix: None,
+        spare: StepMemory::default(),
+        solved: problems.iter().map(|_| None).collect(),
+    };
+    let Err(Failed { number, mut error }) = session.run(problems) else {
+        return Ok(session.solved.into_iter().flatten().collect());
+    };
+    if let Some(condensed) = session.solver.as_condensed() {
+        condensed.forget_kept();
+    }
+    if count > 1 {
+        let form = problems[number].system.form.name();
+        error.notes.push(format!("this is number {} of {count} problems, `{form}`", number + 1));
+    }
+    Err(*error)
 }
 
 /// A failure of the problem with a number.
@@ -112,6 +121,8 @@ struct Column {
     system: AffineLoad,
     /// The rows of prescribed unknowns in the columns of free ones, where the solver keeps the matrix.
     rows: Vec<Entry>,
+    /// The residuals of these rows without them.
+    held: Vec<(usize, f64)>,
     seconds: f64,
 }
 
@@ -233,6 +244,9 @@ impl<const D: usize, const N: usize> Session<'_, D, N> {
             && condensed.keep(&column.system.load)?
         {
             column.rows = prescribed_rows(matrix, elimination);
+            // The solver tells the others.
+            let residual = std::mem::take(&mut column.system.residual);
+            column.held = elimination.prescribed().keys().map(|row| (*row, residual[*row])).collect();
             return Ok(None);
         }
         let found = self.solver.solve_with(&column.system.load, 0.0, Transpose::No)?;
@@ -244,40 +258,46 @@ impl<const D: usize, const N: usize> Session<'_, D, N> {
     /// Solves what waits.
     fn flush(&mut self, problems: &mut [Problem<'_, D, N>]) -> Result<(), Failed> {
         let columns = std::mem::take(&mut self.columns);
-        let Some(first) = columns.first() else { return Ok(()) };
-        let (first, count) = (first.number, columns.len());
-        let start = Instant::now();
-        let mut solutions = vec![];
-        match self.matrix.take() {
-            Some(matrix) => {
-                let found = self.solve_columns(&matrix, &columns, &problems[first]);
-                let found = found.map_err(|(place, error)| {
-                    problems[columns[place].number].unsolved(&columns[place], error)
-                })?;
-                for (column, found) in columns.iter().zip(found) {
-                    let threads = problems[column.number].system.assembler.threads();
-                    let residual = column.residual_with(&matrix, &found, threads);
-                    let residual =
-                        residual.map_err(|why| problems[column.number].unsolved(column, why.into()))?;
-                    solutions.push((found, residual));
-                }
-                self.spare.matrix = Some(matrix);
+        let Some(first) = columns.first().map(|first| first.number) else { return Ok(()) };
+        let (start, count) = (Instant::now(), columns.len() as f64);
+        if let Some(matrix) = self.matrix.take() {
+            let found = self.solve_columns(&matrix, &columns, &problems[first]);
+            let found = found
+                .map_err(|(place, error)| problems[columns[place].number].unsolved(&columns[place], error))?;
+            let shared = start.elapsed().as_secs_f64() / count;
+            for (column, found) in columns.into_iter().zip(found) {
+                let problem = &mut problems[column.number];
+                let threads = problem.system.assembler.threads();
+                let residual = column.residual_with(&matrix, &found, threads);
+                let residual = residual.map_err(|why| problem.unsolved(&column, why.into()))?;
+                self.finish(problem, &column, (&found, residual), shared)?;
             }
-            None => {
-                let kept = self.solver.as_condensed().map(CondensedSolver::take_kept).unwrap_or_default();
-                for (column, kept) in columns.iter().zip(kept) {
-                    let kept = kept.map_err(|error| problems[column.number].unsolved(column, error))?;
-                    let residual = column.residual_by_rows(&kept.found, &kept.rest);
-                    solutions.push((kept.found, residual));
-                }
-            }
+            self.spare.matrix = Some(matrix);
+            return Ok(());
         }
-        let shared = start.elapsed().as_secs_f64() / count as f64;
-        for (column, (found, residual)) in columns.iter().zip(solutions) {
-            let (number, seconds) = (column.number, column.seconds + shared);
-            let solved = problems[number].solved_column(column, &found, residual, &*self.solver, seconds);
-            self.solved[number] = Some(solved.map_err(|error| Failed::of(number, error))?);
+        let kept = self.solver.as_condensed().map(CondensedSolver::take_kept).unwrap_or_default();
+        let shared = start.elapsed().as_secs_f64() / count;
+        // Solutions and right-hand sides are dropped one by one.
+        for (column, kept) in columns.into_iter().zip(kept) {
+            let problem = &mut problems[column.number];
+            let kept = kept.map_err(|error| problem.unsolved(&column, error))?;
+            let residual = column.residual_by_rows(&kept.found, &kept.rest);
+            self.finish(problem, &column, (&kept.found, residual), shared)?;
         }
+        Ok(())
+    }
+
+    /// Notes the solution of a column.
+    fn finish(
+        &mut self,
+        problem: &mut Problem<'_, D, N>,
+        column: &Column,
+        (found, residual): (&LinearSolution, Vec<f64>),
+        shared: f64,
+    ) -> Result<(), Failed> {
+        let seconds = column.seconds + shared;
+        let solved = problem.solved_column(column, found, residual, &*self.solver, seconds);
+        self.solved[column.number] = Some(solved.map_err(|error| Failed::of(column.number, error))?);
         Ok(())
     }
 
@@ -326,7 +346,8 @@ impl Column {
 
     /// The same by b − A x of the reduced system, and the rows of prescribed unknowns.
     fn residual_by_rows(&self, found: &LinearSolution, rest: &[f64]) -> Vec<f64> {
-        let mut residual = self.system.residual.clone();
+        let mut residual = vec![0.0; self.elimination.size()];
+        self.held.iter().for_each(|(row, value)| residual[*row] = *value);
         let free = self.elimination.free();
         for (unknown, rest) in free.iter().zip(rest) {
             residual[*unknown] = -rest;
@@ -368,7 +389,7 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
     /// The problem's right-hand side.
     fn column(&mut self, number: usize, elimination: Elimination) -> Result<Column, SolveError> {
         let system = self.affine_load(&elimination)?;
-        Ok(Column { number, elimination, system, rows: vec![], seconds: 0.0 })
+        Ok(Column { number, elimination, system, rows: vec![], held: vec![], seconds: 0.0 })
     }
 
     /// A failure of the linear solver, told in the problem's terms.
@@ -390,3 +411,10 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
         Ok(Solved { history, report: solver.report(), seconds, ..self.solved_at(&u, residual)? })
     }
 }
+
+instantiate!(
+    linear_problems:
+    LinearProblems::<D, 1>::solve,
+    LinearProblems::<D, 2>::solve,
+    LinearProblems::<D, 3>::solve,
+);

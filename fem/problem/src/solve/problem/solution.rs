@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::time::Instant;
 
-use super::{LinearProblems, Problem, SolveError};
+use super::{Problem, SolveError};
 use crate::assemble::AssemblyError;
 use crate::constraints::Constraints;
 use crate::field::Field;
@@ -246,7 +246,4 @@ instantiate!(
     Problem::<D, 3>::on_spaces,
     Problem::<D, 3>::solve,
     Problem::<D, 3>::ready,
-    LinearProblems::<D, 1>::solve,
-    LinearProblems::<D, 2>::solve,
-    LinearProblems::<D, 3>::solve,
 );
