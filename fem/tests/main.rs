@@ -29,6 +29,7 @@ mod inverse_maps;
 mod inverse_schemes;
 mod kept_candidates;
 mod language_names;
+mod linear_problems;
 mod measures;
 mod mixed;
 mod moving_asymptotes;

@@ -77,7 +77,7 @@ impl<const D: usize, L: ContactLaw<D>> ContactProblem<D, L> {
         self
     }
 
-    /// This problem with a number of threads of assembly in place of all.
+    /// This problem with a number of threads in place of all: of assembly, and of linear solvers that no one gives.
     pub fn threads(mut self, threads: Threads) -> Self {
         self.assembler = self.assembler.with_threads(threads);
         self

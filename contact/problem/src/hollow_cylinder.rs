@@ -320,15 +320,15 @@ fn solve_telling(
         });
     }
     seconds.factorisation = solver.report().analysis_seconds + solver.report().factorisation_seconds;
-    let mut adjoint = |which: Adjoint, name: &'static str| -> Result<Field<2>, CylinderError> {
-        progress(Progress::Stage(name));
-        let state = law.adjoint(which, &u, &mut solver)?;
+    progress(Progress::Stage("adjoint states (22), (41), (21)"));
+    let states =
+        law.adjoints(&[Adjoint::Consistent, Adjoint::Extended, Adjoint::Discrete], &u, &mut solver)?;
+    let mut adjoints = [(); 3].map(|()| Field::zero(&problem.space));
+    for (adjoint, state) in adjoints.iter_mut().zip(states) {
         seconds.adjoint += state.seconds;
-        Ok(state.into_field())
-    };
-    let p_consistent = adjoint(Adjoint::Consistent, "consistent adjoint (22)")?;
-    let p_extended = adjoint(Adjoint::Extended, "extended adjoint (41)")?;
-    let p_discrete = adjoint(Adjoint::Discrete, "discrete adjoint (21)")?;
+        *adjoint = state.into_field();
+    }
+    let [p_consistent, p_extended, p_discrete] = adjoints;
     let (assembler, paper) = (&problem.assembler, &problem.law);
     let criterion = assembler.functional(&paper.criterion(&u))?;
     let contact_force = assembler.functional(&paper.contact_force(&u))?;

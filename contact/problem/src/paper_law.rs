@@ -61,9 +61,17 @@ where
         u: &Field<D>,
         solver: &mut dyn LinearSolver,
     ) -> Result<Solved<D>, SolveError> {
+        self.adjoint_state(adjoint, u)?.solver(solver).solve()
+    }
+
+    /// The problem of one of the paper's adjoint states at the displacement u, for [`LinearProblems`] with others.
+    ///
+    /// # Errors
+    /// [`AssemblyError`]: data that do not fit.
+    pub fn adjoint_state(&self, adjoint: Adjoint, u: &Field<D>) -> Result<Problem<'_, D>, AssemblyError> {
         match adjoint {
-            Adjoint::Discrete => self.adjoint(u)?.solver(solver).solve(),
-            Adjoint::Consistent => self.state(self.law.consistent_adjoint(u), u)?.solver(solver).solve(),
+            Adjoint::Discrete => self.adjoint(u),
+            Adjoint::Consistent => self.state(self.law.consistent_adjoint(u), u),
             Adjoint::Extended => {
                 // Its zone is that of β_h > ξ.
                 let assembler = match self.splits_facets() {
@@ -74,7 +82,7 @@ where
                         self.assembler.split_at_zeros(&indicator, region, RESOLUTION)?
                     }
                 };
-                self.state_by(self.law.extended_adjoint(u), assembler)?.solver(solver).solve()
+                self.state_by(self.law.extended_adjoint(u), assembler)
             }
         }
     }

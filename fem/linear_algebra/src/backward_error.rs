@@ -1,10 +1,13 @@
 //! Residuals judged equation by equation, each relative to the sizes of its own terms (Oettli and Prager 1964; Arioli,
 //! Demmel and Duff 1989): a stiff part of a system then does not hide a soft one, nor one field another.
 
+mod together;
+
 use super::equations::{Equations, WorstRow};
 use super::error::LinearAlgebraError;
 use super::vector::norm;
 use crate::threads::Threads;
+pub use together::{Rule, refine_each};
 
 /// Refinement goes on as long as an equation is off by more than this part of its terms.
 const AIM: f64 = 1e-12;

@@ -267,6 +267,11 @@ impl SymmetricFactor {
         self.negative_eigenvalues
     }
 
+    /// Threads that factored it, and that solve with it.
+    pub fn threads(&self) -> Threads {
+        self.threads
+    }
+
     /// Seconds that the factorisation took.
     pub fn seconds(&self) -> f64 {
         self.seconds

@@ -111,6 +111,51 @@ fn by_pieces(
     worst_of(threads.run(parts, of_part).into_iter())
 }
 
+/// Residuals of several systems: each with the bits that it has by itself. Where all are stored by rows, threads go from one piece of the rows to
+/// the next with all systems, so that a matrix that these share is read once.
+///
+/// # Errors
+/// If a size is wrong.
+pub(crate) fn residual_each(
+    threads: Threads,
+    systems: &[(&Side<'_>, &[f64], &[f64])],
+    rests: Vec<&mut Vec<f64>>,
+) -> Result<Vec<WorstRow>, LinearAlgebraError> {
+    let size = systems.first().map_or(0, |(_, x, _)| x.len());
+    let by_rows = |(side, x, _): &(&Side<'_>, &[f64], &[f64])| {
+        side.transpose == Transpose::No && side.matrix.rows() == size && x.len() == size
+    };
+    if systems.len() == 1 || !systems.iter().all(by_rows) {
+        let each = systems.iter().zip(rests);
+        return each.map(|((side, x, b), rest)| side.residual(threads, x, b, rest, &mut vec![])).collect();
+    }
+    let pieces = size.div_ceil(PIECE);
+    let numbers = systems.iter().map(|(side, ..)| side.matrix.values().len()).sum();
+    let length = pieces.div_ceil(threads.for_work(numbers)).max(1) * PIECE;
+    let mut parts: Vec<Vec<std::slice::ChunksMut<'_, f64>>> = vec![];
+    parts.resize_with(size.div_ceil(length), Vec::new);
+    for ((side, x, b), rest) in systems.iter().zip(rests) {
+        side.check(x, b)?;
+        rest.resize(size, 0.0);
+        for (part, rest) in parts.iter_mut().zip(rest.chunks_mut(length)) {
+            part.push(rest.chunks_mut(PIECE));
+        }
+    }
+    let of_part = |(part, mut rests): (usize, Vec<std::slice::ChunksMut<'_, f64>>)| {
+        let mut worst = vec![WorstRow::default(); systems.len()];
+        for first in (part * length..).step_by(PIECE).take(length / PIECE) {
+            for ((worst, (side, x, b)), rest) in worst.iter_mut().zip(systems).zip(&mut rests) {
+                if let Some(rest) = rest.next() {
+                    *worst = worst_of([*worst, side.rows(x, b, first, rest)].into_iter());
+                }
+            }
+        }
+        worst
+    };
+    let of_parts = threads.run(parts.into_iter().enumerate().collect(), of_part);
+    Ok((0..systems.len()).map(|k| worst_of(of_parts.iter().map(|worst| worst[k]))).collect())
+}
+
 /// The first of the worst.
 fn worst_of(all: impl Iterator<Item = WorstRow>) -> WorstRow {
     all.fold(WorstRow::default(), |worst, next| if next.error > worst.error { next } else { worst })
@@ -367,5 +412,40 @@ mod tests {
         let blocks = BlockMatrix::from(self::matrix());
         let found = blocks.residual(Threads::ONE, &bad, &b, &mut vec![], &mut vec![]).unwrap();
         assert_eq!(found.error, f64::INFINITY);
+    }
+
+    /// Systems of one matrix with additions of their own, and one by columns.
+    #[test]
+    fn residuals_of_several_systems_have_the_bits_of_each() {
+        let matrix = matrix();
+        let size = matrix.rows();
+        let vector =
+            |k: usize| -> Vec<f64> { (0..size).map(|i| ((i * (k + 2)) as f64 * 0.37).sin()).collect() };
+        let vectors: Vec<_> = (0..4).map(|k| (vector(k), vector(k + 7))).collect();
+        let addition = |k: usize| Entry { row: (PIECE + k) as u32, column: k as u32, value: 3.0 + k as f64 };
+        for transposes in [[Transpose::No; 4], [Transpose::No, Transpose::Yes, Transpose::No, Transpose::No]]
+        {
+            let of = |k: usize| {
+                Side::of(&matrix, transposes[k]).with_additions(&[addition(k)][..k.min(1)], transposes[k])
+            };
+            let sides: Vec<_> = (0..4).map(of).collect();
+            let systems: Vec<_> =
+                sides.iter().zip(&vectors).map(|(side, (x, b))| (side, &x[..], &b[..])).collect();
+            for threads in [1, 2, 3, 7, 16].map(Threads::new) {
+                for count in 1..=4 {
+                    let mut rests = vec![vec![]; count];
+                    let found =
+                        residual_each(threads, &systems[..count], rests.iter_mut().collect()).unwrap();
+                    for ((side, x, b), (rest, worst)) in systems.iter().zip(rests.iter().zip(found)) {
+                        let (mut alone, mut room) = (vec![], vec![]);
+                        assert_eq!(worst, side.residual(Threads::ONE, x, b, &mut alone, &mut room).unwrap());
+                        assert_eq!(*rest, alone);
+                    }
+                }
+            }
+        }
+        let plain = Side::plain(&matrix);
+        let wrong = [(&plain, &vectors[0].0[..], &[1.0][..]); 2];
+        assert!(residual_each(Threads::ONE, &wrong, vec![&mut vec![], &mut vec![]]).is_err());
     }
 }

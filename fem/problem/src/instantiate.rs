@@ -74,6 +74,7 @@ where
             Self::history(),
             Self::interpolation(),
             Self::known(),
+            Self::linear_problems(),
             Self::norms(),
             Self::of_assembler(),
             Self::own_points(),

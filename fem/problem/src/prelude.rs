@@ -18,9 +18,9 @@ pub use crate::norms;
 pub use crate::output::Failure;
 pub use crate::quadrature::{Quadrature, QuadratureRule};
 pub use crate::solve::{
-    CondensedSolver, Continuation, Deflation, Eigenproblem, Increment, LineSearch, LinearSolver, LoadSteps,
-    LuSolver, MultigridSolver, MultigridSolverOptions, NewtonError, NewtonOptions, NewtonStep,
-    PrescribedValues, Problem, SolveError, Solved, TangentSolver, TangentSolverOptions,
+    CondensedSolver, Continuation, Deflation, Eigenproblem, Increment, LineSearch, LinearProblems,
+    LinearSolver, LoadSteps, LuSolver, MultigridSolver, MultigridSolverOptions, NewtonError, NewtonOptions,
+    NewtonStep, PrescribedValues, Problem, SolveError, Solved, TangentSolver, TangentSolverOptions,
 };
 pub use crate::space::{Scope, Space};
 pub use crate::threads::Threads;

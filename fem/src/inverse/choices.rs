@@ -53,9 +53,10 @@ macro_rules! choices_of {
                 self
             }
 
-            /// An assembler in place of the default one: for its quadrature, its threads.
+            /// An assembler in place of the default one: for its quadrature, and its threads, which a linear solver of the history's own has
+            /// then, too.
             pub fn assembler(mut self, assembler: &Assembler<D>) -> Self {
-                self.equations.assembler = assembler.clone();
+                self.equations.assemble_by(assembler);
                 self
             }
 

@@ -73,6 +73,11 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         self.spaces.iter().collect()
     }
 
+    pub fn assemble_by(&mut self, assembler: &Assembler<D>) {
+        self.solver.set_threads(assembler.threads());
+        self.assembler = assembler.clone();
+    }
+
     pub fn lend(&mut self, solver: &'a mut dyn LinearSolver) {
         self.solver = LentSolver::Lent(solver);
     }

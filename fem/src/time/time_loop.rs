@@ -193,8 +193,9 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         self
     }
 
-    /// An assembler in place of the default one: for its quadrature, its threads.
+    /// An assembler in place of the default one: for its quadrature, and its threads, which a linear solver of the loop's own has then, too.
     pub fn assembler(mut self, assembler: &Assembler<D>) -> Self {
+        self.solver.set_threads(assembler.threads());
         self.assembler = assembler.clone();
         self
     }

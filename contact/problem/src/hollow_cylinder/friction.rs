@@ -105,27 +105,26 @@ impl Law {
         })
     }
 
-    /// An adjoint state at the displacement of the last step.
+    /// Adjoint states at the displacement of the last step.
     ///
     /// # Errors
     /// [`CylinderError`]: those of the solution.
-    pub fn adjoint(
+    pub fn adjoints(
         &self,
-        which: Adjoint,
+        which: &[Adjoint],
         u: &Field<2>,
         solver: &mut CondensedSolver,
-    ) -> Result<Solved<2>, CylinderError> {
-        let problem = match self {
-            Law::Frictionless(problem) => return Ok(problem.solve_adjoint(which, u, solver)?),
-            Law::Frictional(problem) => problem,
+    ) -> Result<Vec<Solved<2>>, CylinderError> {
+        let problem = |which: &Adjoint| match self {
+            Law::Frictionless(problem) => problem.adjoint_state(*which, u),
+            Law::Frictional(problem) => match which {
+                Adjoint::Discrete => problem.adjoint(u),
+                Adjoint::Consistent => problem.state(problem.law.consistent_adjoint(u), u),
+                Adjoint::Extended => problem.state(problem.law.extended_adjoint(u), u),
+            },
         };
-        Ok(match which {
-            Adjoint::Discrete => problem.adjoint(u)?.solver(solver).solve()?,
-            Adjoint::Consistent => {
-                problem.state(problem.law.consistent_adjoint(u), u)?.solver(solver).solve()?
-            }
-            Adjoint::Extended => problem.state(problem.law.extended_adjoint(u), u)?.solver(solver).solve()?,
-        })
+        let problems = which.iter().map(problem).collect::<Result<Vec<_>, _>>()?;
+        Ok(LinearProblems::of(problems).solver(solver).solve()?)
     }
 
     /// Force and lengths of friction at the displacement of the last step.

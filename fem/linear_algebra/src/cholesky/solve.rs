@@ -6,7 +6,7 @@ use faer::sparse::linalg::cholesky::supernodal::SupernodalIntranodeLbltRef;
 use faer::{Conj, MatMut, Par};
 
 use super::{Kind, SymmetricFactor};
-use crate::backward_error::{Refinement, Residual};
+use crate::backward_error::{Refinement, Residual, Rule, refine_each};
 use crate::csr::CsrMatrix;
 use crate::equations::Side;
 use crate::error::{LinearAlgebraError, check_finite, check_size};
@@ -133,38 +133,42 @@ impl SymmetricFactor {
         b: &[f64],
         max_steps: usize,
     ) -> Result<Refined, LinearAlgebraError> {
-        let (b_norm, b_largest) = (norm(b), largest(b));
-        let backward = |x: &[f64], residual: &Residual| {
-            let scale = matrix_norm * largest(x) + b_largest;
+        self.solve_sides_refined(&[(side, b)], threads, matrix_norm, max_steps)?.swap_remove(0)
+    }
+
+    /// Refined solutions of several systems whose matrices have a known ‖A‖∞: with LLᵀ and LSLᵀ each step reads the factor once for all that still
+    /// need it. Each has the bits of [`SymmetricFactor::solve_side_refined`].
+    ///
+    /// # Errors
+    /// Those of the first solve, for all systems; of each system those of [`SymmetricFactor::solve_refined`].
+    #[doc(hidden)]
+    pub fn solve_sides_refined(
+        &self,
+        systems: &[(&Side<'_>, &[f64])],
+        threads: Threads,
+        matrix_norm: f64,
+        max_steps: usize,
+    ) -> Result<Vec<Result<Refined, LinearAlgebraError>>, LinearAlgebraError> {
+        let largest_loads: Vec<f64> = systems.iter().map(|(_, b)| largest(b)).collect();
+        let backward = |k: usize, x: &[f64], residual: &Residual| {
+            let scale = matrix_norm * largest(x) + largest_loads[k];
             if scale == 0.0 { 0.0 } else { largest(&residual.rest) / scale }
         };
-        let mut x = b.to_vec();
-        self.solve_in_place(&mut x)?;
-        let mut found = Refinement::new(side, threads, b, x)?;
-        let mut whole = backward(&found.x, &found.residual);
-        let mut steps = 0;
-        for _ in 0..max_steps {
-            if whole <= ROUNDING {
-                break;
-            }
-            found.step(|change| self.solve_in_place(change))?;
-            let next_whole = backward(found.candidate(), &found.next);
-            if next_whole < whole {
-                let stalled = next_whole > 0.5 * whole;
-                found.accept();
-                whole = next_whole;
-                steps += 1;
-                if !stalled {
-                    continue;
-                }
-            }
-            break;
-        }
-        found.finish(|change| self.solve_in_place(change))?;
-        let Refinement { x, residual, .. } = found;
-        let relative_residual = if b_norm == 0.0 { 0.0 } else { norm(&residual.rest) / b_norm };
-        let backward_error = residual.worst().error;
-        Ok(Refined { solution: x, relative_residual, backward_error, steps })
+        let is_enough = |_: usize, whole: f64| whole <= ROUNDING;
+        let rule = Rule { steps: max_steps, error: &backward, is_enough: &is_enough };
+        let refined = refine_each(threads, systems, &rule, |_, mut sides| {
+            self.solve_each_in_place(&mut sides)?;
+            Ok::<_, LinearAlgebraError>(sides)
+        })?;
+        let finish = |(k, (mut found, steps)): (usize, (Refinement<'_, Side<'_>>, usize))| -> Result<_, LinearAlgebraError> {
+            found.finish(|change| self.solve_in_place(change))?;
+            let Refinement { x, residual, .. } = found;
+            let b_norm = norm(systems[k].1);
+            let relative_residual = if b_norm == 0.0 { 0.0 } else { norm(&residual.rest) / b_norm };
+            let backward_error = residual.worst().error;
+            Ok(Refined { solution: x, relative_residual, backward_error, steps })
+        };
+        Ok(refined.into_iter().enumerate().map(finish).collect())
     }
 }
 

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::*;
+use crate::equations::Side;
 use crate::partial_solves::lower_times_transposed;
 use crate::vector::norm;
 use crate::{Ordering, PartialBackSubstitution, SharedWork};
@@ -308,6 +309,21 @@ fn many_units_are_factored_and_solved_with_the_same_bits_on_any_number_of_thread
         factor.solve_each_in_place(&mut in_place).unwrap();
         assert!(bits(&in_place.concat()) == bits(&upper[..2].concat()), "{threads} threads");
         assert!(bits(&upper[0]) == bits(&x), "{threads} threads");
+        // Refined for a matrix that differs a little from the one that was factored: each as by itself, whatever the others need.
+        let mut nearby = matrix.clone();
+        nearby.values_mut().iter_mut().for_each(|value| *value *= 1.0 + 1e-9);
+        let side = Side::plain(&nearby);
+        let systems = [(&side, &load[..]), (&side, &vec![0.0; load.len()]), (&side, &wanted)];
+        let refine = |systems: &[(&Side<'_>, &[f64])]| {
+            let found = factor.solve_sides_refined(systems, Threads::new(threads), 1e3, 3).unwrap();
+            found.into_iter().collect::<Result<Vec<_>, _>>().unwrap()
+        };
+        let refined = refine(&systems);
+        assert!(refined[0].steps > 0 && refined[1].steps == 0 && refined[0].backward_error < 1e-14);
+        for (system, found) in systems.iter().zip(&refined) {
+            assert!(refine(&[*system])[0] == *found, "{threads} threads");
+        }
+        assert!(refine(&systems[1..])[..] == refined[1..], "{threads} threads");
         (bits(&factor.values), bits(&x), bits(&upper.concat()))
     };
     let one = found(1);

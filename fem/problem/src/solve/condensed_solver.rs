@@ -12,25 +12,25 @@
 
 mod condensed_system;
 mod condensing;
+mod solves;
 
 use std::sync::Arc;
 use std::time::Instant;
 
 pub(super) use condensed_system::CondensedSystem;
+use solves::Kept;
 
 use super::elimination::Elimination;
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
-use super::solver_report::{SolverPath, SolverReport};
+use super::solver_report::SolverReport;
 use super::step_memory::StepMemory;
 use super::tangent_solver::{TangentSolver, TangentSolverOptions};
 use crate::linear_algebra::Transpose;
-use crate::linear_algebra::backward_error::Refinement;
 use crate::linear_algebra::equations::Side;
 use crate::linear_algebra::singularity::check_regular;
-use crate::linear_algebra::vector::norm;
 use crate::linear_algebra::{
-    Analysis, BlockMatrix, Condensation, CondensedSide, CsrMatrix, DenseFactor, Entry, LinearAlgebraError,
-    Ordering, SparsityPattern, SymmetricFactor,
+    Analysis, BlockMatrix, Condensation, CsrMatrix, DenseFactor, Entry, LinearAlgebraError, Ordering,
+    SparsityPattern, SymmetricFactor,
 };
 use crate::threads::Threads;
 
@@ -48,13 +48,8 @@ const DENSE_COST: f64 = 400.0;
 /// A matrix with more than this part of its entries other than those of the linear part is stored by itself.
 const CHANGED: usize = 8;
 
-/// Relative residual below which refinement of the whole solution stops.
-const ACCURATE: f64 = 1e-15;
 /// A factor with a pivot below this part of its scale is asked whether K is singular.
 const DOUBTFUL: f64 = 1e-9;
-
-/// Most steps of iterative refinement of the whole solution.
-const REFINEMENTS: usize = 4;
 
 /// A solver that condenses to the unknowns that change. Its fallback is a [`TangentSolver`].
 ///
@@ -71,6 +66,8 @@ pub struct CondensedSolver {
     /// K could not be factored: do not try again.
     refused: bool,
     current: Option<Current>,
+    /// Systems that are solved together, and the solutions of earlier ones.
+    kept: Kept,
     report: SolverReport,
     /// Of the problems that were solved.
     memory: StepMemory,
@@ -96,7 +93,14 @@ impl LinearPart {
 #[derive(Debug)]
 enum Current {
     Fallback,
-    Condensed { matrix: Sum, dense: Option<DenseFactor> },
+    Condensed(Condensed),
+}
+
+/// A matrix as the linear part with additions, and the dense factor of its condensed system; none where nothing is added.
+#[derive(Clone, Debug)]
+struct Condensed {
+    matrix: Arc<Sum>,
+    dense: Option<Arc<DenseFactor>>,
 }
 
 /// A matrix as a stored one and additions to some of its entries.
@@ -215,7 +219,8 @@ impl CondensedSolver {
         let start = Instant::now();
         let dense = (!changes.is_empty()).then(|| condensation.dense_factor(threads, &changes, None));
         self.report.factorisation_seconds += start.elapsed().as_secs_f64();
-        self.current = Some(Current::Condensed { matrix, dense });
+        let (matrix, dense) = (Arc::new(matrix), dense.map(Arc::new));
+        self.current = Some(Current::Condensed(Condensed { matrix, dense }));
         Ok(())
     }
 
@@ -225,13 +230,15 @@ impl CondensedSolver {
         if self.refused {
             return Ok(false);
         }
-        let Some(LinearPart { matrix: linear_part, .. }) = &self.linear_part else { return Ok(false) };
+        let Some(part) = &self.linear_part else { return Ok(false) };
+        let linear_part = &part.matrix.clone();
         if let Some(known) = &self.condensation
             && known.holds(touched)
         {
             return Ok(true);
         }
         self.current = None; // it belongs to the factor
+        self.solve_waiting();
         let earlier = self.condensation.take().map(|known| known.unknowns().to_vec()).unwrap_or_default();
         let expected = std::mem::take(&mut self.expected);
         let mut all = [touched, &earlier[..], &expected].concat();
@@ -366,7 +373,7 @@ impl LinearSolver for CondensedSolver {
             if let Some(additions) = found? {
                 return match &self.current {
                     // Another criterion at the same state.
-                    Some(Current::Condensed { matrix, .. })
+                    Some(Current::Condensed(Condensed { matrix, .. }))
                         if Arc::ptr_eq(&matrix.base, &base) && matrix.additions == additions =>
                     {
                         Ok(())
@@ -408,59 +415,21 @@ impl LinearSolver for CondensedSolver {
         tolerance: f64,
         transpose: Transpose,
     ) -> Result<LinearSolution, SolverError> {
-        let (matrix, dense) = match &self.current {
+        self.solve_each(&[b], tolerance, transpose).map(|mut found| found.swap_remove(0))
+    }
+
+    fn solve_each(
+        &mut self,
+        sides: &[&[f64]],
+        tolerance: f64,
+        transpose: Transpose,
+    ) -> Result<Vec<LinearSolution>, SolverError> {
+        let system = match &self.current {
             None => return Err(SolverError::NoMatrix),
-            Some(Current::Fallback) => return self.fallback.solve_with(b, tolerance, transpose),
-            Some(Current::Condensed { matrix, dense }) => (matrix, dense),
+            Some(Current::Fallback) => return self.fallback.solve_each(sides, tolerance, transpose),
+            Some(Current::Condensed(system)) => system.clone(),
         };
-        let Some(condensation) = &self.condensation else { return Err(SolverError::NoMatrix) };
-        crate::linear_algebra::error::check_size("the right-hand side", matrix.base.rows(), b.len())?;
-        crate::linear_algebra::error::check_finite("the right-hand side", b)?;
-        let start = Instant::now();
-        let scale = norm(b);
-        let relative = |rest: &[f64]| if scale == 0.0 { 0.0 } else { norm(rest) / scale };
-        let solved = |b: &[f64]| -> Result<Vec<f64>, LinearAlgebraError> {
-            let side = CondensedSide { b, dense: dense.as_ref(), transpose };
-            condensation.solve_each(&[side]).map(|mut found| found.swap_remove(0))
-        };
-        let solve = |change: &mut Vec<f64>| -> Result<(), LinearAlgebraError> {
-            *change = solved(change)?;
-            Ok(())
-        };
-        let (side, threads) = (matrix.side(transpose), self.fallback.threads());
-        let x = solved(b)?;
-        let mut found = Refinement::new(&side, threads, b, x)?;
-        let mut relative_residual = relative(&found.residual.rest);
-        for _ in 0..REFINEMENTS {
-            if relative_residual <= ACCURATE || relative_residual * scale <= tolerance {
-                break;
-            }
-            found.step(solve)?;
-            let next_relative = relative(&found.next.rest);
-            if next_relative >= relative_residual {
-                break;
-            }
-            let stalled = next_relative > 0.5 * relative_residual;
-            found.accept();
-            relative_residual = next_relative;
-            if stalled {
-                break;
-            }
-        }
-        // Each equation has to hold in its own scale, exactly or as far as the caller asks.
-        let finished = if found.is_enough(tolerance) { Ok(()) } else { found.finish(solve) };
-        self.report.solve_seconds += start.elapsed().as_secs_f64();
-        if finished.is_ok() {
-            let relative_residual = relative(&found.residual.rest);
-            self.report.solves += 1;
-            self.report.path = Some(SolverPath::Condensed);
-            self.report.iterations.push(0);
-            self.report.largest_residual = self.report.largest_residual.max(relative_residual);
-            return Ok(LinearSolution { solution: found.x, relative_residual, iterations: 0 });
-        }
-        let matrix = matrix.to_matrix()?;
-        self.fall_back(matrix)?;
-        self.solve_with(b, tolerance, transpose)
+        self.solve_condensed_each(&system, sides, tolerance, transpose)
     }
 }
 

@@ -206,6 +206,7 @@ impl<'a, const D: usize, const N: usize> Continuation<'a, D, N> {
     /// An assembler that was made before, with its quadrature, its threads, its cells.
     pub fn assembler(mut self, assembler: impl Into<Cow<'a, Assembler<D>>>) -> Self {
         self.problem = self.problem.assembler(assembler);
+        self.solver.threads = self.problem.system.assembler.threads();
         self
     }
 

@@ -70,6 +70,32 @@ pub trait LinearSolver {
         transpose: Transpose,
     ) -> Result<LinearSolution, SolverError>;
 
+    /// Solves A x = b or Aᵀ x = b for several right-hand sides, each as [`LinearSolver::solve_with`] does, with the bits that its solution has by itself as
+    /// long as none fails. Direct solvers read their factor once for all of them; unless a solver says otherwise, one is solved after the
+    /// other.
+    ///
+    /// ```
+    /// use forms_fem::linear_algebra::{CsrMatrix, Transpose};
+    /// use forms_fem::prelude::*;
+    ///
+    /// let mut solver = TangentSolver::default();
+    /// solver.set_matrix(CsrMatrix::from_triplets(2, 2, &[(0, 0, 2.0), (1, 1, 4.0)])?)?;
+    /// let found = solver.solve_each(&[&[1.0, 0.0], &[0.0, 1.0]], 0.0, Transpose::No)?;
+    /// assert_eq!((&found[0].solution[..], &found[1].solution[..]), (&[0.5, 0.0][..], &[0.0, 0.25][..]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`LinearSolver::solve_with`]; of several right-hand sides [`SolverError::OfSeveral`] with the number of the first that failed.
+    fn solve_each(
+        &mut self,
+        sides: &[&[f64]],
+        absolute_tolerance: f64,
+        transpose: Transpose,
+    ) -> Result<Vec<LinearSolution>, SolverError> {
+        one_after_the_other(self, sides, absolute_tolerance, transpose)
+    }
+
     /// Solves A x = b.
     ///
     /// # Errors
@@ -120,6 +146,20 @@ pub trait LinearSolver {
     fn as_condensed(&mut self) -> Option<&mut CondensedSolver> {
         None
     }
+}
+
+/// Solutions for several right-hand sides, one after the other.
+pub(super) fn one_after_the_other<S: LinearSolver + ?Sized>(
+    solver: &mut S,
+    sides: &[&[f64]],
+    absolute_tolerance: f64,
+    transpose: Transpose,
+) -> Result<Vec<LinearSolution>, SolverError> {
+    let count = sides.len();
+    let solve = |(number, b): (usize, &&[f64])| {
+        solver.solve_with(b, absolute_tolerance, transpose).map_err(|error| error.of_side(number, count))
+    };
+    sides.iter().enumerate().map(solve).collect()
 }
 
 /// The solution of one linear system, and how good it is.
@@ -194,6 +234,15 @@ pub enum SolverError {
         /// Number of processes whose matrices the solver adds up.
         solver: usize,
     },
+    /// One of several right-hand sides for which a matrix was to be solved with.
+    #[error("right-hand side {} of {count}: {why}", number + 1)]
+    OfSeveral {
+        /// Its number, from 0.
+        number: usize,
+        /// Number of all.
+        count: usize,
+        why: Box<SolverError>,
+    },
     /// A solve was asked for before a matrix was set.
     #[error("no matrix was given to the linear solver")]
     NoMatrix,
@@ -222,6 +271,19 @@ pub enum SolverError {
 }
 
 impl SolverError {
+    /// The failure, whichever right-hand side it is of.
+    pub(super) fn of_any_side(self) -> Self {
+        match self {
+            SolverError::OfSeveral { why, .. } => *why,
+            error => error,
+        }
+    }
+
+    /// The failure of a right-hand side among several.
+    pub(super) fn of_side(self, number: usize, count: usize) -> Self {
+        if count == 1 { self } else { SolverError::OfSeveral { number, count, why: Box::new(self) } }
+    }
+
     /// Whether LU may succeed after this failure.
     pub(super) fn is_for_lu(&self) -> bool {
         matches!(

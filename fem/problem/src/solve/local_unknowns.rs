@@ -14,7 +14,7 @@ use exchange::{Exchange, groups_after_exchange};
 pub use of_spaces::groups_of;
 pub(in crate::solve) use pencils::LeftPencil;
 
-use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
+use super::linear_solver::{LinearSolution, LinearSolver, SolverError, one_after_the_other};
 use super::{CondensedSolver, SolverReport, StepMemory, TangentSolver, TangentSolverOptions};
 use crate::linear_algebra::backward_error::Refinement;
 use crate::linear_algebra::equations::Side;
@@ -119,7 +119,7 @@ impl<S: LinearSolver> LocalUnknowns<S> {
         &self.solver
     }
 
-    fn threads(&self) -> Threads {
+    pub(super) fn threads(&self) -> Threads {
         self.threads.unwrap_or_else(Threads::all)
     }
 
@@ -290,6 +290,18 @@ impl<S: LinearSolver> LinearSolver for LocalUnknowns<S> {
                 self.solver.solve_with(b, absolute_tolerance, transpose)
             }
             found => found,
+        }
+    }
+
+    fn solve_each(
+        &mut self,
+        sides: &[&[f64]],
+        absolute_tolerance: f64,
+        transpose: Transpose,
+    ) -> Result<Vec<LinearSolution>, SolverError> {
+        match self.current {
+            None => self.solver.solve_each(sides, absolute_tolerance, transpose),
+            Some(_) => one_after_the_other(self, sides, absolute_tolerance, transpose),
         }
     }
 

@@ -70,9 +70,9 @@ pub use newton::{
 pub use per_unknown::PerUnknown;
 #[doc(hidden)]
 pub use problem::agreement::GivenEquations;
+pub use problem::{LinearProblems, PositivityError, Problem, SolveError};
 #[doc(hidden)]
 pub use problem::{OwnedForm, SolvedForm, solve_owned};
-pub use problem::{PositivityError, Problem, SolveError};
 #[doc(hidden)]
 pub use processes::Processes;
 pub use rigid_loads::{RigidLoadError, RigidLoads};

@@ -7,6 +7,7 @@ mod deflated;
 mod diagnosis;
 mod equations;
 mod free_bodies;
+pub mod linear_problems;
 mod positivity;
 mod setting;
 mod solution;
@@ -20,6 +21,7 @@ use std::ops::Range;
 use std::rc::Rc;
 use std::sync::Arc;
 
+pub use self::linear_problems::LinearProblems;
 pub use self::positivity::PositivityError;
 use self::solution::{EachStep, Solver};
 use super::communicator::Communicator;
@@ -209,7 +211,8 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
         self
     }
 
-    /// An assembler that was made for more than this problem, with its quadrature, its threads, its cells.
+    /// An assembler that was made for more than this problem, with its quadrature, its cells, and its threads, which the problem's own linear
+    /// solver has then, too.
     ///
     /// ```
     /// # use forms_fem::prelude::*;
@@ -222,6 +225,9 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     /// ```
     pub fn assembler(mut self, assembler: impl Into<Cow<'a, Assembler<D>>>) -> Self {
         self.system.assembler = assembler.into();
+        if let Solver::Own(solver) = &mut self.solver {
+            **solver = LocalUnknowns::on(self.system.assembler.threads());
+        }
         self
     }
 
@@ -448,3 +454,6 @@ fn solve_on<const D: usize, const N: usize>(
     let Solved { fields, residual, history, .. } = solved?;
     Ok(SolvedForm { fields: fields.into(), pattern, residual, history })
 }
+
+#[cfg(test)]
+mod tests;

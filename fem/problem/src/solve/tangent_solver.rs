@@ -1,5 +1,6 @@
 //! Solver for tangents that are symmetric, also saddle points, or unsymmetric on few unknowns; others go to LU.
 
+mod direct;
 mod iterative;
 mod saddle_point;
 mod unsymmetric;
@@ -11,7 +12,7 @@ use std::time::Instant;
 use self::unsymmetric::UnpivotedFactors;
 use super::linear_solver::{LinearSolution, LinearSolver, SolverError};
 use super::lu_solver::LuSolver;
-use super::solver_report::{SolverPath, SolverReport};
+use super::solver_report::SolverReport;
 use crate::linear_algebra::Transpose;
 use crate::linear_algebra::backward_error::Residual;
 use crate::linear_algebra::equations::Side;
@@ -135,9 +136,15 @@ impl TangentSolver {
         &self.report
     }
 
-    /// Threads for products.
+    /// Threads for factors, solves and products.
     pub(super) fn threads(&self) -> Threads {
         self.options.threads
+    }
+
+    /// Threads of the current factor.
+    #[cfg(test)]
+    pub(super) fn threads_of_factor(&self) -> Option<Threads> {
+        self.factor.as_ref().map(SymmetricFactor::threads)
     }
 
     /// The current matrix.
@@ -248,31 +255,6 @@ impl TangentSolver {
         solution
     }
 
-    fn solve_directly(&mut self, b: &[f64], transpose: Transpose) -> Result<LinearSolution, SolverError> {
-        let matrix = self.system()?;
-        let factor = self.factor.as_ref().ok_or(SolverError::NoMatrix)?;
-        let start = Instant::now();
-        // The products of a symmetric matrix are faster than those of its transposed.
-        let side = match self.equals_transposed {
-            true => Side::of_symmetric(matrix),
-            false => Side::of(matrix, transpose),
-        };
-        let TangentSolverOptions { threads, mut refinement_steps, .. } = self.options;
-        if self.by_signs {
-            refinement_steps = refinement_steps.max(saddle_point::REFINEMENTS);
-        }
-        // Without refinement nothing is measured by it.
-        let matrix_norm = if refinement_steps == 0 { 0.0 } else { matrix.row_sum_norm() };
-        let refined = factor.solve_side_refined(&side, threads, matrix_norm, b, refinement_steps);
-        self.report.solve_seconds += start.elapsed().as_secs_f64();
-        let refined = refined?;
-        Ok(LinearSolution {
-            solution: refined.solution,
-            relative_residual: refined.relative_residual,
-            iterations: 0,
-        })
-    }
-
     /// Solves with the matrix as it was given; the factor's system is a scaled one.
     fn solve_scaled(
         &mut self,
@@ -280,23 +262,30 @@ impl TangentSolver {
         absolute_tolerance: f64,
         transpose: Transpose,
     ) -> Result<LinearSolution, SolverError> {
-        let scaling = self.scaling.clone().filter(|_| self.scaled.is_some());
-        let Some(scaling) = scaling else {
-            return if self.symmetric {
-                self.solve_directly(b, transpose)
-            } else {
-                self.solve_iteratively(b, absolute_tolerance, transpose)
-            };
-        };
-        let scaled = scaling.times(b);
-        // One number is no tolerance for equations of different units.
-        let found = if self.symmetric {
-            self.solve_directly(&scaled, transpose)
-        } else {
-            self.solve_iteratively(&scaled, 0.0, transpose)
-        }?;
+        if self.symmetric {
+            return self.solve_symmetric(&[b], transpose)?.swap_remove(0);
+        }
+        match self.scaling.clone().filter(|_| self.scaled.is_some()) {
+            None => self.solve_iteratively(b, absolute_tolerance, transpose),
+            Some(scaling) => {
+                let scaled = scaling.times(b);
+                // One number is no tolerance for equations of different units.
+                let found = self.solve_iteratively(&scaled, 0.0, transpose)?;
+                self.unscaled(&scaling, (b, &scaled), found, transpose)
+            }
+        }
+    }
+
+    /// A solution of the matrix as it was given, from that of the scaled system.
+    fn unscaled(
+        &self,
+        scaling: &Equilibration,
+        (b, scaled): (&[f64], &[f64]),
+        found: LinearSolution,
+        transpose: Transpose,
+    ) -> Result<LinearSolution, SolverError> {
         let side = Side::of(self.system()?, transpose);
-        let residual = Residual::of(&side, self.options.threads, &found.solution, &scaled)?;
+        let residual = Residual::of(&side, self.options.threads, &found.solution, scaled)?;
         let scale = norm(b);
         Ok(LinearSolution {
             solution: scaling.times(&found.solution),
@@ -419,17 +408,36 @@ impl LinearSolver for TangentSolver {
             }
             found => found?,
         };
-        self.report.path = Some(match (self.by_lu, self.symmetric, self.is_positive_definite()) {
-            _ if self.by_signs => SolverPath::SignedCholesky,
-            (true, ..) => SolverPath::Lu,
-            (_, false, _) => SolverPath::Gmres,
-            (_, _, Some(false)) => SolverPath::Indefinite,
-            _ => SolverPath::Cholesky,
-        });
-        self.report.solves += 1;
-        self.report.iterations.push(solution.iterations);
-        self.report.largest_residual = self.report.largest_residual.max(solution.relative_residual);
+        self.count(&solution);
         Ok(solution)
+    }
+
+    fn solve_each(
+        &mut self,
+        sides: &[&[f64]],
+        absolute_tolerance: f64,
+        transpose: Transpose,
+    ) -> Result<Vec<LinearSolution>, SolverError> {
+        let count = sides.len();
+        let mut found = match self.symmetric && !self.by_lu && count > 1 {
+            true => self.solve_symmetric(sides, transpose).unwrap_or_default(),
+            false => vec![],
+        };
+        found.resize_with(count, || Err(SolverError::NoMatrix));
+        let mut solutions = vec![];
+        for (number, (found, b)) in found.into_iter().zip(sides).enumerate() {
+            solutions.push(match found {
+                Ok(solution) => {
+                    self.count(&solution);
+                    solution
+                }
+                // Those that have no solution yet, or need LU.
+                Err(_) => self
+                    .solve_with(b, absolute_tolerance, transpose)
+                    .map_err(|error| error.of_side(number, count))?,
+            });
+        }
+        Ok(solutions)
     }
 }
 

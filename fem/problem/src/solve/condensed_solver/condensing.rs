@@ -3,7 +3,9 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::{CondensedSolver, CondensedSystem, Current, LinearPart, SYMMETRIC, additions, unknowns_of};
+use super::{
+    Condensed, CondensedSolver, CondensedSystem, Current, LinearPart, SYMMETRIC, additions, unknowns_of,
+};
 use crate::linear_algebra::{CsrMatrix, Entry, LinearAlgebraError};
 use crate::solve::linear_solver::{LinearSolver, SolverError};
 use crate::solve::solver_report::SolverPath;
@@ -22,6 +24,7 @@ impl CondensedSolver {
             known.matrix = linear_part.clone();
             return Ok(());
         }
+        self.solve_waiting();
         (self.condensation, self.current, self.refused) = (None, None, false);
         self.expected.clear();
         // An unsymmetric linear part has no Cholesky factor.
@@ -98,7 +101,7 @@ impl CondensedSolver {
     /// Unknowns of the dense system to which solves with the current matrix are condensed; none if they are not.
     pub(in crate::solve) fn condensed_unknowns(&self) -> Option<usize> {
         match &self.current {
-            Some(Current::Condensed { .. }) => self.report.condensed_unknowns,
+            Some(Current::Condensed(_)) => self.report.condensed_unknowns,
             _ => None,
         }
     }
@@ -159,7 +162,7 @@ impl CondensedSolver {
         let condensation = self.condensation.as_ref().ok_or(SolverError::NoMatrix)?;
         let start = Instant::now();
         let earlier = match self.current.take() {
-            Some(Current::Condensed { dense, .. }) => dense,
+            Some(Current::Condensed(Condensed { dense, .. })) => dense.and_then(Arc::into_inner),
             _ => None,
         };
         let dense = (!changes.is_empty()).then(|| condensation.dense_factor(threads, &changes, earlier));
@@ -176,8 +179,8 @@ impl CondensedSolver {
         self.report.solves += 1;
         self.report.iterations.push(0);
         self.report.path = Some(SolverPath::Condensed);
-        let matrix = self.sum(linear_part, additions);
-        self.current = Some(Current::Condensed { matrix, dense });
+        let matrix = Arc::new(self.sum(linear_part, additions));
+        self.current = Some(Current::Condensed(Condensed { matrix, dense: dense.map(Arc::new) }));
         Ok(step)
     }
 

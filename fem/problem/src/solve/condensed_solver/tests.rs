@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::linear_algebra::backward_error::Residual;
+use crate::linear_algebra::vector::norm;
+use crate::solve::solver_report::SolverPath;
 use crate::threads::Threads;
 
 const SIDE: usize = 12;
@@ -141,7 +143,7 @@ fn a_part_of_a_larger_matrix_is_compared_with_the_linear_part() {
     for changes in [&few[..], &few[..], &[(4, 4, 1.0)], &rounding] {
         let mut whole = BlockMatrix::from(laplacian(changes, 0.0));
         solver.set_reduced(&whole, &mut elimination).unwrap();
-        let adds = matches!(&solver.current, Some(Current::Condensed { matrix, .. }) if Arc::ptr_eq(&matrix.base, &linear_part));
+        let adds = matches!(&solver.current, Some(Current::Condensed(Condensed { matrix, .. })) if Arc::ptr_eq(&matrix.base, &linear_part));
         assert_eq!(adds, changes.len() < 5);
         let reduced = elimination.reduce_matrix(&whole).unwrap();
         for transpose in [Transpose::No, Transpose::Yes] {
@@ -161,4 +163,58 @@ fn a_part_of_a_larger_matrix_is_compared_with_the_linear_part() {
         );
     }
     assert_eq!((solver.report().factorisations, solver.report().condensed_unknowns), (1, Some(3)));
+}
+
+/// Systems that are kept have the bits that each has by itself, whatever else is kept, also where the factor is made again in between, or a system goes to
+/// the fallback.
+#[test]
+fn systems_that_are_kept_are_solved_together() {
+    let mut elimination = Elimination::new(SIDE * SIDE, &std::collections::BTreeMap::new()).unwrap();
+    let linear_part = Arc::new(elimination.reduce_matrix(&laplacian(&[], 0.0).into()).unwrap());
+    let begun = || {
+        let mut solver = CondensedSolver::default();
+        solver.set_linear_part(&linear_part).unwrap();
+        assert!(!solver.keep(&load().into()).unwrap(), "no matrix yet");
+        solver
+    };
+    let (mut together, mut alone) = (begun(), begun());
+    let loads: Vec<Vec<f64>> =
+        (1..6).map(|k| load().iter().map(|b| (k as f64 * b).cos()).collect()).collect();
+    let matrices = [
+        laplacian(&[(3, 4, 20.0), (4, 3, -7.0), (4, 4, 50.0)], 0.0),
+        laplacian(&[(4, 4, 30.0), (3, 4, 2.0)], 0.0),
+        laplacian(&[(4, 4, 30.0), (3, 4, 2.0)], 0.0),
+        // Other unknowns: another factor.
+        laplacian(&[(100, 101, 9.0)], 0.0),
+        laplacian(&[], 0.0),
+    ];
+    let mut expected = vec![];
+    for (matrix, b) in matrices.iter().zip(&loads) {
+        together.set_reduced(&matrix.clone().into(), &mut elimination).unwrap();
+        assert!(together.keep(&b[..].into()).unwrap());
+        assert!(together.keep(&b[1..].into()).is_err());
+        alone.set_reduced(&matrix.clone().into(), &mut elimination).unwrap();
+        expected.push(alone.solve(b, 0.0).unwrap());
+    }
+    let found = together.take_kept();
+    assert!(together.take_kept().is_empty());
+    assert_eq!(found.len(), matrices.len());
+    for ((found, expected), (matrix, b)) in found.into_iter().zip(&expected).zip(matrices.iter().zip(&loads))
+    {
+        let found = found.unwrap();
+        assert_eq!(found.found, *expected);
+        let own = rest(&Sum::of(matrix.clone()), &found.found.solution, b, Transpose::No);
+        let difference: Vec<f64> = own.iter().zip(&found.rest).map(|(a, b)| a - b).collect();
+        assert!(norm(&difference) <= 1e-14 * norm(b));
+    }
+    let [together_report, alone_report] = [&together, &alone].map(|solver| solver.report());
+    assert_eq!((together_report.factorisations, together_report.solves), (2, 5));
+    assert_eq!((alone_report.factorisations, alone_report.solves), (2, 5));
+    // What is forgotten is not solved, and a matrix that is stored as a whole is not kept.
+    together.set_reduced(&matrices[0].clone().into(), &mut elimination).unwrap();
+    assert!(together.keep(&loads[0][..].into()).unwrap());
+    together.forget_kept();
+    assert!(together.take_kept().is_empty());
+    together.set_matrix(matrices[0].clone()).unwrap();
+    assert!(!together.keep(&loads[0][..].into()).unwrap());
 }

@@ -136,11 +136,10 @@ impl BorderedSolver {
             Transpose::No => (&current.columns, &current.rows),
             Transpose::Yes => (&current.rows, &current.columns),
         };
-        let mut x = self.inner.solve_with(&b[..size], 0.0, transpose)?.solution;
-        let mut by_columns = vec![];
-        for column in columns {
-            by_columns.push(self.inner.solve_with(column, 0.0, transpose)?.solution);
-        }
+        let sides: Vec<&[f64]> = [&b[..size]].into_iter().chain(columns.iter().map(Vec::as_slice)).collect();
+        let found = self.inner.solve_each(&sides, 0.0, transpose).map_err(SolverError::of_any_side)?;
+        let mut by_columns: Vec<_> = found.into_iter().map(|found| found.solution).collect();
+        let mut x = by_columns.remove(0);
         let corner = |i: usize, j: usize| current.corner[i * count + j];
         let rest = |i: usize| if i == 0 { b[size] } else { 0.0 } - dot(&rows[i], &x);
         let entry = |i: usize, j: usize| corner(i, j) - dot(&rows[i], &by_columns[j]);

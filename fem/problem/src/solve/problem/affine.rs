@@ -10,9 +10,20 @@ use crate::assemble::AssemblyError;
 use crate::solve::divided::Together;
 use crate::solve::linear_system::{check_equations, solve_reduced};
 use crate::solve::{
-    Elimination, LinearSolver, NewtonFailure, NewtonStep, NonlinearProblem, SolveError, Transpose,
+    Elimination, LinearSolution, LinearSolver, NewtonFailure, NewtonStep, NonlinearProblem, SolveError,
+    Transpose,
 };
 use crate::space::Space;
+
+/// The right-hand side of an affine problem.
+pub(super) struct AffineLoad {
+    /// The prescribed values, with zero elsewhere.
+    pub lifted: Vec<f64>,
+    /// The residual there, on all unknowns.
+    pub residual: Vec<f64>,
+    /// The right-hand side of the reduced system.
+    pub load: Arc<[f64]>,
+}
 
 impl<const D: usize, const N: usize> Problem<'_, D, N> {
     /// One assembly, one linear system.
@@ -21,12 +32,7 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
         elimination: &mut Elimination,
         solver: &mut dyn LinearSolver,
     ) -> Result<Found, SolveError> {
-        let mut u = elimination.lifted().map_err(NewtonFailure::Mismatch)?;
-        let residual = self.residual(&u)?;
-        let load = elimination.reduce(&residual).map_err(NewtonFailure::Mismatch)?;
-        let load: Vec<f64> = load.iter().map(|value| -value).collect();
-        let together = Together::new(self.divided.clone(), elimination.free());
-        let norm = |reduced: &[f64]| together.norm(reduced, 0..reduced.len());
+        let AffineLoad { lifted: mut u, load, .. } = self.affine_load(elimination)?;
         // Of several processes each has a part of the matrix alone: the solver has to judge there.
         let alone = self.communicator.is_none();
         let tangent = self.tangent(&u)?;
@@ -43,16 +49,34 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
             taken.and_then(|()| solver.solve_with(&load, 0.0, Transpose::No))
         };
         let found = found.map_err(|error| NewtonFailure::LinearSolver(self.named(error, elimination)))?;
-        for (&unknown, &value) in elimination.free().iter().zip(&found.solution) {
-            u[unknown] = value;
-        }
-        elimination.impose(&mut u).map_err(NewtonFailure::Mismatch)?;
+        complete(elimination, &found, &mut u)?;
         let residual = if alone { self.residual(&u)? } else { self.residual_by_integrals(&u)? };
+        let history = self.affine_history(elimination, &load, &found, &residual)?;
+        Ok((u, residual, history))
+    }
+
+    pub(super) fn affine_load(&mut self, elimination: &Elimination) -> Result<AffineLoad, SolveError> {
+        let lifted = elimination.lifted().map_err(NewtonFailure::Mismatch)?;
+        let residual = self.residual(&lifted)?;
         let reduced = elimination.reduce(&residual).map_err(NewtonFailure::Mismatch)?;
-        let (first, last) = (norm(&load), norm(&reduced));
+        Ok(AffineLoad { lifted, residual, load: reduced.iter().map(|value| -value).collect() })
+    }
+
+    /// The start and the solution as the iterates of a history, which are told.
+    pub(super) fn affine_history(
+        &mut self,
+        elimination: &Elimination,
+        load: &[f64],
+        found: &LinearSolution,
+        residual: &[f64],
+    ) -> Result<Vec<NewtonStep>, SolveError> {
+        let together = Together::new(self.divided.clone(), elimination.free());
+        let norm = |reduced: &[f64]| together.norm(reduced, 0..reduced.len());
+        let reduced = elimination.reduce(residual).map_err(NewtonFailure::Mismatch)?;
+        let (first, last) = (norm(load), norm(&reduced));
         let history = vec![
             NewtonStep {
-                field_residuals: self.field_norms(elimination, &load, &together),
+                field_residuals: self.field_norms(elimination, load, &together),
                 ..NewtonStep::start(first)
             },
             NewtonStep {
@@ -69,7 +93,7 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
         if let Some(progress) = &mut self.progress {
             history.iter().for_each(progress);
         }
-        Ok((u, residual, history))
+        Ok(history)
     }
 
     /// The residual of all processes' integrals, without a matrix.
@@ -91,4 +115,16 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
         };
         self.system.spaces.iter().map(of_space).collect()
     }
+}
+
+/// Writes what was found for the free unknowns into the vector of all, and what follows from it.
+pub(super) fn complete(
+    elimination: &Elimination,
+    found: &LinearSolution,
+    u: &mut [f64],
+) -> Result<(), SolveError> {
+    for (&unknown, &value) in elimination.free().iter().zip(&found.solution) {
+        u[unknown] = value;
+    }
+    Ok(elimination.impose(u).map_err(NewtonFailure::Mismatch)?)
 }

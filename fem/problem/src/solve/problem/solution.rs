@@ -24,7 +24,7 @@ pub(in crate::solve) enum Solver<'a> {
 }
 
 impl Solver<'_> {
-    fn get(&mut self) -> &mut dyn LinearSolver {
+    pub(super) fn get(&mut self) -> &mut dyn LinearSolver {
         match self {
             Solver::Own(solver) => &mut **solver,
             Solver::Lent(solver) => &mut **solver,
@@ -54,19 +54,25 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     /// [`SolveError`] with the reason, and of Newton's method the history and the last iterate.
     #[inline(never)]
     pub fn solve(&mut self) -> Result<Solved<D, N>, SolveError> {
+        let mut solver = std::mem::replace(&mut self.solver, Solver::Own(Box::default()));
+        let solved = self.solve_by(solver.get());
+        self.solver = solver;
+        solved
+    }
+
+    /// The solution by another linear solver than the problem's own.
+    pub(super) fn solve_by(&mut self, solver: &mut dyn LinearSolver) -> Result<Solved<D, N>, SolveError> {
         let begun = Instant::now();
         let processes = self.communicator.map_or(1, |communicator| communicator.size());
-        let mut solver = std::mem::replace(&mut self.solver, Solver::Own(Box::default()));
-        let found = match solver.get().set_processes(processes) {
-            Ok(()) => self.find(solver.get()),
+        let found = match solver.set_processes(processes) {
+            Ok(()) => self.find(solver),
             Err(error) => Err(error.into()),
         };
         if processes > 1 {
             // The next matrix is a whole one, unless its problem says otherwise; a solver that takes none then says so.
-            let _ = solver.get().set_processes(1);
+            let _ = solver.set_processes(1);
         }
-        let report = solver.get().report();
-        self.solver = solver;
+        let report = solver.report();
         let (u, residual, history) = found.map_err(|mut error| {
             error.notes.extend(self.notes.iter().cloned());
             error
@@ -134,7 +140,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     }
 
     /// Takes what an earlier problem has left to the solver, where this one has no memory of its own.
-    fn take_memory_of(&mut self, solver: &mut dyn LinearSolver) {
+    pub(super) fn take_memory_of(&mut self, solver: &mut dyn LinearSolver) {
         let Some(left) = solver.memory().map(std::mem::take) else { return };
         self.memory.restriction = self.memory.restriction.take().or(left.restriction);
         if self.assembled.is_none() {
@@ -143,7 +149,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
     }
 
     /// Leaves the matrix and the map to the reduced one to the next problem with this solver.
-    fn leave_memory_to(&mut self, solver: &mut dyn LinearSolver) {
+    pub(super) fn leave_memory_to(&mut self, solver: &mut dyn LinearSolver) {
         if let Some(memory) = solver.memory() {
             let matrix = self.assembled.take().map(|assembled| assembled.matrix);
             *memory = StepMemory { matrix, restriction: self.memory.restriction.take() };

@@ -4,6 +4,7 @@ mod saddle_points;
 
 use super::*;
 use crate::linear_algebra::LinearAlgebraError;
+use crate::solve::solver_report::SolverPath;
 
 /// A chain of n springs of stiffness 1, clamped at both ends, whose last two unknowns are coupled by an
 /// extra block [0 s; −s p].
