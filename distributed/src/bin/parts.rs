@@ -10,6 +10,7 @@ use forms_contact::threshold::of_law;
 use forms_distributed::cases::ball_on_flat::{is_near, place, pressed};
 use forms_distributed::cases::divided_contact;
 use forms_distributed::cases::eigenmodes::{self, Eigenmodes};
+use forms_distributed::cases::facets_between;
 use forms_distributed::cases::histories;
 use forms_distributed::cases::mixed_block::MixedBlock;
 use forms_distributed::cases::motions::Motion;
@@ -82,6 +83,7 @@ fn run(world: &World) -> Outcome {
         "slid" | "uncompleted" | "thrown" | "sprung" | "means" | "means on segments" => {
             pair_histories::run(world, &name, given(5).as_deref())
         }
+        "penalty" | "smooth" => facets_between::run(world, &name),
         "creep" | "swing" => history(world, &name),
         "vibrates" | "floats" | "closed" | "buckles" | "shared" | "uncounted" => eigenmodes(world, &name),
         "heavy" => {

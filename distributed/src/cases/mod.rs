@@ -5,6 +5,7 @@ pub mod ball_on_flat;
 pub mod divided_contact;
 pub mod drawn_block;
 pub mod eigenmodes;
+pub mod facets_between;
 pub mod hanging_block;
 pub mod histories;
 pub mod mixed_block;
