@@ -18,6 +18,7 @@ use forms_distributed::cases::pair_histories;
 use forms_distributed::cases::part_steps::{FACTORS, HALF, Softening, softening};
 use forms_distributed::cases::parts::{Case, whole};
 use forms_distributed::cases::report::{largest, peak, tell, tell_steps};
+use forms_distributed::cases::whole_body;
 use forms_distributed::{MeshPart, Method, PartCheckpoint, PetscSolver, World};
 use forms_fem::constraints::RigidMap;
 use forms_fem::cut::Cut;
@@ -83,6 +84,7 @@ fn run(world: &World) -> Outcome {
         "slid" | "uncompleted" | "thrown" | "sprung" | "means" | "means on segments" => {
             pair_histories::run(world, &name, given(5).as_deref())
         }
+        "multiplier" | "pinned" => whole_body::run(world, &name),
         "penalty" | "smooth" => facets_between::run(world, &name),
         "creep" | "swing" => history(world, &name),
         "vibrates" | "floats" | "closed" | "buckles" | "shared" | "uncounted" => eigenmodes(world, &name),

@@ -16,3 +16,4 @@ pub mod part_steps;
 pub mod parts;
 pub mod poisson;
 pub mod report;
+pub mod whole_body;

@@ -62,7 +62,7 @@ use crate::world::World;
 ///
 /// Load steps, motions and histories take `.on(&part)` in the same way, [`VtuFile::on`](forms_fem::output::VtuFile::on) writes all parts, and
 /// [`PartCheckpoint`] keeps them. Contact pairs, periodic conditions and rigid bodies need surfaces that each process has whole:
-/// [`MeshPart::with_surfaces`]. Integrals over interior facets need [`MeshPart::with_interior_facets`]. Refused by name: mean values,
+/// [`MeshPart::with_surfaces`]. Integrals over interior facets need [`MeshPart::with_interior_facets`]. Refused by name: mean values as relations,
 /// hanging nodes, bounds, projections to continuous spaces, adaptivity.
 pub struct MeshPart<'w, const D: usize> {
     world: &'w World,
@@ -217,6 +217,48 @@ impl<'w, const D: usize> MeshPart<'w, D> {
             }
         }
         self.world.sum(&sums)
+    }
+
+    /// Prescribed values of all components at the node nearest to a point, as [`Constraints::fix_nearest`]: of all processes' nodes, and of
+    /// several at the same distance that of the first process. It pins what is determined only up to a constant, as the solution of Poisson's
+    /// equation with given fluxes is.
+    ///
+    /// # Errors
+    /// [`PetscError::Unfit`] as [`Constraints::fix_nearest`], or of constraints that are not on this part.
+    pub fn fix_nearest(
+        &self,
+        constraints: &mut Constraints<D>,
+        point: &[f64; D],
+        values: &[f64],
+    ) -> Result<(), PetscError> {
+        let space = constraints.space();
+        let unfit = |message: String| PetscError::Unfit { message };
+        let fits = match (space.mesh().is_same(&self.mesh), values.len() == space.components()) {
+            (false, _) => Err(unfit("the constraints are not on this part of a mesh".to_owned())),
+            (_, false) => {
+                let (given, components) = (values.len(), space.components());
+                Err(unfit(format!("{given} values were given for a space with {components} components")))
+            }
+            _ => Ok(()),
+        };
+        self.world.agree(fits)?;
+        let node = space.nearest_node(point);
+        let distance = |node: usize| {
+            let at = &space.positions()[node];
+            at.iter().zip(point).map(|(x, y)| (x - y).powi(2)).sum::<f64>()
+        };
+        let own = node.map_or(f64::INFINITY, distance);
+        let all = self.world.gather(own.to_bits())?;
+        let all = all.into_iter().map(f64::from_bits).enumerate();
+        let nearest = all.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(rank, _)| rank);
+        let fixed = match node.filter(|_| nearest == self.world.rank()) {
+            Some(node) => values
+                .iter()
+                .enumerate()
+                .try_for_each(|(component, value)| constraints.fix_node(node, component, *value)),
+            None => Ok(()),
+        };
+        Ok(self.world.agree(fixed.map_err(|error| unfit(error.to_string())))?)
     }
 
     /// The product of two fields' coefficients over the whole mesh; the same on all processes. Nodes that several have count once.

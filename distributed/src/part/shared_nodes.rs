@@ -45,10 +45,14 @@ impl SharedNodes {
         space: &Space<D>,
         vertices: &Vertices,
     ) -> Result<Self, PetscError> {
-        let candidates = world.agree(candidates(space, vertices))?;
+        let others: Vec<usize> = (0..world.size()).filter(|rank| *rank != world.rank()).collect();
+        let candidates = world.agree(candidates(space, vertices, &others))?;
         let mut neighbours: Vec<usize> = vertices.sharers.values().flatten().copied().collect();
         neighbours.sort_unstable();
         neighbours.dedup();
+        if *space.scope() == Scope::Body {
+            neighbours = others;
+        }
         let own_rank = world.rank() as u32;
         // Of all others the numbers of their owners are not known yet.
         let mut owners = vec![u32::MAX; space.node_count()];
@@ -92,10 +96,11 @@ fn keys_in(mut list: &[u64]) -> impl Iterator<Item = (&[u64], bool)> {
     })
 }
 
-/// The nodes all of whose vertices are on another process, with the ranks of those.
+/// The nodes all of whose vertices are on another process, with the ranks of those. The node of a whole body is on all `others`.
 fn candidates<const D: usize>(
     space: &Space<D>,
     vertices: &Vertices,
+    others: &[usize],
 ) -> Result<BTreeMap<Key, (u32, Vec<usize>)>, PetscError> {
     let mut found: BTreeMap<Key, (u32, Vec<usize>)> = BTreeMap::new();
     let mesh = space.mesh();
@@ -111,6 +116,10 @@ fn candidates<const D: usize>(
                     found.insert(numbers.chain([place]).collect(), (*node, ranks.clone()));
                 }
             }
+            return Ok(found);
+        }
+        Scope::Body => {
+            found.insert(vec![], (0, others.to_vec()));
             return Ok(found);
         }
         Scope::Nodes => {}

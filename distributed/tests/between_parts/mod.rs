@@ -1,15 +1,42 @@
-//! What goes across parts: interior facets.
+//! What goes across parts: means of the whole body, interior facets.
 
 use std::collections::BTreeMap;
 
 use forms_distributed::cases::facets_between::{self, Jumps, is_in_middle};
 use forms_distributed::cases::report::read;
+use forms_distributed::cases::whole_body::{self, MEAN, WithMean};
 use forms_fem::prelude::*;
 
-use super::{DIGITS, PROCESSES, check_to, steps, told, vertices};
+use super::{DIGITS, PROCESSES, SAME, check_to, steps, told, vertices};
 
 fn product<const D: usize>(a: &Field<D>, b: &Field<D>) -> f64 {
     a.values().iter().zip(b.values()).map(|(a, b)| a * b).sum()
+}
+
+/// The multiplier of a mean is one unknown of all processes. The same mean as a relation between all unknowns gives the same solution.
+#[test]
+fn means_of_the_whole_body_are_the_same() {
+    let (upper, cells) = whole_body::SIZE;
+    let mesh = rectangle([0.0; 2], upper, cells, CellShape::Triangle, 1).unwrap();
+    let case = WithMean::on(&mesh).unwrap();
+    let solved = case.problem().solve().unwrap();
+    let [u, m] = &solved.fields;
+    assert!(solved.iterations() > 2 && m.values()[0].abs() > 0.5);
+    let steps = vec![solved.iterations() as f64];
+    let expected = BTreeMap::from([("u", vertices(u)), ("m", m.values().to_vec()), ("steps", steps)]);
+    check_to(DIGITS, &PROCESSES, &["multiplier"], &expected);
+
+    let space = Space::scalar(&mesh, 2).unwrap();
+    let mut mean = Constraints::new(&space);
+    mean.mean_value("all", 0, MEAN).unwrap();
+    let form = whole_body::model().flow();
+    let related = Problem::new(&form, &space).constrained(&mean).solve().unwrap();
+    check_to(SAME, &[3], &["multiplier"], &BTreeMap::from([("u", vertices(related.field()))]));
+
+    let form = whole_body::model().balanced();
+    let related = Problem::new(&form, &space).constrained(&mean).solve().unwrap();
+    let expected = BTreeMap::from([("u", vertices(related.field())), ("mean", vec![MEAN])]);
+    check_to(SAME, &PROCESSES, &["pinned"], &expected);
 }
 
 /// Each interior facet counts once: in equations of discontinuous and of continuous elements, functionals, and indicators of cells.
