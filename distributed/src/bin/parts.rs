@@ -11,6 +11,7 @@ use forms_distributed::cases::ball_on_flat::{is_near, place, pressed};
 use forms_distributed::cases::divided_contact;
 use forms_distributed::cases::eigenmodes::{self, Eigenmodes};
 use forms_distributed::cases::facets_between;
+use forms_distributed::cases::field_controls;
 use forms_distributed::cases::histories;
 use forms_distributed::cases::mixed_block::MixedBlock;
 use forms_distributed::cases::motions::Motion;
@@ -84,6 +85,7 @@ fn run(world: &World) -> Outcome {
         "slid" | "uncompleted" | "thrown" | "sprung" | "means" | "means on segments" => {
             pair_histories::run(world, &name, given(5).as_deref())
         }
+        "fields" | "cell fields" | "minima" | "order" | "far" => field_controls::run(world, &name),
         "multiplier" | "pinned" => whole_body::run(world, &name),
         "penalty" | "smooth" => facets_between::run(world, &name),
         "creep" | "swing" => history(world, &name),

@@ -6,6 +6,7 @@ pub mod divided_contact;
 pub mod drawn_block;
 pub mod eigenmodes;
 pub mod facets_between;
+pub mod field_controls;
 pub mod hanging_block;
 pub mod histories;
 pub mod mixed_block;

@@ -1,16 +1,44 @@
-//! What goes across parts: means of the whole body, interior facets.
+//! What goes across parts: controls that are fields, means of the whole body, interior facets.
 
 use std::collections::BTreeMap;
 
 use forms_distributed::cases::facets_between::{self, Jumps, is_in_middle};
+use forms_distributed::cases::field_controls::{self, FieldControls, Means};
 use forms_distributed::cases::report::read;
 use forms_distributed::cases::whole_body::{self, MEAN, WithMean};
 use forms_fem::prelude::*;
 
-use super::{DIGITS, PROCESSES, SAME, check_to, steps, told, vertices};
+use super::{DIGITS, Numbers, PROCESSES, SAME, check_to, refused, steps, told, vertices};
 
 fn product<const D: usize>(a: &Field<D>, b: &Field<D>) -> f64 {
     a.values().iter().zip(b.values()).map(|(a, b)| a * b).sum()
+}
+
+/// Gradient and Hessian by fields, numbers and the first state, of a criterion with observations, and the first iterates of two minimisations.
+#[test]
+fn controls_that_are_fields_are_the_same() {
+    let (upper, cells) = field_controls::SIZE;
+    let mesh = rectangle([0.0; 2], upper, cells, CellShape::Triangle, 1).unwrap();
+    for (name, processes) in [("fields", &PROCESSES[..]), ("cell fields", &[3]), ("minima", &[1, 3])] {
+        let case = FieldControls::on(&mesh, name == "cell fields").unwrap();
+        let assembler = Assembler::new(&mesh).with_threads(Threads::new(1));
+        let means = Means {
+            whole: &|field| Ok(vertices(field)),
+            linear_form: &|form, space| Ok(assembler.linear_form(form, space)?),
+            product: &product,
+        };
+        let mut history = case.history().unwrap();
+        if name == "minima" {
+            // Rounding grows from one iterate to the next.
+            let expected = case.minima(&mut history, &means).unwrap();
+            check_to(SAME, processes, &[name], &Numbers::from_iter(expected));
+        } else {
+            let expected = case.derivatives(&mut history, &means).unwrap();
+            check_to(DIGITS, processes, &[name], &Numbers::from_iter(expected));
+        }
+    }
+    assert!(read(&told(2, &["order"]))["order"][0] > 2.9);
+    refused(&["far"], "lies outside the mesh");
 }
 
 /// The multiplier of a mean is one unknown of all processes. The same mean as a relation between all unknowns gives the same solution.
