@@ -16,6 +16,7 @@ use forms_distributed::cases::histories;
 use forms_distributed::cases::mixed_block::MixedBlock;
 use forms_distributed::cases::motions::Motion;
 use forms_distributed::cases::pair_histories;
+use forms_distributed::cases::part_adaptivity;
 use forms_distributed::cases::part_steps::{FACTORS, HALF, Softening, softening};
 use forms_distributed::cases::parts::{Case, whole};
 use forms_distributed::cases::report::{largest, peak, tell, tell_steps};
@@ -86,6 +87,7 @@ fn run(world: &World) -> Outcome {
             pair_histories::run(world, &name, given(5).as_deref())
         }
         "fields" | "cell fields" | "minima" | "order" | "far" => field_controls::run(world, &name),
+        "adapted" => part_adaptivity::run(world),
         "multiplier" | "pinned" => whole_body::run(world, &name),
         "penalty" | "smooth" => facets_between::run(world, &name),
         "creep" | "swing" => history(world, &name),

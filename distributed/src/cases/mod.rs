@@ -13,6 +13,7 @@ pub mod mixed_block;
 pub mod mortar_block;
 pub mod motions;
 pub mod pair_histories;
+pub mod part_adaptivity;
 pub mod part_steps;
 pub mod parts;
 pub mod poisson;

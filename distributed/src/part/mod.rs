@@ -8,6 +8,7 @@ mod division;
 mod ghost_cells;
 mod graph;
 mod interior_facets;
+mod on_first;
 mod partition;
 mod shared_nodes;
 mod unknown_rows;
@@ -62,8 +63,8 @@ use crate::world::World;
 ///
 /// Load steps, motions and histories take `.on(&part)` in the same way, [`VtuFile::on`](forms_fem::output::VtuFile::on) writes all parts, and
 /// [`PartCheckpoint`] keeps them. Contact pairs, periodic conditions and rigid bodies need surfaces that each process has whole:
-/// [`MeshPart::with_surfaces`]. Integrals over interior facets need [`MeshPart::with_interior_facets`]. Refused by name: mean values as relations,
-/// hanging nodes, bounds, projections to continuous spaces, adaptivity.
+/// [`MeshPart::with_surfaces`]. Integrals over interior facets need [`MeshPart::with_interior_facets`]. A cycle of adaptivity refines on the first
+/// process: [`MeshPart::on_first`]. Refused by name: mean values as relations, hanging nodes, bounds, projections to continuous spaces.
 pub struct MeshPart<'w, const D: usize> {
     world: &'w World,
     mesh: Mesh<D>,

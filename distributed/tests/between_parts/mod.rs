@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use forms_distributed::cases::facets_between::{self, Jumps, is_in_middle};
 use forms_distributed::cases::field_controls::{self, FieldControls, Means};
+use forms_distributed::cases::part_adaptivity;
 use forms_distributed::cases::report::read;
 use forms_distributed::cases::whole_body::{self, MEAN, WithMean};
 use forms_fem::prelude::*;
@@ -94,4 +95,18 @@ fn interior_facets_are_the_same() {
     }
     // Of 4 × 3 × 3 hexahedra on two processes the first has the nine cells behind its side, the other none.
     assert_eq!(read(&told(2, &["penalty"]))["copies"], [9.0, 0.0]);
+}
+
+/// Meshes, estimates, solutions and what is carried from one mesh to the next.
+#[test]
+fn a_cycle_of_adaptivity_is_the_same() {
+    let found = part_adaptivity::on_one(vertices).unwrap();
+    assert!(found.cells.len() > 3 && found.cells[1] < 2.0 * found.cells[0], "{:?}", found.cells);
+    let expected = BTreeMap::from([
+        ("cells", found.cells),
+        ("estimates", found.estimates),
+        ("u", found.values),
+        ("start", found.start),
+    ]);
+    check_to(DIGITS, &PROCESSES, &["adapted"], &expected);
 }
