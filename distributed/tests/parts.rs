@@ -16,6 +16,7 @@ use forms_fem::output::VtuFile;
 use forms_fem::prelude::*;
 use forms_fem::time::Mass;
 
+mod between_parts;
 mod divided_contact;
 mod programs;
 

@@ -10,13 +10,17 @@ use forms_contact::threshold::of_law;
 use forms_distributed::cases::ball_on_flat::{is_near, place, pressed};
 use forms_distributed::cases::divided_contact;
 use forms_distributed::cases::eigenmodes::{self, Eigenmodes};
+use forms_distributed::cases::facets_between;
+use forms_distributed::cases::field_controls;
 use forms_distributed::cases::histories;
 use forms_distributed::cases::mixed_block::MixedBlock;
 use forms_distributed::cases::motions::Motion;
 use forms_distributed::cases::pair_histories;
+use forms_distributed::cases::part_adaptivity;
 use forms_distributed::cases::part_steps::{FACTORS, HALF, Softening, softening};
 use forms_distributed::cases::parts::{Case, whole};
 use forms_distributed::cases::report::{largest, peak, tell, tell_steps};
+use forms_distributed::cases::whole_body;
 use forms_distributed::{MeshPart, Method, PartCheckpoint, PetscSolver, World};
 use forms_fem::constraints::RigidMap;
 use forms_fem::cut::Cut;
@@ -82,6 +86,10 @@ fn run(world: &World) -> Outcome {
         "slid" | "uncompleted" | "thrown" | "sprung" | "means" | "means on segments" => {
             pair_histories::run(world, &name, given(5).as_deref())
         }
+        "fields" | "cell fields" | "minima" | "order" | "far" => field_controls::run(world, &name),
+        "adapted" => part_adaptivity::run(world),
+        "multiplier" | "pinned" => whole_body::run(world, &name),
+        "penalty" | "smooth" => facets_between::run(world, &name),
         "creep" | "swing" => history(world, &name),
         "vibrates" | "floats" | "closed" | "buckles" | "shared" | "uncounted" => eigenmodes(world, &name),
         "heavy" => {

@@ -21,7 +21,7 @@
 //!
 //! A line of the others has a node or a cell in hexadecimal digits, and its values.
 
-mod entries;
+pub(super) mod entries;
 mod index;
 
 use std::collections::HashMap;
@@ -36,7 +36,7 @@ use forms_fem::prelude::*;
 use forms_fem::solve::DividedVectors;
 use forms_fem::time::{Checkpoint, State};
 
-use self::entries::{Entry, entries_of, entries_of_history};
+use self::entries::{Entry, entries_of, entries_of_history, mesh_of};
 use self::index::{Index, TITLE};
 use super::MeshPart;
 use super::shared_nodes::Key;
@@ -98,7 +98,7 @@ impl<'p, 'w, const D: usize> PartCheckpoint<'p, 'w, D> {
     pub fn field(self, name: &str, field: &Field<D>) -> Result<Self, PetscError> {
         let space = field.space();
         let vectors = self.part.vectors(&[space])?;
-        let own = entries_of(self.part, space).map(|mut entries| {
+        let own = entries_of(&self.part.vertices, space).map(|mut entries| {
             entries.retain(|(_, first, _)| vectors.owns(*first));
             entries
         });
@@ -268,8 +268,12 @@ impl<const D: usize> StoredCheckpoint<'_, '_, D> {
     /// [`PetscError::Unfit`] where there is none, where it was on another space, or where a file is missing or damaged.
     pub fn field(&self, name: &str, space: &Arc<Space<D>>) -> Result<Field<D>, PetscError> {
         let read = || {
-            let values =
-                self.values(name, &on_space(space), &entries_of(self.part, space)?, space.unknowns())?;
+            let values = self.values(
+                name,
+                &on_space(space),
+                &entries_of(&self.part.vertices, space)?,
+                space.unknowns(),
+            )?;
             Field::from_values(space, values).map_err(unfit)
         };
         Ok(self.part.world().agree(read())?)
@@ -379,20 +383,6 @@ fn entry_of(line: &str) -> Option<(Key, Vec<f64>)> {
     let key: Result<Key, _> = key.split_whitespace().map(|number| u64::from_str_radix(number, 16)).collect();
     let values: Result<Vec<f64>, _> = values.split_whitespace().map(str::parse).collect();
     Some((key.ok()?, values.ok()?))
-}
-
-/// A number of the whole mesh: of the numbers and positions of each cell's nodes, whatever the order of the cells and their division.
-fn mesh_of<const D: usize>(part: &MeshPart<'_, D>) -> Result<u64, PetscError> {
-    let of_cell = |cell: usize| {
-        let nodes = part.mesh.cell(cell).iter().map(|node| *node as usize);
-        checksum(nodes.flat_map(|node| {
-            let position = part.mesh.nodes()[node].into_iter().map(f64::to_bits);
-            std::iter::once(part.vertices.numbers[node]).chain(position).flat_map(u64::to_le_bytes)
-        }))
-    };
-    let cells = part.mesh.body_cells();
-    let own = cells.clone().fold(cells.len() as u64, |sum, cell| sum.wrapping_add(of_cell(cell)));
-    Ok(part.world().gather(own)?.into_iter().fold(0, u64::wrapping_add))
 }
 
 fn unfit(why: impl ToString) -> PetscError {

@@ -1,5 +1,6 @@
 //! Vectors over the unknowns of spaces on a part: what is at shared nodes goes between the processes that have them.
 
+use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use forms_fem::solve::communicator::Fingerprint;
@@ -37,13 +38,15 @@ impl SpacesOnPart {
         spaces: Vec<(usize, Rc<SharedNodes>)>,
         replicated: bool,
     ) -> Self {
-        let ranks: Vec<usize> =
-            spaces.first().map_or(&[][..], |(_, nodes)| &nodes.with).iter().map(|with| with.0).collect();
+        // Parts that do not meet share what the whole body has one of.
+        let ranks: BTreeSet<usize> =
+            spaces.iter().flat_map(|(_, nodes)| nodes.with.iter().map(|with| with.0)).collect();
         let mut with: Lists = ranks.into_iter().map(|rank| (rank, vec![])).collect();
         let (mut owners, mut offset) = (vec![], 0);
         for (components, nodes) in &spaces {
-            for ((_, unknowns), (_, shared)) in with.iter_mut().zip(&nodes.with) {
-                let first = |node: &u32| offset + *node * *components as u32;
+            let first = |node: &u32| offset + *node * *components as u32;
+            for (rank, unknowns) in &mut with {
+                let Some((_, shared)) = nodes.with.iter().find(|(other, _)| other == rank) else { continue };
                 unknowns.extend(shared.iter().flat_map(|node| first(node)..first(node) + *components as u32));
             }
             owners.extend(nodes.owners.iter().flat_map(|owner| std::iter::repeat_n(*owner, *components)));

@@ -14,7 +14,7 @@ use crate::error::PetscError;
 use crate::world::World;
 
 /// One process's own cells at some surfaces, with numbers of nodes in the whole mesh.
-struct CellsAtSurfaces<const D: usize> {
+pub(super) struct CellsAtSurfaces<const D: usize> {
     cells: Vec<(CellShape, Vec<u64>)>,
     /// Each node with its position.
     nodes: Vec<(u64, [f64; D])>,
@@ -53,19 +53,14 @@ impl<const D: usize> MeshPart<'_, D> {
                 return Err(unfit(MeshError::EmptyRegion { name: (*name).to_owned(), entity: "facet" }));
             }
         }
-        let here = |shape: &CellShape| u64::from(self.mesh.shapes().contains(shape));
-        let mut shapes = vec![];
-        for shape in CellShape::ALL {
-            if world.gather(here(&shape))?.contains(&1) {
-                shapes.push(shape);
-            }
-        }
+        let shapes = self.shapes_of_all()?;
         let others = cells_of_others(world, &own)?;
         let mut merged = Merged::new(&self, names);
         let joined = others.iter().try_for_each(|cells| merged.add(cells).ok_or_else(lost));
         world.agree(joined)?;
         let Merged { nodes, blocks, surfaces, numbers, at_surfaces, .. } = merged;
-        let mesh = self.mesh.with_ghost_cells(GhostCells { nodes, blocks, surfaces, shapes });
+        let ghosts = GhostCells { nodes, blocks, surfaces, behind_facets: false, shapes };
+        let mesh = self.mesh.with_ghost_cells(ghosts);
         let mesh = world.agree(mesh.map_err(unfit))?;
         let all: Vec<usize> = (0..world.size()).filter(|rank| *rank != world.rank()).collect();
         let mut sharers = self.vertices.sharers;
@@ -79,7 +74,19 @@ impl<const D: usize> MeshPart<'_, D> {
         Ok(MeshPart::new(world, mesh, Vertices { numbers, sharers }))
     }
 
-    /// Number of this process's copies of other processes' cells, which it has for contact between surfaces. They come after its own, and are
+    /// The shapes of the cells of all processes.
+    pub(super) fn shapes_of_all(&self) -> Result<Vec<CellShape>, PetscError> {
+        let here = |shape: &CellShape| u64::from(self.mesh.shapes().contains(shape));
+        let mut shapes = vec![];
+        for shape in CellShape::ALL {
+            if self.world.gather(here(&shape))?.contains(&1) {
+                shapes.push(shape);
+            }
+        }
+        Ok(shapes)
+    }
+
+    /// Number of this process's copies of other processes' cells, which it has for contact between surfaces or behind interior facets. They come after its own, and are
     /// counted by [`Mesh::cell_count`].
     pub fn ghost_cells(&self) -> usize {
         self.mesh.ghost_cells().len()
@@ -96,24 +103,31 @@ impl<const D: usize> MeshPart<'_, D> {
     }
 
     fn cells_at(&self, names: &[&str]) -> Result<CellsAtSurfaces<D>, PetscError> {
-        if self.mesh.has_replicated_surfaces() {
-            return Err(unfit("name all surfaces in one call of `part.with_surfaces(..)`"));
+        if self.mesh.has_copies() {
+            return Err(unfit(
+                "name all surfaces in one call of `part.with_surfaces(..)`, on a part without `.with_interior_facets()`",
+            ));
         }
         let facets = names.iter().map(|name| self.mesh.facet_region(name).map_err(unfit));
         let facets: Vec<&[Facet]> = facets.collect::<Result<_, _>>()?;
         let cells = cells_of(&facets);
         let place = |cell: u32| cells.binary_search(&cell).map_or(0, |place| place as u32);
+        let placed = |facet: &Facet| Facet { cell: place(facet.cell), local: facet.local };
+        let surfaces = facets.iter().map(|facets| facets.iter().map(placed).collect()).collect();
+        Ok(CellsAtSurfaces { surfaces, ..self.described(&cells) })
+    }
+
+    /// Some cells, as other processes get them.
+    pub(super) fn described(&self, cells: &[u32]) -> CellsAtSurfaces<D> {
         let mut nodes: BTreeMap<u64, [f64; D]> = BTreeMap::new();
         let mut found = vec![];
-        for cell in &cells {
+        for cell in cells {
             let own = self.mesh.cell(*cell as usize);
             let number = |node: &u32| self.vertices.numbers[*node as usize];
             nodes.extend(own.iter().map(|node| (number(node), self.mesh.nodes()[*node as usize])));
             found.push((self.mesh.cell_shape(*cell as usize), own.iter().map(number).collect()));
         }
-        let placed = |facet: &Facet| Facet { cell: place(facet.cell), local: facet.local };
-        let surfaces = facets.iter().map(|facets| facets.iter().map(placed).collect()).collect();
-        Ok(CellsAtSurfaces { cells: found, nodes: nodes.into_iter().collect(), surfaces })
+        CellsAtSurfaces { cells: found, nodes: nodes.into_iter().collect(), surfaces: vec![] }
     }
 }
 
@@ -142,7 +156,7 @@ fn cells_of_others<const D: usize>(
 }
 
 impl<const D: usize> CellsAtSurfaces<D> {
-    fn to_words(&self) -> Vec<u64> {
+    pub fn to_words(&self) -> Vec<u64> {
         let mut words = vec![self.cells.len() as u64];
         for (shape, nodes) in &self.cells {
             add(&mut words, shape.name().bytes().map(u64::from));
@@ -157,7 +171,7 @@ impl<const D: usize> CellsAtSurfaces<D> {
         words
     }
 
-    fn of_words(words: &[u64]) -> Option<Self> {
+    pub fn of_words(words: &[u64]) -> Option<Self> {
         let mut rest = Words(words);
         let mut cells = vec![];
         for _ in 0..rest.number()? {
@@ -176,22 +190,22 @@ impl<const D: usize> CellsAtSurfaces<D> {
 }
 
 /// A part with what other processes have at its surfaces.
-struct Merged<'n, const D: usize> {
+pub(super) struct Merged<'n, const D: usize> {
     names: &'n [&'n str],
     /// Number of cells so far.
     cells: usize,
     /// Nodes of the part here, by their numbers in the whole mesh.
-    places: HashMap<u64, u32>,
-    numbers: Vec<u64>,
+    pub places: HashMap<u64, u32>,
+    pub numbers: Vec<u64>,
     /// Own cells at the surfaces.
     at_surfaces: Vec<u32>,
-    nodes: Vec<[f64; D]>,
-    blocks: Vec<(CellShape, Vec<u32>)>,
+    pub nodes: Vec<[f64; D]>,
+    pub blocks: Vec<(CellShape, Vec<u32>)>,
     surfaces: BTreeMap<String, Vec<Facet>>,
 }
 
 impl<'n, const D: usize> Merged<'n, D> {
-    fn new(part: &MeshPart<'_, D>, names: &'n [&'n str]) -> Self {
+    pub fn new(part: &MeshPart<'_, D>, names: &'n [&'n str]) -> Self {
         let (mesh, numbers): (&Mesh<D>, _) = (&part.mesh, part.vertices.numbers.clone());
         let places = numbers.iter().zip(0..).map(|(number, node)| (*number, node)).collect();
         let own = |name: &&str| mesh.facet_region(name).unwrap_or_default();
@@ -202,7 +216,7 @@ impl<'n, const D: usize> Merged<'n, D> {
     }
 
     /// Adds the cells of another process; none where they name a node that has no position.
-    fn add(&mut self, others: &CellsAtSurfaces<D>) -> Option<()> {
+    pub fn add(&mut self, others: &CellsAtSurfaces<D>) -> Option<()> {
         for (number, position) in &others.nodes {
             let next = self.numbers.len() as u32;
             if *self.places.entry(*number).or_insert(next) == next {
@@ -228,10 +242,10 @@ impl<'n, const D: usize> Merged<'n, D> {
     }
 }
 
-fn unfit(why: impl ToString) -> PetscError {
+pub(super) fn unfit(why: impl ToString) -> PetscError {
     PetscError::Unfit { message: why.to_string() }
 }
 
-fn lost() -> PetscError {
-    unfit("cells at a surface were not received")
+pub(super) fn lost() -> PetscError {
+    unfit("copies of cells were not received")
 }

@@ -7,6 +7,8 @@ mod divided_vectors;
 mod division;
 mod ghost_cells;
 mod graph;
+mod interior_facets;
+mod on_first;
 mod partition;
 mod shared_nodes;
 mod unknown_rows;
@@ -21,7 +23,7 @@ use forms_fem::element::Elements;
 use forms_fem::mesh::MeshError;
 use forms_fem::prelude::*;
 use forms_fem::solve::divided::check_ghost_values;
-use forms_fem::solve::{CommunicationError, Communicator, DividedVectors};
+use forms_fem::solve::{CommunicationError, Communicator, DividedVectors, Processes, on_part_of_cells};
 use forms_fem::space::Scope;
 
 pub use self::checkpoint::{PartCheckpoint, StoredCheckpoint};
@@ -61,8 +63,8 @@ use crate::world::World;
 ///
 /// Load steps, motions and histories take `.on(&part)` in the same way, [`VtuFile::on`](forms_fem::output::VtuFile::on) writes all parts, and
 /// [`PartCheckpoint`] keeps them. Contact pairs, periodic conditions and rigid bodies need surfaces that each process has whole:
-/// [`MeshPart::with_surfaces`]. Refused by name: integrals over interior facets, mean values, hanging nodes, bounds, projections to continuous
-/// spaces, adaptivity.
+/// [`MeshPart::with_surfaces`]. Integrals over interior facets need [`MeshPart::with_interior_facets`]. A cycle of adaptivity refines on the first
+/// process: [`MeshPart::on_first`]. Refused by name: mean values as relations, hanging nodes, bounds, projections to continuous spaces.
 pub struct MeshPart<'w, const D: usize> {
     world: &'w World,
     mesh: Mesh<D>,
@@ -147,22 +149,41 @@ impl<'w, const D: usize> MeshPart<'w, D> {
         functional: &Functional<D>,
     ) -> Result<f64, DistributedError<AssemblyError>> {
         let form = functional.name();
-        check_ghost_values(self, functional).map_err(|error| match error {
-            AssemblyError::Communication { source: CommunicationError::Elsewhere { count }, .. } => {
-                DistributedError::Elsewhere { count }
-            }
-            error => DistributedError::Here(error),
-        })?;
-        let cells: Vec<u32> = self.mesh.body_cells().map(|cell| cell as u32).collect();
-        let own = if assembler.mesh().is_same(&self.mesh) {
-            let own = assembler.clone().on_owned_cells(&cells);
-            own.map_err(|source| AssemblyError::Region { form, symbol: "this process's cells", source })
-        } else {
-            let source = CommunicationError::Divided { what: "functionals on other meshes".to_owned() };
-            Err(AssemblyError::Communication { form, source })
-        };
+        check_ghost_values(self, functional).map_err(of_all)?;
+        let own = self.assembler_here(assembler, form, "functionals on other meshes");
         let own = self.world.agree(own.and_then(|local| local.functional(functional)))?;
         Ok(self.world.sum(&[own])?[0])
+    }
+
+    /// The values of a linear form at the functions of a space, over the whole mesh: for indicators of cells, and gradients.
+    ///
+    /// # Errors
+    /// Data that do not fit, on any process.
+    pub fn linear_form(
+        &self,
+        assembler: &Assembler<D>,
+        form: &Form<D>,
+        space: &Arc<Space<D>>,
+    ) -> Result<Vec<f64>, DistributedError<AssemblyError>> {
+        let processes = Processes::on(Some(self), &[space], form.name()).map_err(of_all)?;
+        processes.check_form(form, self).map_err(of_all)?;
+        let own = self.assembler_here(assembler, form.name(), "linear forms on other meshes");
+        let own = own.and_then(|own| own.linear_form(form, space));
+        processes.added_up(form.name(), own).map_err(of_all)
+    }
+
+    /// An assembler of this process's own cells.
+    fn assembler_here(
+        &self,
+        assembler: &Assembler<D>,
+        form: &'static str,
+        otherwise: &str,
+    ) -> Result<Assembler<D>, AssemblyError> {
+        if !assembler.mesh().is_same(&self.mesh) {
+            let source = CommunicationError::Divided { what: otherwise.to_owned() };
+            return Err(AssemblyError::Communication { form, source });
+        }
+        on_part_of_cells(assembler, &self.mesh, self, form)
     }
 
     /// The reaction of an unknown, numbered from 0, in a region of the whole mesh, as [`Solved::reaction_of`]; the same on all processes.
@@ -199,6 +220,62 @@ impl<'w, const D: usize> MeshPart<'w, D> {
         self.world.sum(&sums)
     }
 
+    /// Prescribed values of all components at the node nearest to a point, as [`Constraints::fix_nearest`]: of all processes' nodes, and of
+    /// several at the same distance that of the first process. It pins what is determined only up to a constant, as the solution of Poisson's
+    /// equation with given fluxes is.
+    ///
+    /// # Errors
+    /// [`PetscError::Unfit`] as [`Constraints::fix_nearest`], or of constraints that are not on this part.
+    pub fn fix_nearest(
+        &self,
+        constraints: &mut Constraints<D>,
+        point: &[f64; D],
+        values: &[f64],
+    ) -> Result<(), PetscError> {
+        let space = constraints.space();
+        let unfit = |message: String| PetscError::Unfit { message };
+        let fits = match (space.mesh().is_same(&self.mesh), values.len() == space.components()) {
+            (false, _) => Err(unfit("the constraints are not on this part of a mesh".to_owned())),
+            (_, false) => {
+                let (given, components) = (values.len(), space.components());
+                Err(unfit(format!("{given} values were given for a space with {components} components")))
+            }
+            _ => Ok(()),
+        };
+        self.world.agree(fits)?;
+        let node = space.nearest_node(point);
+        let distance = |node: usize| {
+            let at = &space.positions()[node];
+            at.iter().zip(point).map(|(x, y)| (x - y).powi(2)).sum::<f64>()
+        };
+        let own = node.map_or(f64::INFINITY, distance);
+        let all = self.world.gather(own.to_bits())?;
+        let all = all.into_iter().map(f64::from_bits).enumerate();
+        let nearest = all.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(rank, _)| rank);
+        let fixed = match node.filter(|_| nearest == self.world.rank()) {
+            Some(node) => values
+                .iter()
+                .enumerate()
+                .try_for_each(|(component, value)| constraints.fix_node(node, component, *value)),
+            None => Ok(()),
+        };
+        Ok(self.world.agree(fixed.map_err(|error| unfit(error.to_string())))?)
+    }
+
+    /// The product of two fields' coefficients over the whole mesh; the same on all processes. Nodes that several have count once.
+    ///
+    /// # Errors
+    /// [`PetscError::Unfit`] of fields that are not on this part, or not on one space.
+    pub fn dot(&self, a: &Field<D>, b: &Field<D>) -> Result<f64, PetscError> {
+        let is_one = a.space().numbers_as(b.space());
+        let other = PetscError::Unfit { message: "a product is of two fields on one space".to_owned() };
+        self.world.agree(if is_one { Ok(()) } else { Err(other) })?;
+        let vectors = self.vectors(&[a.space()])?;
+        let own = (0..a.values().len()).filter(|unknown| vectors.owns(*unknown));
+        let own = own.map(|unknown| a.values()[unknown] * b.values()[unknown]).sum();
+        Ok(self.world.sum(&[own])?[0])
+    }
+
     /// The vectors over the unknowns of spaces on this part.
     fn vectors(&self, spaces: &[&Arc<Space<D>>]) -> Result<Rc<SpacesOnPart>, PetscError> {
         let on_part = spaces.iter().all(|space| space.mesh().is_same(&self.mesh));
@@ -210,7 +287,7 @@ impl<'w, const D: usize> MeshPart<'w, D> {
         for space in spaces {
             fields.push((space.components(), self.shared_nodes(space)?));
         }
-        let (meetings, replicated) = (Rc::clone(self.world.meetings()), self.mesh.has_replicated_surfaces());
+        let (meetings, replicated) = (Rc::clone(self.world.meetings()), self.mesh.has_copies());
         Ok(Rc::new(SpacesOnPart::new(meetings, fields, replicated)))
     }
 
@@ -231,6 +308,16 @@ impl<'w, const D: usize> MeshPart<'w, D> {
     pub(crate) fn node_rows(&self, constraints: &[&Constraints<D>]) -> Result<NodeRows, PetscError> {
         let spaces: Vec<&Arc<Space<D>>> = constraints.iter().map(|one| one.space()).collect();
         unknown_rows::rows(self.world, &self.vectors(&spaces)?, constraints)
+    }
+}
+
+/// An error of a call that all processes made.
+fn of_all(error: AssemblyError) -> DistributedError<AssemblyError> {
+    match error {
+        AssemblyError::Communication { source: CommunicationError::Elsewhere { count }, .. } => {
+            DistributedError::Elsewhere { count }
+        }
+        error => DistributedError::Here(error),
     }
 }
 

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 
 use forms_fem::element::{CellShape, Element, Lagrange};
 use forms_fem::prelude::*;
-use forms_fem::solve::communicator::Fingerprint;
 use forms_fem::space::Scope;
 
+use super::words::exchanged;
 use crate::error::PetscError;
 use crate::world::World;
 
@@ -45,10 +45,14 @@ impl SharedNodes {
         space: &Space<D>,
         vertices: &Vertices,
     ) -> Result<Self, PetscError> {
-        let candidates = world.agree(candidates(space, vertices))?;
+        let others: Vec<usize> = (0..world.size()).filter(|rank| *rank != world.rank()).collect();
+        let candidates = world.agree(candidates(space, vertices, &others))?;
         let mut neighbours: Vec<usize> = vertices.sharers.values().flatten().copied().collect();
         neighbours.sort_unstable();
         neighbours.dedup();
+        if *space.scope() == Scope::Body {
+            neighbours = others;
+        }
         let own_rank = world.rank() as u32;
         // Of all others the numbers of their owners are not known yet.
         let mut owners = vec![u32::MAX; space.node_count()];
@@ -64,16 +68,9 @@ impl SharedNodes {
             (*rank, list.collect::<Vec<u64>>())
         };
         let lists: Vec<(usize, Vec<u64>)> = neighbours.iter().map(keys_for).collect();
-        let number = |what: &str| {
-            let name = format!("{what} {:?} {:?}", space.elements(), space.scope());
-            Fingerprint::default().text(&name).finish()
-        };
-        let lengths = lists.iter().map(|(rank, list)| (*rank, vec![list.len() as u64])).collect();
-        let lengths = world.meetings().exchange(number("lengths"), lengths, &vec![1; neighbours.len()])?;
-        let lengths: Vec<usize> = lengths.iter().map(|length| length[0] as usize).collect();
-        let found = world.meetings().exchange(number("nodes"), lists, &lengths)?;
+        let name = format!("nodes {:?} {:?}", space.elements(), space.scope());
         let mut with = Vec::with_capacity(neighbours.len());
-        for (rank, list) in neighbours.into_iter().zip(found) {
+        for (rank, list) in exchanged(world, &name, lists)? {
             // An edge whose ends are there need not be: both have to know the node. The lists are sorted by keys.
             let mut nodes = vec![];
             for (key, has_it) in keys_in(&list) {
@@ -99,17 +96,18 @@ fn keys_in(mut list: &[u64]) -> impl Iterator<Item = (&[u64], bool)> {
     })
 }
 
-/// The nodes all of whose vertices are on another process, with the ranks of those.
+/// The nodes all of whose vertices are on another process, with the ranks of those. The node of a whole body is on all `others`.
 fn candidates<const D: usize>(
     space: &Space<D>,
     vertices: &Vertices,
+    others: &[usize],
 ) -> Result<BTreeMap<Key, (u32, Vec<usize>)>, PetscError> {
     let mut found: BTreeMap<Key, (u32, Vec<usize>)> = BTreeMap::new();
     let mesh = space.mesh();
     match space.scope() {
         Scope::Cell | Scope::Point => {
-            // Whole cells are on several processes at replicated surfaces only.
-            for cell in (0..mesh.cell_count()).filter(|_| mesh.has_replicated_surfaces()) {
+            // Whole cells are on several processes where there are copies only.
+            for cell in (0..mesh.cell_count()).filter(|_| mesh.has_copies()) {
                 let corners = mesh.cell_vertices(cell);
                 let shared = corners.iter().map(|corner| vertices.sharers.get(corner));
                 let Some(ranks) = common(&shared.collect::<Vec<_>>()) else { continue };
@@ -118,6 +116,10 @@ fn candidates<const D: usize>(
                     found.insert(numbers.chain([place]).collect(), (*node, ranks.clone()));
                 }
             }
+            return Ok(found);
+        }
+        Scope::Body => {
+            found.insert(vec![], (0, others.to_vec()));
             return Ok(found);
         }
         Scope::Nodes => {}

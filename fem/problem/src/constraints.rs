@@ -176,7 +176,7 @@ impl<const D: usize> Constraints<D> {
     /// A value that does not fit the space, is not finite, or contradicts an earlier one.
     pub fn fix_nearest<V: FieldValue>(&mut self, point: &[f64; D], value: V) -> Result<(), ConstraintsError> {
         let components = self.space.components();
-        self.space.mesh().without_pieces("the nearest node", crate::mesh::TAKE_THE_WHOLE)?;
+        self.space.mesh().without_pieces("the nearest node", "call `part.fix_nearest(..)`")?;
         let Some(node) = self.space.nearest_node(point) else {
             return Err(ConstraintsError::NoNearest { point: point.to_vec() });
         };

@@ -101,4 +101,7 @@ pub enum BoundsMismatch {
         lower: f64,
         upper: f64,
     },
+    /// Bounds of other processes, on parts of a mesh.
+    #[error("the bounds of another process do not fit its controls")]
+    Elsewhere,
 }

@@ -23,7 +23,8 @@ macro_rules! choices_of {
                 self
             }
 
-            /// A function of only the controls that is added to the criterion, with its gradient, as a regularisation.
+            /// A function of only the controls that is added to the criterion, with its gradient, as a regularisation. On a part of a mesh
+            /// it gets the part's values and gives the value of the whole, and the gradient by the part's values.
             pub fn with_cost_of_controls(mut self, cost: impl Fn(&[f64]) -> (f64, Vec<f64>) + 'a) -> Self {
                 self.criterion.of_controls = Some(Box::new(cost));
                 self
@@ -68,7 +69,7 @@ macro_rules! choices_of {
 
             /// Steps and adjoints on several processes: each assembles the tangents of its part of the cells. The linear solver has to
             /// take matrices that are sums over the processes. All processes have the same states, on pieces of a mesh those of the piece, and
-            /// the same gradients and Hessians.
+            /// the same gradients and Hessians. On pieces of a mesh those by a control that is a field have the entries of the piece.
             pub fn on(mut self, communicator: &'a dyn Communicator) -> Self {
                 let is_piece = self.unknowns_on()[0].mesh().is_piece();
                 self.equations.communicator = Some(communicator).filter(|all| is_piece || all.size() > 1);
@@ -180,6 +181,12 @@ macro_rules! choices_of {
 
             fn parts(&self) -> Vec<Part> {
                 self.controls.parts()
+            }
+
+            fn vectors(&mut self) -> Result<ControlVectors, HistoryError> {
+                let m = self.controls.values().to_vec();
+                self.begin(&m).map_err(|why| why.at(0))?;
+                Ok(self.equations.control_vectors(&self.controls))
             }
 
             fn sample(&mut self, m: &[f64]) -> Result<Sample, HistoryError> {

@@ -263,9 +263,14 @@ impl<const D: usize> Controls<D> {
         self.entries.iter().find(is_start).map(|entry| &*entry.name)
     }
 
-    /// Whether a control is a field, or a start.
-    pub(super) fn has_fields(&self) -> bool {
-        self.entries.iter().any(|entry| matches!(entry.kind, Kind::Field(_) | Kind::Start(..)))
+    /// The spaces of controls that are fields or starts, with the places of their values.
+    pub(super) fn fields(&self) -> impl Iterator<Item = (&Arc<Space<D>>, std::ops::Range<usize>)> {
+        self.entries.iter().filter_map(|entry| match &entry.kind {
+            Kind::Field(space) | Kind::Start(_, space) => {
+                Some((space, entry.from..entry.from + entry.count()))
+            }
+            Kind::Number | Kind::PerStep(_) => None,
+        })
     }
 
     /// The names of the controls whose rates a form has to give.
@@ -286,18 +291,20 @@ impl<const D: usize> Controls<D> {
         })
     }
 
-    /// Adds a step's rate by a control, tested on its space, to the gradient.
-    pub(super) fn add_rate(&self, name: &str, step: usize, row: &[f64], gradient: &mut [f64]) {
+    /// Whether a control is a field.
+    pub(super) fn is_field(&self, name: &str) -> bool {
+        self.entries.iter().any(|entry| entry.name == name && matches!(entry.kind, Kind::Field(_)))
+    }
+
+    /// Adds a step's rates by a control to the gradient: one by a number, those by the coefficients of a field.
+    pub(super) fn add_rates(&self, name: &str, step: usize, rates: &[f64], gradient: &mut [f64]) {
         let Some(entry) = self.entries.iter().find(|entry| entry.name == name) else { return };
-        match &entry.kind {
-            // The test functions of a space add up to one: the sum is the rate by a constant.
-            Kind::Number => gradient[entry.from] += row.iter().sum::<f64>(),
-            Kind::PerStep(_) => gradient[entry.from + step] += row.iter().sum::<f64>(),
-            Kind::Field(_) => {
-                gradient[entry.from..].iter_mut().zip(row).for_each(|(sum, rate)| *sum += rate);
-            }
-            Kind::Start(..) => {}
-        }
+        let first = match &entry.kind {
+            Kind::Number | Kind::Field(_) => entry.from,
+            Kind::PerStep(_) => entry.from + step,
+            Kind::Start(..) => return,
+        };
+        gradient[first..].iter_mut().zip(rates).for_each(|(sum, rate)| *sum += rate);
     }
 
     /// Adds the slope of the criterion by the first state of all unknowns, or by its rate.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::controls::{ControlError, ControlValues, Controls};
+use super::controls::{ControlError, ControlValues};
 use super::error::HistoryFailure;
 use super::observations::Observations;
 use super::second_order::Hessian;
@@ -43,17 +43,6 @@ fn unknown_of<const D: usize>(observations: &Observations<D>, states: &[Field<D>
 /// The number of coefficients of the unknowns before one.
 fn values_before<const D: usize>(unknown: usize, states: &[Field<D>]) -> usize {
     states[..unknown].iter().map(|field| field.values().len()).sum()
-}
-
-/// Parts of a history that need all of a mesh on each process.
-pub(super) fn whole_only<const D: usize>(
-    controls: &Controls<D>,
-    criterion: &Criterion<'_, D>,
-) -> [(bool, &'static str); 2] {
-    [
-        (controls.has_fields(), "controls that are fields"),
-        (!criterion.observations.is_empty(), "observations"),
-    ]
 }
 
 impl<'a, const D: usize> Criterion<'a, D> {
@@ -112,10 +101,44 @@ impl<'a, const D: usize> Criterion<'a, D> {
             }
             None => 0.0,
         };
-        let observed = self.observations.get(&at.step()).into_iter().flatten();
-        Ok(observed.fold(energy, |sum, observations| {
-            sum + observations.value(after[unknown_of(observations, after)].values())
-        }))
+        let Some(observed) = self.observations.get(&at.step()) else { return Ok(energy) };
+        let value = |one: &Observations<D>| one.value(after[unknown_of(one, after)].values());
+        let values = equations.totals(observed.iter().map(value).collect())?;
+        Ok(values.into_iter().fold(energy, |sum, value| sum + value))
+    }
+
+    /// Learns which process counts an observation, where they have parts of a mesh.
+    ///
+    /// # Errors
+    /// A point that is on no process; a failed exchange.
+    pub fn divide(&mut self, equations: &StepEquations<'_, D>) -> Result<(), HistoryFailure> {
+        for one in self.observations.values_mut().flatten() {
+            let processes = equations.processes_of(|space| one.fit(space));
+            one.divide(processes)?;
+        }
+        Ok(())
+    }
+
+    /// Adds what observations of a step give of a vector over the unknowns.
+    fn add_observed(
+        &self,
+        step: usize,
+        equations: &StepEquations<'_, D>,
+        states: &[Field<D>],
+        sum: &mut [f64],
+        add: impl Fn(&Observations<D>, &[f64], &mut [f64]),
+    ) -> Result<(), HistoryFailure> {
+        let Some(observed) = self.observations.get(&step) else { return Ok(()) };
+        let mut own = equations.processes().divided().map(|_| vec![0.0; sum.len()]);
+        for one in observed {
+            let unknown = unknown_of(one, states);
+            let from = values_before(unknown, states);
+            add(one, states[unknown].values(), &mut own.as_deref_mut().unwrap_or(&mut *sum)[from..]);
+        }
+        if let Some(own) = own {
+            add_scaled(sum, 1.0, &equations.completed(None, own)?);
+        }
+        Ok(())
     }
 
     /// The derivative of [`Self::value`] with respect to the state after the step, added to `slope`.
@@ -137,12 +160,7 @@ impl<'a, const D: usize> Criterion<'a, D> {
             found.resize(slope.len(), 0.0);
             add_scaled(slope, 1.0, &equations.completed(None, found)?);
         }
-        for observations in self.observations.get(&at.step()).into_iter().flatten() {
-            let unknown = unknown_of(observations, after);
-            let from = values_before(unknown, after);
-            observations.add_slope(after[unknown].values(), &mut slope[from..]);
-        }
-        Ok(())
+        self.add_observed(at.step(), equations, after, slope, Observations::add_slope)
     }
 
     /// The second derivative of [`Self::value`] with respect to the state along a change of it, added.
@@ -164,12 +182,7 @@ impl<'a, const D: usize> Criterion<'a, D> {
             product.resize(curvature.len(), 0.0);
             add_scaled(curvature, 1.0, &equations.completed(None, product)?);
         }
-        for observations in self.observations.get(&at.step()).into_iter().flatten() {
-            let unknown = unknown_of(observations, after);
-            let from = values_before(unknown, after);
-            observations.add_curvature(change[unknown].values(), &mut curvature[from..]);
-        }
-        Ok(())
+        self.add_observed(at.step(), equations, change, curvature, Observations::add_curvature)
     }
 
     /// J, gradient and Hessian along a direction, from the sweep of second order over the steps, whose gradient contains them one after

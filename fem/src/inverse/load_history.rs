@@ -9,8 +9,9 @@ use self::second_order::{ADJOINT, STATE, SecondSensitivitiesAt};
 pub use self::second_order::{SecondOrderState, SecondOrderStates};
 use super::checkpoint_store::Storage;
 use super::choices::choices_of;
+use super::control_vectors::ControlVectors;
 use super::controls::{ControlError, ControlValues, Controls, Start};
-use super::criterion::{Criterion, whole_only};
+use super::criterion::Criterion;
 use super::differentiable_map::Part;
 use super::error::{HistoryError, HistoryFailure};
 use super::evolution::{ControlledEvolution, Evolution};
@@ -175,7 +176,8 @@ impl<'a, const D: usize> LoadHistory<'a, D> {
         }
         self.criterion.check(&self.unknowns_on(), self.steps)?;
         self.before_read.set(0);
-        self.equations.begin(whole_only(&self.controls, &self.criterion))?;
+        self.equations.begin(&self.controls, [])?;
+        self.criterion.divide(&self.equations)?;
         Ok(self.controls.set_values(m)?)
     }
 

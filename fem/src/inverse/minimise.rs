@@ -6,9 +6,11 @@
 use thiserror::Error;
 
 use super::bounds::{Bounds, BoundsMismatch};
+use super::control_vectors::ControlVectors;
 use super::quasi_newton::Model;
 use super::reduced_problem::ReducedProblem;
-use crate::linear_algebra::vector::{add_scaled, dot};
+use crate::linear_algebra::vector::add_scaled;
+use crate::solve::CommunicationError;
 
 /// Options of the minimisation.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,6 +77,9 @@ pub enum MinimisationError<E: std::error::Error + 'static> {
     /// Bounds that do not fit.
     #[error(transparent)]
     Bounds(#[from] BoundsMismatch),
+    /// A failed exchange between processes that have parts of the controls.
+    #[error(transparent)]
+    Communication(#[from] CommunicationError),
     /// A value that is not finite at the start.
     #[error("the criterion or its gradient is not finite at the start: J = {0}")]
     NotFinite(f64),
@@ -107,19 +112,21 @@ impl Minimise {
         mut progress: impl FnMut(&MinimisationStep),
     ) -> Result<Minimum, MinimisationError<P::Error>> {
         let mut m = problem.start();
-        bounds.check(&m)?;
-        bounds.project(&mut m);
         let failed = |iteration| move |why| MinimisationError::Problem { iteration, why };
+        let vectors = problem.vectors().map_err(failed(0))?;
+        vectors.check_bounds(bounds, &m)?;
+        bounds.project(&mut m);
         let (mut value, mut gradient) = problem.value_and_gradient(&m).map_err(failed(0))?;
-        if !all_finite(value, &gradient) {
+        if !all_finite(&vectors, value, &gradient) {
+            vectors.check()?;
             return Err(MinimisationError::NotFinite(value));
         }
-        let mut model = Model::new(self.memory, self.first_scale(&gradient));
+        let mut model = Model::new(&vectors, self.memory, self.first_scale(&vectors, &gradient));
         let mut evaluations = 1;
         let mut history: Vec<MinimisationStep> = vec![];
         let finish = loop {
             let iteration = history.len();
-            let criticality = bounds.criticality(&m, &gradient);
+            let criticality = vectors.largest(bounds.criticality(&m, &gradient));
             let step = MinimisationStep { iteration, value, criticality, evaluations };
             progress(&step);
             history.push(step);
@@ -132,13 +139,14 @@ impl Minimise {
             let found = loop {
                 let direction = model.minimum(&m, &gradient, bounds);
                 let at = (&m[..], value, &gradient[..]);
-                let found = self.search(problem, bounds, at, &direction, &mut evaluations);
+                let found = self.search(problem, (bounds, &vectors), at, &direction, &mut evaluations);
                 match found.map_err(failed(iteration + 1))? {
                     // Once more along the gradient: what is remembered may be of the other side of a kink.
-                    None if !model.is_empty() => model.restart(self.first_scale(&gradient)),
+                    None if !model.is_empty() => model.restart(self.first_scale(&vectors, &gradient)),
                     found => break found,
                 }
             };
+            vectors.check()?;
             let Some((moved, moved_value, moved_gradient)) = found else { break StopReason::NoDescent };
             model.remember(difference(&moved, &m), difference(&moved_gradient, &gradient));
             (m, value, gradient) = (moved, moved_value, moved_gradient);
@@ -147,8 +155,9 @@ impl Minimise {
     }
 
     /// θ with which the first step changes a control by as much as it may.
-    fn first_scale(&self, gradient: &[f64]) -> f64 {
+    fn first_scale(&self, vectors: &ControlVectors, gradient: &[f64]) -> f64 {
         let largest = gradient.iter().fold(0.0_f64, |largest, slope| largest.max(slope.abs()));
+        let largest = vectors.largest(largest);
         if largest > 0.0 { largest / self.first_change } else { 1.0 }
     }
 
@@ -156,16 +165,16 @@ impl Minimise {
     fn search<P: ReducedProblem + ?Sized>(
         &self,
         problem: &mut P,
-        bounds: &Bounds,
+        (bounds, vectors): (&Bounds, &ControlVectors),
         (m, value, gradient): (&[f64], f64, &[f64]),
         direction: &[f64],
         evaluations: &mut usize,
     ) -> Result<Option<Point>, P::Error> {
-        let slope = dot(gradient, direction);
+        let slope = vectors.dot(gradient, direction);
         if slope.is_nan() || slope >= 0.0 {
             return Ok(None);
         }
-        let longest = bounds.longest_step(m, direction).max(1.0);
+        let longest = -vectors.largest(-bounds.longest_step(m, direction).max(1.0));
         // What is too short, what is too long, and the best of what is too short.
         let (mut short, mut long, mut length) = (0.0, f64::INFINITY, 1.0);
         let mut best = None;
@@ -175,8 +184,10 @@ impl Minimise {
             bounds.project(&mut moved);
             *evaluations += 1;
             match problem.value_and_gradient(&moved) {
-                Ok((found, at)) if all_finite(found, &at) && found <= value + DECREASE * length * slope => {
-                    let flat = dot(&at, direction) >= FLATTER * slope;
+                Ok((found, at))
+                    if all_finite(vectors, found, &at) && found <= value + DECREASE * length * slope =>
+                {
+                    let flat = vectors.dot(&at, direction) >= FLATTER * slope;
                     best = Some((moved, found, at));
                     if flat || length >= longest {
                         break;
@@ -203,8 +214,8 @@ impl Minimise {
 /// Controls, value, gradient.
 type Point = (Vec<f64>, f64, Vec<f64>);
 
-fn all_finite(value: f64, gradient: &[f64]) -> bool {
-    value.is_finite() && gradient.iter().all(|slope| slope.is_finite())
+fn all_finite(vectors: &ControlVectors, value: f64, gradient: &[f64]) -> bool {
+    vectors.all(value.is_finite() && gradient.iter().all(|slope| slope.is_finite()))
 }
 
 fn difference(new: &[f64], old: &[f64]) -> Vec<f64> {

@@ -61,6 +61,7 @@
 pub mod bounds;
 mod checkpoint_store;
 mod choices;
+mod control_vectors;
 pub mod controls;
 mod criterion;
 pub mod criterion_map;
@@ -87,6 +88,7 @@ mod sweep;
 mod tangent_state;
 
 pub use bounds::{Bounds, BoundsMismatch};
+pub use control_vectors::ControlVectors;
 pub use controls::{ControlError, ControlValues, Controls};
 pub use criterion_map::CriterionMap;
 pub use differentiable_map::{DifferentiableMap, MapError, Part};

@@ -12,8 +12,9 @@ use self::second_order::{ADJOINT, SecondSensitivitiesOf};
 pub use self::second_order::{SecondOrderMotion, SecondOrderMotions};
 use super::checkpoint_store::Storage;
 use super::choices::choices_of;
+use super::control_vectors::ControlVectors;
 use super::controls::{ControlError, ControlValues, Controls, Start};
-use super::criterion::{Criterion, whole_only};
+use super::criterion::Criterion;
 use super::differentiable_map::Part;
 use super::error::{HistoryError, HistoryFailure};
 use super::evolution::{ControlledEvolution, Evolution};
@@ -187,7 +188,8 @@ impl<'a, const D: usize> MotionHistory<'a, D> {
         self.controls.are_not(&[&OPERATORS[..], &[BEFORE]].concat())?;
         self.criterion.check(&self.unknowns_on(), self.sizes.count())?;
         let lumps = (self.mass == Mass::Lumped, "adjoint states of motions with lumped masses");
-        self.equations.begin(whole_only(&self.controls, &self.criterion).into_iter().chain([lumps]))?;
+        self.equations.begin(&self.controls, [lumps])?;
+        self.criterion.divide(&self.equations)?;
         self.reading = Reading::Unseen;
         self.before_is_read.set(false);
         Ok(self.controls.set_values(m)?)

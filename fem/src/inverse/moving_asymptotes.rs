@@ -10,9 +10,11 @@ use thiserror::Error;
 
 use self::approximation::{Approximation, Separable};
 use super::bounds::{Bounds, BoundsMismatch};
+use super::control_vectors::ControlVectors;
 use super::minimise::StopReason;
 use super::reduced_problem::ReducedProblem;
 use crate::linear_algebra::vector::add_scaled;
+use crate::solve::CommunicationError;
 
 /// A constraint g(m) ≤ 0: its value and its gradient, an entry per control. Values of about one suit the method.
 pub type Inequality<'c, E> = dyn FnMut(&[f64]) -> Result<(f64, Vec<f64>), E> + 'c;
@@ -76,6 +78,9 @@ pub enum ConstrainedError<E: std::error::Error + 'static> {
     /// Bounds that do not fit.
     #[error(transparent)]
     Bounds(#[from] BoundsMismatch),
+    /// A failed exchange between processes that have parts of the controls.
+    #[error(transparent)]
+    Communication(#[from] CommunicationError),
     /// A control without bounds.
     #[error("control {0} has no finite bounds, between which the asymptotes would be placed")]
     Unbounded(usize),
@@ -118,18 +123,21 @@ impl MovingAsymptotes {
         mut progress: impl FnMut(&ConstrainedStep),
     ) -> Result<ConstrainedMinimum, ConstrainedError<P::Error>> {
         let mut m = problem.start();
-        bounds.check(&m)?;
-        if let Some(control) = bounds.first_infinite() {
-            return Err(ConstrainedError::Unbounded(control));
+        let vectors = problem.vectors().map_err(|why| ConstrainedError::Problem { iteration: 0, why })?;
+        vectors.check_bounds(bounds, &m)?;
+        let unbounded = bounds.first_infinite();
+        if !vectors.all(unbounded.is_none()) {
+            let elsewhere = ConstrainedError::Bounds(BoundsMismatch::Elsewhere);
+            return Err(unbounded.map_or(elsewhere, ConstrainedError::Unbounded));
         }
         bounds.project(&mut m);
-        let mut approximation = Approximation::new(bounds, self.move_limit, self.first_distance);
+        let mut approximation = Approximation::new(&vectors, bounds, self.move_limit, self.first_distance);
         let mut multipliers = vec![0.0; constraints.len()];
         let mut history: Vec<ConstrainedStep> = vec![];
         let mut change = 0.0;
         loop {
             let iteration = history.len();
-            let (of_value, of_constraints) = evaluate(problem, constraints, &m, iteration)?;
+            let (of_value, of_constraints) = evaluate(problem, constraints, (&m, &vectors), iteration)?;
             let mut slope = of_value.gradient.clone();
             for (multiplier, constraint) in multipliers.iter().zip(&of_constraints) {
                 add_scaled(&mut slope, *multiplier, &constraint.gradient);
@@ -138,7 +146,7 @@ impl MovingAsymptotes {
                 iteration,
                 value: of_value.value,
                 constraints: of_constraints.iter().map(|constraint| constraint.value).collect(),
-                criticality: bounds.criticality(&m, &slope),
+                criticality: vectors.largest(bounds.criticality(&m, &slope)),
                 change,
             };
             progress(&step);
@@ -160,7 +168,9 @@ impl MovingAsymptotes {
                 });
             }
             let (moved, found) = approximation.minimum(&m, &of_value, &of_constraints);
-            change = moved.iter().zip(&m).map(|(new, old)| (new - old).abs()).fold(0.0, f64::max);
+            change =
+                vectors.largest(moved.iter().zip(&m).map(|(new, old)| (new - old).abs()).fold(0.0, f64::max));
+            vectors.check()?;
             (m, multipliers) = (moved, found);
         }
     }
@@ -170,15 +180,17 @@ impl MovingAsymptotes {
 fn evaluate<P: ReducedProblem + ?Sized>(
     problem: &mut P,
     constraints: &mut [Box<Inequality<'_, P::Error>>],
-    m: &[f64],
+    (m, vectors): (&[f64], &ControlVectors),
     iteration: usize,
 ) -> Result<(Separable, Vec<Separable>), ConstrainedError<P::Error>> {
     let failed = |why| ConstrainedError::Problem { iteration, why };
-    let finite = |(value, gradient): (f64, Vec<f64>), what: &dyn Fn() -> String| match value.is_finite()
-        && gradient.iter().all(|slope| slope.is_finite())
-    {
-        true => Ok(Separable { value, gradient }),
-        false => Err(ConstrainedError::<P::Error>::NotFinite { iteration, what: what() }),
+    let finite = |(value, gradient): (f64, Vec<f64>), what: &dyn Fn() -> String| {
+        let own = value.is_finite() && gradient.iter().all(|slope| slope.is_finite());
+        if vectors.all(own) {
+            return Ok(Separable { value, gradient });
+        }
+        vectors.check()?;
+        Err(ConstrainedError::<P::Error>::NotFinite { iteration, what: what() })
     };
     let value = finite(problem.value_and_gradient(m).map_err(failed)?, &|| "the criterion".to_owned())?;
     let mut found = vec![];

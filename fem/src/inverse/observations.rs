@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use super::error::HistoryFailure;
 use super::readings::Readings;
 use crate::field::{Field, FieldError};
 use crate::instantiate::instantiate;
+use crate::solve::Processes;
 use crate::space::Space;
 
 /// Σ f (u_c(x) − d)² over measured values d of components c of a state at points x, each with a factor f.
@@ -13,12 +15,14 @@ pub struct Observations<const D: usize> {
     readings: Readings<D>,
     /// d and f of each reading.
     measured: Vec<(f64, f64)>,
+    /// Whether this process counts a reading, of each: all, unless a mesh is divided.
+    counted: Vec<bool>,
 }
 
 impl<const D: usize> Observations<D> {
     /// Empty observations of states on a space.
     pub fn new(space: &Arc<Space<D>>) -> Self {
-        Observations { readings: Readings::new(space), measured: vec![] }
+        Observations { readings: Readings::new(space), measured: vec![], counted: vec![] }
     }
 
     /// All components measured at a point.
@@ -54,27 +58,49 @@ impl<const D: usize> Observations<D> {
         self.readings.fit(space)
     }
 
+    /// Learns which readings this process counts, where processes have parts of a mesh.
+    ///
+    /// # Errors
+    /// As [`Readings::counted`].
+    pub(super) fn divide(&mut self, processes: &Processes<'_>) -> Result<(), HistoryFailure> {
+        self.counted = self.readings.counted(processes)?;
+        Ok(())
+    }
+
+    /// The readings of a state, each with its number, that are counted.
+    fn read(&self, state: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+        let is_counted = |(number, _): &(usize, f64)| self.counted.get(*number).copied().unwrap_or(true);
+        self.readings.of(state).into_iter().enumerate().filter(is_counted)
+    }
+
+    /// Weights of all readings from those that are counted.
+    fn weights(&self, state: &[f64], weight: impl Fn(f64, (f64, f64)) -> f64) -> Vec<f64> {
+        let mut weights = vec![0.0; self.measured.len()];
+        self.read(state).for_each(|(number, read)| weights[number] = weight(read, self.measured[number]));
+        weights
+    }
+
     /// The sum at a state.
     #[inline(never)]
     pub(super) fn value(&self, state: &[f64]) -> f64 {
-        let read = self.readings.of(state).into_iter().zip(&self.measured);
-        read.map(|(read, (measured, factor))| factor * (read - measured).powi(2)).sum()
+        let square = |(number, read): (usize, f64)| {
+            let (measured, factor) = self.measured[number];
+            factor * (read - measured).powi(2)
+        };
+        self.read(state).map(square).sum()
     }
 
     /// Adds its slope by the state.
     #[inline(never)]
     pub(super) fn add_slope(&self, state: &[f64], slope: &mut [f64]) {
-        let read = self.readings.of(state).into_iter().zip(&self.measured);
-        let weights: Vec<f64> =
-            read.map(|(read, (measured, factor))| 2.0 * factor * (read - measured)).collect();
+        let weights = self.weights(state, |read, (measured, factor)| 2.0 * factor * (read - measured));
         self.readings.add_slope(&weights, slope);
     }
 
     /// Adds its second derivative along a change of the state.
     #[inline(never)]
     pub(super) fn add_curvature(&self, change: &[f64], curvature: &mut [f64]) {
-        let moved = self.readings.of(change).into_iter().zip(&self.measured);
-        let weights: Vec<f64> = moved.map(|(moved, (_, factor))| 2.0 * factor * moved).collect();
+        let weights = self.weights(change, |moved, (_, factor)| 2.0 * factor * moved);
         self.readings.add_slope(&weights, curvature);
     }
 }

@@ -3,7 +3,8 @@
 use std::collections::VecDeque;
 
 use super::bounds::Bounds;
-use crate::linear_algebra::vector::{add_scaled, dot, norm};
+use super::control_vectors::ControlVectors;
+use crate::linear_algebra::vector::add_scaled;
 
 /// A change is remembered if s·y is above this part of |s| |y|.
 const CURVED: f64 = 1e-12;
@@ -18,6 +19,7 @@ const HALVINGS: usize = 30;
 
 /// g·d + ½ d·B d, with the matrix B of the method of Broyden, Fletcher, Goldfarb and Shanno from the last changes.
 pub(super) struct Model {
+    vectors: ControlVectors,
     most: usize,
     /// θ of B₀ = θ I.
     scale: f64,
@@ -29,8 +31,9 @@ pub(super) struct Model {
 
 impl Model {
     /// A model with nothing known except a scale.
-    pub fn new(most: usize, scale: f64) -> Self {
-        Model { most: most.max(1), scale, changes: VecDeque::new(), terms: vec![] }
+    pub fn new(vectors: &ControlVectors, most: usize, scale: f64) -> Self {
+        let vectors = vectors.clone();
+        Model { vectors, most: most.max(1), scale, changes: VecDeque::new(), terms: vec![] }
     }
 
     /// Whether it knows no change.
@@ -40,16 +43,17 @@ impl Model {
 
     /// The model without any changes.
     pub fn restart(&mut self, scale: f64) {
-        *self = Model::new(self.most, scale);
+        *self = Model::new(&self.vectors, self.most, scale);
     }
 
     /// A change for the model, which is kept if the gradient has grown along it.
     pub fn remember(&mut self, s: Vec<f64>, y: Vec<f64>) {
-        let curvature = dot(&s, &y);
-        if curvature.is_nan() || curvature <= CURVED * norm(&s) * norm(&y) {
+        let products = self.vectors.dots(&[(&s, &y), (&s, &s), (&y, &y)]);
+        let (curvature, of_y) = (products[0], products[2]);
+        if curvature.is_nan() || curvature <= CURVED * products[1].sqrt() * of_y.sqrt() {
             return;
         }
-        self.scale = dot(&y, &y) / curvature;
+        self.scale = of_y / curvature;
         self.changes.push_back([s, y]);
         if self.changes.len() > self.most {
             self.changes.pop_front();
@@ -57,7 +61,8 @@ impl Model {
         self.terms.clear();
         for [s, y] in &self.changes {
             let product = self.product(s);
-            let [by_y, by_s] = [dot(s, y), dot(s, &product)].map(|square| 1.0 / square.sqrt());
+            let squares = self.vectors.dots(&[(s, y), (s, &product)]);
+            let (by_y, by_s) = (1.0 / squares[0].sqrt(), 1.0 / squares[1].sqrt());
             let scaled = |vector: &[f64], factor: f64| vector.iter().map(|value| factor * value).collect();
             let term = [scaled(y, by_y), scaled(&product, by_s)];
             self.terms.push(term);
@@ -67,9 +72,11 @@ impl Model {
     /// B v.
     fn product(&self, v: &[f64]) -> Vec<f64> {
         let mut product: Vec<f64> = v.iter().map(|value| self.scale * value).collect();
-        for [y, product_of_s] in &self.terms {
-            add_scaled(&mut product, dot(y, v), y);
-            add_scaled(&mut product, -dot(product_of_s, v), product_of_s);
+        let pairs = self.terms.iter().flatten().map(|term| (&term[..], v));
+        let factors = self.vectors.dots(&pairs.collect::<Vec<_>>());
+        for ([y, product_of_s], factors) in self.terms.iter().zip(factors.chunks(2)) {
+            add_scaled(&mut product, factors[0], y);
+            add_scaled(&mut product, -factors[1], product_of_s);
         }
         product
     }
@@ -83,13 +90,18 @@ impl Model {
             let slope: Vec<f64> = gradient.iter().zip(&product).map(|(g, product)| g + product).collect();
             let at: Vec<f64> = m.iter().zip(&d).map(|(m, d)| m + d).collect();
             let held: Vec<bool> = (0..m.len()).map(|k| bounds.hold(k, at[k], slope[k])).collect();
-            let size = norm(&free(&slope, &held));
+            let size = self.vectors.norm(&free(&slope, &held));
             if size == 0.0 || size <= FALLEN * *first.get_or_insert(size) {
                 break;
             }
             let direction = self.newton_step(&slope, &held);
-            let value = |d: &[f64], product: &[f64]| dot(gradient, d) + 0.5 * dot(d, product);
-            let before = value(&d, &product);
+            let vectors = &self.vectors;
+            // The value, and the slope along a step.
+            let value = |d: &[f64], product: &[f64], step: &[f64]| {
+                let products = vectors.dots(&[(gradient, d), (d, product), (&slope, step)]);
+                (products[0] + 0.5 * products[1], products[2])
+            };
+            let (before, _) = value(&d, &product, &d);
             let mut length = 1.0;
             let found = (0..HALVINGS).find_map(|_| {
                 let mut moved = at.clone();
@@ -98,9 +110,9 @@ impl Model {
                 bounds.project(&mut moved);
                 let change: Vec<f64> = moved.iter().zip(m).map(|(moved, m)| moved - m).collect();
                 let product = self.product(&change);
-                let step: f64 =
-                    slope.iter().zip(&change).zip(&d).map(|((slope, new), old)| slope * (new - old)).sum();
-                (value(&change, &product) <= before + DECREASE * step).then_some((change, product))
+                let step: Vec<f64> = change.iter().zip(&d).map(|(new, old)| new - old).collect();
+                let (value, along) = value(&change, &product, &step);
+                (value <= before + DECREASE * along).then_some((change, product))
             });
             match found {
                 Some(found) => (d, product) = found,
@@ -115,18 +127,18 @@ impl Model {
         let mut rest: Vec<f64> = free(slope, held).iter().map(|slope| -slope).collect();
         let mut step = vec![0.0; slope.len()];
         let mut direction = rest.clone();
-        let mut square = dot(&rest, &rest);
+        let mut square = self.vectors.dot(&rest, &rest);
         let enough = 1e-20 * square;
         // B has twice as many eigenvalues other than θ as changes.
         for _ in 0..3 * self.changes.len() + 5 {
             let product = free(&self.product(&direction), held);
-            let length = square / dot(&direction, &product);
+            let length = square / self.vectors.dot(&direction, &product);
             if !length.is_finite() || length <= 0.0 {
                 break;
             }
             add_scaled(&mut step, length, &direction);
             add_scaled(&mut rest, -length, &product);
-            let next = dot(&rest, &rest);
+            let next = self.vectors.dot(&rest, &rest);
             if next <= enough {
                 break;
             }

@@ -1,5 +1,6 @@
 //! Reduced problems: a criterion as a function of the controls alone, the states being solved for on the way.
 
+use super::control_vectors::ControlVectors;
 use super::differentiable_map::Part;
 use crate::verification::{Sample, TaylorReport, taylor};
 
@@ -14,6 +15,14 @@ pub trait ReducedProblem {
     /// The names of the controls, each with its number of values: one name for all, unless the problem tells others.
     fn parts(&self) -> Vec<Part> {
         vec![Part::new("controls", self.start().len())]
+    }
+
+    /// Products of vectors of control values: where processes have parts of a mesh, those of all. Minimisation takes these.
+    ///
+    /// # Errors
+    /// A failed exchange.
+    fn vectors(&mut self) -> Result<ControlVectors, Self::Error> {
+        Ok(ControlVectors::default())
     }
 
     /// J(m), with the switches that are on: where they change, J has a kink.
@@ -49,7 +58,7 @@ pub fn taylor_test<P: ReducedProblem + ?Sized>(
     first: f64,
 ) -> Result<TaylorReport, P::Error> {
     let (_, gradient) = problem.value_and_gradient(m)?;
-    let slope: f64 = gradient.iter().zip(direction).map(|(gradient, along)| gradient * along).sum();
+    let slope = problem.vectors()?.dot(&gradient, direction);
     taylor(first, &[slope], |step| {
         let moved: Vec<f64> = m.iter().zip(direction).map(|(m, along)| m + step * along).collect();
         problem.sample(&moved)

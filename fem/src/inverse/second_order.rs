@@ -2,7 +2,6 @@
 
 use super::reduced_problem::ReducedProblem;
 use super::sweep::Work;
-use crate::linear_algebra::vector::dot;
 use crate::verification::{TaylorReport, taylor};
 
 /// J(m), dJ/dm and the Hessian along a direction.
@@ -57,8 +56,9 @@ pub fn second_order_taylor_test<P: TwiceDifferentiable + ?Sized>(
     first: f64,
 ) -> Result<[TaylorReport; 2], P::Error> {
     let found = problem.second_order(m, direction)?;
-    let slope = dot(&found.gradient, direction);
-    let curvature = dot(&found.along, direction);
+    let pairs = [(&found.gradient[..], direction), (&found.along, direction)];
+    let products = problem.vectors()?.dots(&pairs);
+    let (slope, curvature) = (products[0], products[1]);
     let mut moved = |step: f64| {
         let moved: Vec<f64> = m.iter().zip(direction).map(|(m, along)| m + step * along).collect();
         problem.sample(&moved)

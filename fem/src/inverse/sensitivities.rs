@@ -6,7 +6,6 @@ use super::controls::{ControlError, Controls};
 use super::error::HistoryFailure;
 use super::step_equations::StepEquations;
 use crate::contract::{Form, Role};
-use crate::linear_algebra::vector::add_scaled;
 use crate::space::Space;
 
 /// The test function of the derivative by the state before.
@@ -125,16 +124,24 @@ pub(super) fn rows_of<const D: usize>(
     let rows = equations.assembler.residual_without(rates, &spaces, &left_out)?;
     let mut rest = &rows[..];
     let mut own_rows: Vec<Vec<f64>> = own.iter().map(|own| vec![0.0; own.space.unknowns()]).collect();
-    let mut by_controls = vec![0.0; gradient.len()];
+    let mut by_numbers = vec![];
     for (name, space) in tests.iter().zip(&spaces) {
         let (row, others) = rest.split_at(space.unknowns());
         match place(name) {
             Some(place) => own_rows[place] = equations.completed(Some(space), row.to_vec())?,
-            None => controls.add_rate(name, step, row, &mut by_controls),
+            None if controls.is_field(name) => {
+                controls.add_rates(name, step, &equations.completed(Some(space), row.to_vec())?, gradient);
+            }
+            // The test functions of a space add up to one: the sum is the rate by a constant.
+            None => by_numbers.push((*name, row.iter().sum::<f64>())),
         }
         rest = others;
     }
-    add_scaled(gradient, 1.0, &equations.totals(by_controls)?);
+    let totals = equations.totals(by_numbers.iter().map(|(_, own)| *own).collect())?;
+    by_numbers
+        .iter()
+        .zip(totals)
+        .for_each(|((name, _), rate)| controls.add_rates(name, step, &[rate], gradient));
     Ok(own_rows)
 }
 

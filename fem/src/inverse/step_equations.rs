@@ -1,7 +1,10 @@
 //! The equations of one step after the other: solution, adjoint, and products with transposed tangents, on one pattern.
 
+use std::rc::Rc;
 use std::sync::Arc;
 
+use super::control_vectors::ControlVectors;
+use super::controls::Controls;
 use super::error::HistoryFailure;
 use crate::assemble::{Assembler, AssemblyError, BlockPattern, Outline, Parts, ValuesBefore};
 use crate::constraints::Constraints;
@@ -27,6 +30,8 @@ pub(super) struct StepEquations<'a, const D: usize> {
     /// The same with the division of vectors over all unknowns, and over each.
     processes: Processes<'a>,
     of_unknowns: Vec<Processes<'a>>,
+    /// The same over each control that is a field, with its space.
+    of_controls: Vec<(Arc<Space<D>>, Processes<'a>)>,
     spaces: Vec<Arc<Space<D>>>,
     solver: LentSolver<'a>,
     pattern: Option<Arc<BlockPattern<D>>>,
@@ -59,6 +64,7 @@ impl<'a, const D: usize> StepEquations<'a, D> {
             communicator: None,
             processes: Processes::default(),
             of_unknowns: vec![],
+            of_controls: vec![],
             spaces: spaces.iter().map(|space| Arc::clone(space)).collect(),
             solver: LentSolver::default(),
             pattern: None,
@@ -92,18 +98,23 @@ impl<'a, const D: usize> StepEquations<'a, D> {
     /// [`crate::solve::CommunicationError::Divided`]; a failed exchange.
     pub fn begin(
         &mut self,
+        controls: &Controls<D>,
         refused: impl IntoIterator<Item = (bool, &'static str)>,
     ) -> Result<(), HistoryFailure> {
         self.tangent_of = None;
         let spaces: Vec<_> = self.spaces.iter().collect();
         self.processes = Processes::on(self.communicator, &spaces, HISTORY)?;
         self.of_unknowns = vec![];
+        self.of_controls = vec![];
         if self.processes.divided().is_none() {
             return Ok(());
         }
         self.processes.refuse(HISTORY, refused)?;
         for space in &spaces {
             self.of_unknowns.push(Processes::on(self.communicator, &[*space], HISTORY)?);
+        }
+        for (space, _) in controls.fields() {
+            self.of_controls.push((Arc::clone(space), Processes::on(self.communicator, &[space], HISTORY)?));
         }
         // Vectors and functionals are of this process's piece, too, and are added up.
         self.assembler = self.processes.assembler(&self.assembler, spaces[0].mesh(), HISTORY)?;
@@ -115,6 +126,26 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         &self.processes
     }
 
+    /// The processes with the division of vectors over the first unknown whose space fits.
+    pub fn processes_of(&self, fits: impl Fn(&Arc<Space<D>>) -> bool) -> &Processes<'a> {
+        let place = self.spaces.iter().position(fits);
+        place.and_then(|place| self.of_unknowns.get(place)).unwrap_or(&self.processes)
+    }
+
+    /// Products of vectors of control values.
+    pub fn control_vectors(&self, controls: &Controls<D>) -> ControlVectors {
+        let (Some(divided), Some(all)) = (self.processes.divided(), self.communicator) else {
+            return ControlVectors::default();
+        };
+        let mut counted = vec![all.rank() == 0; controls.values().len()];
+        for ((_, places), (_, processes)) in controls.fields().zip(&self.of_controls) {
+            if let Some(vectors) = processes.divided() {
+                places.enumerate().for_each(|(own, place)| counted[place] = vectors.owns(own));
+            }
+        }
+        ControlVectors::on_parts(Rc::clone(divided), counted)
+    }
+
     /// An error for a given field that has other values on copies of cells than their owners give it; on all processes.
     ///
     /// # Errors
@@ -123,13 +154,19 @@ impl<'a, const D: usize> StepEquations<'a, D> {
         self.processes.communicator().map_or(Ok(()), |all| check_ghost_values(all, function))
     }
 
-    /// A vector over the unknowns, or those on one space, that was assembled by [`Self::assembler`].
+    /// A vector over the unknowns, or those on the space of one or of a control, that was assembled by [`Self::assembler`].
     ///
     /// # Errors
     /// A failed exchange.
     pub fn completed(&self, on: Option<&Arc<Space<D>>>, own: Vec<f64>) -> Result<Vec<f64>, AssemblyError> {
-        let place = on.and_then(|space| self.spaces.iter().position(|own| Arc::ptr_eq(own, space)));
-        let processes = place.and_then(|place| self.of_unknowns.get(place)).unwrap_or(&self.processes);
+        let processes = match on {
+            None => &self.processes,
+            Some(space) => {
+                let is_one = |(known, _): &&(Arc<Space<D>>, Processes<'a>)| Arc::ptr_eq(known, space);
+                let of_control = self.of_controls.iter().find(is_one);
+                of_control.map_or_else(|| self.processes_of(|own| Arc::ptr_eq(own, space)), |known| &known.1)
+            }
+        };
         processes.completed(HISTORY, Ok(own))
     }
 

@@ -488,8 +488,8 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
     fn agree_on_step(&mut self, form: &Form<D>, constraints: &[&Constraints<D>]) -> Result<(), StepFailure> {
         let Some(communicator) = self.communicator else { return Ok(()) };
         let processes = self.processes()?;
-        processes.check_form(form)?;
         let spaces: Vec<_> = self.states[0].iter().map(|state| state.value.space()).collect();
+        processes.check_form(form, spaces[0].mesh())?;
         let own = processes.assembler(&self.assembler, spaces[0].mesh(), form.name());
         self.assembler = agreed(Some(communicator), form.name(), own)?;
         let promises = [self.mass == Mass::Lumped, self.constant_coefficients].map(u64::from);

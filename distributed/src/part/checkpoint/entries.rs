@@ -1,20 +1,21 @@
-//! The nodes, cells and facets that have values in a checkpoint, as all processes know them.
+//! The nodes, cells and facets of the whole mesh that have values, as all processes know them, and a number of the mesh itself.
 
 use forms_fem::contract::FieldValue;
+use forms_fem::output::checksum;
 use forms_fem::prelude::*;
 use forms_fem::space::Scope;
 
 use super::unfit;
 use crate::error::PetscError;
 use crate::part::MeshPart;
-use crate::part::shared_nodes::{Key, Supports};
+use crate::part::shared_nodes::{Key, Supports, Vertices};
 
 /// A node, a cell or a facet with its values: the place of the first of them here, and their number.
-pub(super) type Entry = (Key, usize, usize);
+pub(in crate::part) type Entry = (Key, usize, usize);
 
-/// The nodes of a space.
-pub(super) fn entries_of<const D: usize>(
-    part: &MeshPart<'_, D>,
+/// The nodes of a space on a mesh whose nodes have numbers in the whole.
+pub(in crate::part) fn entries_of<const D: usize>(
+    vertices: &Vertices,
     space: &Space<D>,
 ) -> Result<Vec<Entry>, PetscError> {
     let (mesh, components) = (space.mesh(), space.components());
@@ -26,14 +27,14 @@ pub(super) fn entries_of<const D: usize>(
             Scope::Nodes => {
                 for (node, support) in nodes.iter().zip(supports.of(space, cell)) {
                     if !std::mem::replace(&mut is_known[*node as usize], true) {
-                        let key = part.vertices.key(mesh.cell_vertices(cell), support);
+                        let key = vertices.key(mesh.cell_vertices(cell), support);
                         entries.push((key, *node as usize * components, components));
                     }
                 }
             }
             Scope::Cell | Scope::Point => {
                 for (place, node) in nodes.iter().enumerate() {
-                    let key = numbers_of(part, cell).chain([place as u64]).collect();
+                    let key = numbers_of(vertices, mesh, cell).chain([place as u64]).collect();
                     entries.push((key, *node as usize * components, components));
                 }
             }
@@ -57,7 +58,7 @@ pub(super) fn entries_of_history<const D: usize, V: FieldValue>(
         let facet = facet.map_or(0, |local| u64::from(local) + 1);
         let count = points * V::COMPONENTS;
         first += count;
-        (numbers_of(part, cell as usize).chain([facet]).collect(), first - count, count)
+        (numbers_of(&part.vertices, part, cell as usize).chain([facet]).collect(), first - count, count)
     };
     let entities = assembler.history_entities(history).map_err(unfit)?;
     if entities.is_empty() && !assembler.history_values(history).map_err(unfit)?.is_empty() {
@@ -67,7 +68,26 @@ pub(super) fn entries_of_history<const D: usize, V: FieldValue>(
     Ok(entities.into_iter().map(entry).collect())
 }
 
+/// A number of the whole mesh: of the numbers and positions of each cell's nodes, whatever the order of the cells and their division.
+pub(in crate::part) fn mesh_of<const D: usize>(part: &MeshPart<'_, D>) -> Result<u64, PetscError> {
+    let own = number_of(part, &part.vertices.numbers);
+    Ok(part.world().gather(own)?.into_iter().fold(0, u64::wrapping_add))
+}
+
+/// The same of a mesh whose nodes have these numbers.
+pub(in crate::part) fn number_of<const D: usize>(mesh: &Mesh<D>, numbers: &[u64]) -> u64 {
+    let of_cell = |cell: usize| {
+        let nodes = mesh.cell(cell).iter().map(|node| *node as usize);
+        checksum(nodes.flat_map(|node| {
+            let position = mesh.nodes()[node].into_iter().map(f64::to_bits);
+            std::iter::once(numbers[node]).chain(position).flat_map(u64::to_le_bytes)
+        }))
+    };
+    let cells = mesh.body_cells();
+    cells.clone().fold(cells.len() as u64, |sum, cell| sum.wrapping_add(of_cell(cell)))
+}
+
 /// The numbers of a cell's vertices in the whole mesh.
-fn numbers_of<const D: usize>(part: &MeshPart<'_, D>, cell: usize) -> impl Iterator<Item = u64> {
-    part.mesh.cell_vertices(cell).iter().map(|vertex| part.vertices.numbers[*vertex as usize])
+fn numbers_of<const D: usize>(vertices: &Vertices, mesh: &Mesh<D>, cell: usize) -> impl Iterator<Item = u64> {
+    mesh.cell_vertices(cell).iter().map(|vertex| vertices.numbers[*vertex as usize])
 }

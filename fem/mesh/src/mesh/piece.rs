@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use super::{BOUNDARY, EVERYWHERE, Facet, Mesh, MeshError};
+use super::{BOUNDARY, EVERYWHERE, Facet, INTERIOR, Mesh, MeshError};
 use crate::element::CellShape;
 
 /// The extent of a mesh's cells.
@@ -16,7 +16,7 @@ pub(super) enum Extent {
     Piece(Box<Replicas>),
 }
 
-/// Copies of other processes' cells in a piece: those at some surfaces.
+/// Copies of other processes' cells in a piece: those at some surfaces, or behind its facets to other pieces.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Replicas {
     /// Number of the last cells, copies of others' cells. They are in no region.
@@ -25,11 +25,13 @@ pub(super) struct Replicas {
     ghost_nodes: usize,
     /// All facets of some surfaces, those of the copies, too, ascending.
     surfaces: BTreeMap<String, Vec<Facet>>,
+    /// Whether copies are behind facets to other pieces, on any process.
+    behind_facets: bool,
     /// The shapes of all processes' cells.
     shapes: Vec<CellShape>,
 }
 
-/// Copies of other processes' cells at some surfaces.
+/// Copies of other processes' cells.
 #[doc(hidden)]
 #[derive(Clone, Debug)]
 pub struct GhostCells<const D: usize> {
@@ -39,6 +41,8 @@ pub struct GhostCells<const D: usize> {
     pub blocks: Vec<(CellShape, Vec<u32>)>,
     /// All facets of each surface: of the piece's own cells, and of the copies.
     pub surfaces: BTreeMap<String, Vec<Facet>>,
+    /// Whether they are those behind facets to other pieces, which this process integrates over: these facets are interior ones then.
+    pub behind_facets: bool,
     /// The shapes of all processes' cells.
     pub shapes: Vec<CellShape>,
 }
@@ -81,14 +85,14 @@ impl<const D: usize> Mesh<D> {
         self
     }
 
-    /// This piece with copies of other processes' cells, so that each process has some surfaces whole. The copies come last, and are in no
-    /// region: integrals, conditions and files are those of the piece's own cells.
+    /// This piece with copies of other processes' cells, so that each process has some surfaces whole, or one of two the cells on both sides of
+    /// a facet. The copies come last, and are in no region: integrals over cells, conditions and files are those of the piece's own cells.
     ///
     /// # Errors
     /// Cells that do not fit each other.
     #[doc(hidden)]
     pub fn with_ghost_cells(&self, ghosts: GhostCells<D>) -> Result<Self, MeshError> {
-        let GhostCells { nodes, blocks, mut surfaces, shapes } = ghosts;
+        let GhostCells { nodes, blocks, mut surfaces, behind_facets, shapes } = ghosts;
         let of_block = |block: &super::CellBlock| {
             let cells = block.cells.clone().flat_map(|cell| self.cell(cell));
             (block.shape, cells.copied().collect())
@@ -106,8 +110,16 @@ impl<const D: usize> Mesh<D> {
         let data = mesh.data_mut();
         data.facet_regions.clone_from(&self.facet_regions);
         data.cell_regions.clone_from(&self.cell_regions);
+        let interior = data.interior_regions.remove(INTERIOR).unwrap_or_default();
         data.interior_regions.clear();
-        data.extent = Extent::Piece(Box::new(Replicas { ghost_cells, ghost_nodes, surfaces, shapes }));
+        if behind_facets {
+            // The first side is of the cell with the lower number; copies come last.
+            let own = self.cell_count() as u32;
+            let integrated = interior.into_iter().filter(|[first, _]| first.cell < own);
+            data.interior_regions.insert(INTERIOR.to_owned(), integrated.collect());
+        }
+        let replicas = Replicas { ghost_cells, ghost_nodes, surfaces, behind_facets, shapes };
+        data.extent = Extent::Piece(Box::new(replicas));
         Ok(mesh)
     }
 
@@ -130,13 +142,20 @@ impl<const D: usize> Mesh<D> {
         self.replicas().map_or(0, |replicas| replicas.ghost_nodes)
     }
 
-    /// Whether each process has some surfaces whole.
+    /// Whether processes may have copies of others' cells; the same on all processes.
     #[doc(hidden)]
-    pub fn has_replicated_surfaces(&self) -> bool {
+    pub fn has_copies(&self) -> bool {
         self.replicas().is_some_and(|replicas| !replicas.surfaces.is_empty())
+            || self.has_facets_between_pieces()
     }
 
-    /// The shapes of the cells of all processes, where surfaces are replicated; else of those that are here.
+    /// Whether facets between pieces are interior ones, each on one process; the same on all processes.
+    #[doc(hidden)]
+    pub fn has_facets_between_pieces(&self) -> bool {
+        self.replicas().is_some_and(|replicas| replicas.behind_facets)
+    }
+
+    /// The shapes of the cells of all processes, where there are copies; else of those that are here.
     #[doc(hidden)]
     pub fn shapes_of_all(&self) -> Vec<CellShape> {
         match self.replicas() {
@@ -220,6 +239,26 @@ mod tests {
     }
 
     #[test]
+    fn facets_to_copies_are_interior() -> Result<(), MeshError> {
+        let half = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1)?;
+        let cut = half.facet_region("right")?.to_vec();
+        let piece = half.into_piece(&cut, RegionNames { cells: &[], facets: &[] });
+        let part = piece.with_ghost_cells(GhostCells {
+            nodes: vec![[1.5, 0.0], [1.5, 0.5], [1.5, 1.0]],
+            blocks: vec![(CellShape::Quadrilateral, vec![2, 9, 5, 10, 5, 10, 8, 11])],
+            surfaces: BTreeMap::new(),
+            behind_facets: true,
+            shapes: vec![CellShape::Quadrilateral],
+        })?;
+        // Four inside, two to copies, and not the one between copies.
+        let cells = |sides: &[Facet; 2]| sides.map(|side| side.cell);
+        let found: Vec<[u32; 2]> = part.interior_facets().iter().map(cells).collect();
+        assert_eq!(found, [[0, 1], [0, 2], [1, 3], [1, 4], [2, 3], [3, 5]]);
+        assert!(part.has_copies() && !piece.has_copies() && part.boundary_facets().len() == 6);
+        Ok(())
+    }
+
+    #[test]
     fn copies_of_cells_are_in_surfaces_only() -> Result<(), MeshError> {
         let half = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1)?;
         let (cut, top) = (half.facet_region("right")?.to_vec(), half.facet_region("top")?.to_vec());
@@ -231,6 +270,7 @@ mod tests {
             nodes: vec![[1.5, 0.5], [1.5, 1.0]],
             blocks: vec![(CellShape::Quadrilateral, vec![5, 9, 10, 8])],
             surfaces: BTreeMap::from([("top".to_owned(), [&[copy], &top[..]].concat())]),
+            behind_facets: false,
             shapes: vec![CellShape::Quadrilateral],
         })?;
         assert_eq!((part.cell_count(), part.body_cells(), part.ghost_cells()), (5, 0..4, 4..5));

@@ -23,7 +23,8 @@ impl<const D: usize> Constraints<D> {
     {
         let place = format!("the mean value over region \"{region}\"");
         let components = self.check_component(&place, component)?;
-        self.space.mesh().without_pieces("a mean value", crate::mesh::TAKE_THE_WHOLE)?;
+        let instead = "state the mean as an equation of an unknown of the whole body, `Scope::Body`";
+        self.space.mesh().without_pieces("a mean value", instead)?;
         self.nodes_on(region, &place)?;
         let weights = basis_integrals(&self.space, region)
             .map_err(|error| ConstraintsError::Integral { place: place.clone(), why: error.to_string() })?;

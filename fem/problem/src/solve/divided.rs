@@ -104,7 +104,7 @@ pub fn check_ghost_values<const D: usize>(
     for (description, source) in form.fields().iter().zip(&form.inputs().sources) {
         let Some(Source::Discrete(handle)) = source else { continue };
         let Some(field) = handle.as_any().downcast_ref::<Field<D>>() else { continue };
-        if !field.space().mesh().has_replicated_surfaces() {
+        if !field.space().mesh().has_copies() {
             continue;
         }
         let Some(divided) = all.divided(&[field.space() as &dyn Any]).map_err(failed)? else { continue };

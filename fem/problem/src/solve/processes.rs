@@ -90,10 +90,11 @@ impl<'a> Processes<'a> {
     ///
     /// # Errors
     /// [`CommunicationError::Divided`].
-    pub fn check_form<const D: usize>(&self, form: &Form<D>) -> Result<(), AssemblyError> {
-        let is_across = |region: &Region| matches!(region.entity, Entity::InteriorFacets | Entity::Interface);
-        let across = form.inputs().regions.iter().any(is_across);
-        self.refuse(form.name(), [(across, "interfaces and interior facets")])?;
+    pub fn check_form<const D: usize>(&self, form: &Form<D>, mesh: &Mesh<D>) -> Result<(), AssemblyError> {
+        let has = |entity| form.inputs().regions.iter().any(|region: &Region| region.entity == entity);
+        let facets = has(Entity::InteriorFacets) && !mesh.has_facets_between_pieces();
+        let without = "interior facets of parts without `part.with_interior_facets()`";
+        self.refuse(form.name(), [(has(Entity::Interface), "interfaces"), (facets, without)])?;
         match self.communicator.filter(|_| self.divided.is_some()) {
             Some(all) => check_ghost_values(all, form),
             None => Ok(()),

@@ -1,6 +1,7 @@
 //! Convex separable approximations between moving asymptotes, and the minimum of one by its dual.
 
 use crate::inverse::bounds::Bounds;
+use crate::inverse::control_vectors::ControlVectors;
 
 /// A function of the controls at an iterate, from which its separable approximation is made.
 pub(super) struct Separable {
@@ -10,6 +11,7 @@ pub(super) struct Separable {
 
 /// The asymptotes, and the iterates from which they move.
 pub(super) struct Approximation {
+    vectors: ControlVectors,
     lower: Vec<f64>,
     upper: Vec<f64>,
     move_limit: f64,
@@ -45,10 +47,11 @@ struct Poles {
 }
 
 impl Approximation {
-    pub fn new(bounds: &Bounds, move_limit: f64, first_distance: f64) -> Self {
+    pub fn new(vectors: &ControlVectors, bounds: &Bounds, move_limit: f64, first_distance: f64) -> Self {
         let (lower, upper) = bounds.both();
         let ranges = lower.iter().zip(upper).map(|(lower, upper)| first_distance * (upper - lower));
         Approximation {
+            vectors: vectors.clone(),
             lower: lower.to_vec(),
             upper: upper.to_vec(),
             move_limit,
@@ -94,7 +97,7 @@ impl Approximation {
         let most = |gradient: &[f64]| {
             let changes =
                 gradient.iter().enumerate().map(|(control, slope)| slope.abs() * self.range(control));
-            changes.fold(0.0, f64::max)
+            self.vectors.largest(changes.fold(0.0, f64::max))
         };
         // J by its own size: multipliers and the price have none then.
         let scale = value.value.abs().max(most(&value.gradient));
@@ -122,7 +125,7 @@ impl Approximation {
     }
 
     fn poles(&self, function: &Separable, factor: f64) -> Poles {
-        let (mut p, mut q, mut rest) = (vec![], vec![], factor * function.value);
+        let (mut p, mut q) = (vec![], vec![]);
         for (control, slope) in function.gradient.iter().enumerate() {
             let (distance, range) = (self.distances[control], self.range(control));
             let (up, down) = (factor * slope.max(0.0), factor * (-slope).max(0.0));
@@ -130,10 +133,12 @@ impl Approximation {
             let flat = if range > 0.0 { FLAT / range } else { 0.0 };
             p.push(distance.powi(2) * ((1.0 + CONVEX) * up + CONVEX * down + flat));
             q.push(distance.powi(2) * (CONVEX * up + (1.0 + CONVEX) * down + flat));
-            if range > 0.0 {
-                rest -= (p[control] + q[control]) / distance;
-            }
         }
+        let term = |control: usize| match self.range(control) > 0.0 {
+            true => (p[control] + q[control]) / self.distances[control],
+            false => 0.0,
+        };
+        let rest = factor * function.value - self.vectors.sum(p.len(), term);
         Poles { p, q, rest }
     }
 
@@ -184,10 +189,13 @@ impl Approximation {
     }
 
     fn at(&self, m: &[f64], poles: &Poles, x: &[f64]) -> f64 {
-        let terms = x.iter().zip(m).enumerate().filter(|(control, _)| self.range(*control) > 0.0);
-        terms.fold(poles.rest, |sum, (control, (x, m))| {
-            let distance = self.distances[control];
-            sum + poles.p[control] / (m + distance - x) + poles.q[control] / (x - m + distance)
-        })
+        let term = |control: usize| {
+            let (x, m, distance) = (x[control], m[control], self.distances[control]);
+            match self.range(control) > 0.0 {
+                true => poles.p[control] / (m + distance - x) + poles.q[control] / (x - m + distance),
+                false => 0.0,
+            }
+        };
+        poles.rest + self.vectors.sum(x.len(), term)
     }
 }

@@ -126,7 +126,7 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
                 (!self.system.loads.is_empty(), "loads of rigid surfaces"),
             ];
             processes.refuse(form, things)?;
-            processes.check_form(&self.system.form)?;
+            processes.check_form(&self.system.form, mesh)?;
         }
         processes.elimination(form, own)
     }
