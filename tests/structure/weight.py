@@ -15,9 +15,9 @@ COUNTS = [
     ("visitors of a form", r"\b(?:trait|for) \w*Visitor\b(?!.*syn)", False, 0),
     ("signatures generic over a form", r"[<,(] ?(?:[A-Z]\w*|\w+: &?impl) ?:? (?:contract::)?(?:Form|Functional|Expression|Integrals|Compiled|WithIntegrals)<", False, 12),
     ("#[inline(never)]", r"#\[inline\(never\)\]", False, 274),
-    ("instantiate! blocks", r"^\s*instantiate!\(", False, 97),
+    ("instantiate! blocks", r"^\s*instantiate!\(", False, 98),
 ]
-LINES = [("lines of Rust without tests", False, 186_500), ("lines of Rust", True, 260_100)]
+LINES = [("lines of Rust without tests", False, 190_500), ("lines of Rust", True, 266_200)]
 
 
 def sources():
