@@ -328,8 +328,6 @@ fn eliminated_multipliers_are_those_of_the_whole_system() {
         held.fix("block top", |_| [0.02, -0.05]).unwrap();
         let traces = dual(&mesh, own, &[2]);
         let base = law::data().lambda(115.0).mu(77.0).gamma0(1000.0).friction(of_friction);
-        // Open nodes of the slab have no other equation.
-        let base = base.uncovered(1e-15);
         let touch = Pairing::onto(own, opposite).at(PairQuadrature::Pieces);
         let regions = rough::Regions::default().touch(touch).own(own).gamma_n("block right");
         let data = base.displacement_before(Given::field(Field::zero(&space)));

@@ -154,6 +154,46 @@ fn what_slides_bears_its_friction() {
     }
 }
 
+/// A block over the end of a slab, with nodes that nothing faces. From no tractions it comes to what it bears from a pressure, with every axis.
+#[test]
+fn from_no_tractions_at_nodes_that_nothing_faces() {
+    let slab = rectangle([0.0, -0.4], [4.0, 0.0], [11, 1], CellShape::Quadrilateral, 1).unwrap();
+    let block = rectangle([-0.3, 0.0], [0.7, 1.0], [4, 3], CellShape::Quadrilateral, 1).unwrap();
+    let mesh = Mesh::of_bodies(&[("slab", &slab), ("block", &block)]).unwrap();
+    for degree in [1, 2] {
+        let space = Space::vector(&mesh, degree).unwrap();
+        let traces = multipliers(&mesh, "block bottom", degree, &[2]);
+        for axis in [[1.0, 0.0], [0.0, -1.0], [0.6, -0.8]] {
+            let held = held(&space, 0.01);
+            let regions = law::Regions::default()
+                .touch(Pairing::onto("block bottom", "slab top").at(PairQuadrature::Pieces))
+                .own("block bottom")
+                .gamma_n("block right");
+            let data = data().lambda(LAMBDA).mu(MU).gamma0(1000.0).friction(0.3).axis(axis);
+            let model = law::Model { data, regions };
+            let from = |pressure: f64| {
+                let tractions = nodal(&traces, |_| axis.map(|a| pressure * a));
+                let start = [&Field::zero(&space), &tractions, &Field::zero(&traces)];
+                let problem = frictional_mortar_problem(&model, [&space, &traces], &held).unwrap();
+                let solved = problem.options(options()).start(start).solve();
+                let solved = solved.unwrap_or_else(|error| panic!("{degree} {axis:?} {pressure}: {error}"));
+                println!("degree {degree}, {axis:?}, from {pressure}: {} steps", solved.iterations());
+                solved.fields
+            };
+            let [[_, found, _], [_, expected, _]] = [from(0.0), from(10.0)];
+            let largest = expected.values().iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+            assert!(largest > 1.0, "{largest}");
+            for (node, x) in traces.positions().iter().enumerate() {
+                let [found, expected] = [&found, &expected].map(|m| &m.values()[2 * node..2 * node + 2]);
+                let apart = (found[0] - expected[0]).hypot(found[1] - expected[1]);
+                assert!(apart < 1e-8 * largest, "{degree} {axis:?} {x:?}: {found:?} {expected:?}");
+                let size = found[0].hypot(found[1]);
+                assert!(x[0] > -0.2 || size < 1e-12, "{degree} {axis:?} {x:?}: {found:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn tangents_with_friction() {
     let mesh = mesh();

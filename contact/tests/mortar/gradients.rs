@@ -97,8 +97,6 @@ where
         before: Given<[f64; D], D>,
     ) -> Result<drawn::Model<D>, ControlError> {
         let data = data().lambda(15.0).mu(at.field("shear_modulus")?).gamma0(300.0);
-        // A history starts from m = 0, where nothing else determines m at open nodes.
-        let data = data.uncovered(if self.surfaces[0] == "slab top" { 1e-15 } else { 1e-18 });
         let data = data.friction(at.number("friction")?);
         let force = |x: &[f64; D]| std::array::from_fn(|k| if k == 0 { 0.3 + x[0] } else { 0.5 * x[k] });
         let data = data.displacement_before(before).criterion_force(force);

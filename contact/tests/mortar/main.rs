@@ -6,6 +6,7 @@ mod dual;
 mod exact;
 mod friction;
 mod gradients;
+mod known;
 mod patch;
 mod rings;
 mod space;

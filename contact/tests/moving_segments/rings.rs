@@ -86,8 +86,13 @@ fn annulus([from, to]: [f64; 2], [radial, around]: [usize; 2], degree: usize, tu
     mesh
 }
 
-/// Mean pressure, and torque by force and radius.
-fn pressed(degree: usize, cells: [usize; 2], turn: f64, quadrature: Option<PairQuadrature>) -> [f64; 2] {
+/// Mean pressure, and torque by force and radius, with γ₀ in E.
+fn pressed(
+    (degree, cells): (usize, [usize; 2]),
+    gamma0: f64,
+    turn: f64,
+    quadrature: Option<PairQuadrature>,
+) -> [f64; 2] {
     let mesh = rings(degree, cells, turn);
     let space = Space::vector(&mesh, degree).unwrap();
     let touch = Pairing::between("inner rim", "outer hole");
@@ -96,7 +101,7 @@ fn pressed(degree: usize, cells: [usize; 2], turn: f64, quadrature: Option<PairQ
     let data = pressed::data()
         .lambda(young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)))
         .mu(young / (2.0 * (1.0 + poisson)))
-        .gamma0(10.0 * young)
+        .gamma0(gamma0 * young)
         .pressure(1.0)
         .soft(1e-6);
     let regions = pressed::Regions::default().inside("inner hole").touch(touch);
@@ -116,22 +121,39 @@ fn pressed(degree: usize, cells: [usize; 2], turn: f64, quadrature: Option<PairQ
     [force / of(law.length(&u)), of(law.torque(&u)).abs() / (2.0 * force)]
 }
 
+/// Lamé's pressure less what the gap between the arcs takes. An arc of degree 2 over the angle 2θ lies inside its circle by R (1 − cos θ)²/15 on
+/// average, and an interference δ presses by p = 0.1171875 E/(1 − ν²) δ.
+fn pressure_of_arcs([inner, outer]: [usize; 2]) -> f64 {
+    let inside = |cells: usize| 2.0 * (1.0 - (0.5 * TAU / cells as f64).cos()).powi(2) / 15.0;
+    0.15625 - 0.1171875 * 100.0 / (1.0 - 0.09) * (inside(inner) - inside(outer))
+}
+
+/// Of 16 and 22 cells, with 32 and 44 nodes around, the arcs' gap is 16 times that of 32 and 44 cells: the pressure is not 0.15619 but 0.15575. With
+/// γ₀ of 20 E, as with other lengths h in γ₀/h, it is 0.15577.
 #[test]
 fn the_pressure_between_rings_does_not_depend_on_their_angle() {
-    println!("| elements | rule | mean pressure | spread | torque |");
-    for (degree, cells) in [(1, [32, 44]), (2, [32, 44])] {
+    println!("| elements | rule | mean pressure | with the arcs' gap | spread | torque |");
+    for (degree, cells) in [(1, [32, 44]), (2, [16, 22]), (2, [32, 44])] {
         for rule in [None, Some(PairQuadrature::Pieces)] {
-            let all: Vec<[f64; 2]> =
-                [0.0, 0.21, 0.5, 0.83].iter().map(|turn| pressed(degree, cells, *turn, rule)).collect();
+            let at = |turn: f64| pressed((degree, cells), 10.0, turn, rule);
+            let all = [0.0, 0.21, 0.5, 0.83].map(at);
             let mean = all.iter().map(|found| found[0]).sum::<f64>() / all.len() as f64;
             let spread = all.iter().map(|found| (found[0] - mean).abs() / mean).fold(0.0, f64::max);
             let torque = all.iter().map(|found| found[1]).fold(0.0, f64::max);
-            println!("| Q{degree} {cells:?} | {rule:?} | {mean:.6} | {spread:.1e} | {torque:.1e} |");
+            let arcs = pressure_of_arcs(cells);
+            println!(
+                "| Q{degree} {cells:?} | {rule:?} | {mean:.6} | {arcs:.6} | {spread:.1e} | {torque:.1e} |"
+            );
             if degree == 2 && rule.is_some() {
+                let most = if cells[0] < 32 { 1e-7 } else { 1e-8 };
                 assert!(
-                    (mean - 0.15625).abs() < 1e-4 && spread < 1e-8 && torque < 1e-8,
-                    "{mean} {spread:e} {torque:e}"
+                    (mean - arcs).abs() < 5e-5 && spread < most && torque < most,
+                    "{cells:?} {mean} {arcs} {spread:e} {torque:e}"
                 );
+                let [stiffer, _] = pressed((degree, cells), 20.0, 0.0, rule);
+                println!("with twice the γ₀: {stiffer:.6}");
+                // Another program has 0.155762, which fits 16 and 22 cells only.
+                assert_eq!(mean < 0.155762 && 0.155762 < stiffer, cells[0] == 16, "{mean} {stiffer}");
             }
         }
     }

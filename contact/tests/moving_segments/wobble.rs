@@ -135,12 +135,21 @@ fn forces_of_a_block_on_a_slab() {
     }
 }
 
-/// The largest second difference of the force, as a part of it, over steps in which the end of a flat block leaves a facet of the slab.
-fn roughness(drawn: &Drawn, quadrature: Option<PairQuadrature>, rule: usize, steps: i32) -> f64 {
+/// Ways along which both ends of a flat block stay within one facet of the slab each, and along which each passes a node of the slab: the block is 9.6
+/// facets wide, and spreads a little.
+const WITHIN_FACETS: [f64; 2] = [0.005, 0.07];
+const PAST_NODES: [f64; 2] = [0.01, 0.12];
+
+/// The largest second difference of the force, as a part of it, over steps of a flat block over the slab.
+fn roughness(
+    drawn: &Drawn,
+    quadrature: Option<PairQuadrature>,
+    rule: usize,
+    ([from, to], steps): ([f64; 2], i32),
+) -> f64 {
     let law = drawn.law("slab", 9.0, quadrature);
     let mut u = Field::zero(&drawn.space);
-    // The right end goes from 2.01 to 2.12; the next node of the slab is at 2.125.
-    let along = |k: i32| 0.01 + 0.11 / f64::from(steps) * f64::from(k);
+    let along = |k: i32| from + (to - from) / f64::from(steps) * f64::from(k);
     let mut at = |k: i32| Some(drawn.forces(&law, rule, along(k), &mut u)?.0[1]);
     let Some(forces) = (0..=steps).map(&mut at).collect::<Option<Vec<f64>>>() else { return f64::INFINITY };
     let second = forces.windows(3).map(|f| (f[0] - 2.0 * f[1] + f[2]).abs());
@@ -151,10 +160,26 @@ fn roughness(drawn: &Drawn, quadrature: Option<PairQuadrature>, rule: usize, ste
 fn forces_are_smoother_on_segments_where_an_end_leaves_a_facet() {
     for degree in [1, 2] {
         let drawn = Drawn::new(degree, 0.0);
-        let points = roughness(&drawn, None, 3, 60);
-        let segments = roughness(&drawn, PIECES, 2 * degree + 1, 60);
+        let points = roughness(&drawn, None, 3, (PAST_NODES, 60));
+        let segments = roughness(&drawn, PIECES, 2 * degree + 1, (PAST_NODES, 60));
         println!("degree {degree}: points {points:.1e}, segments {segments:.1e}");
         assert!(segments < 5e-4 && segments < 0.1 * points, "{segments:e} {points:e}");
+    }
+}
+
+/// While no end passes a node, second differences are those of a smooth function: they fall with the square of the step, and a higher rule changes nothing.
+#[test]
+fn forces_are_smooth_while_ends_are_inside_of_facets() {
+    for degree in [1, 2] {
+        let drawn = Drawn::new(degree, 0.0);
+        let rule = 2 * degree + 1;
+        let of = |rule: usize, steps: i32| roughness(&drawn, PIECES, rule, (WITHIN_FACETS, steps));
+        let [coarse, fine, higher] = [of(rule, 60), of(rule, 120), of(rule + 4, 60)];
+        println!(
+            "degree {degree}: {coarse:.2e} in 60 steps, {fine:.2e} in 120, {higher:.2e} by a higher rule"
+        );
+        assert!(coarse < 1e-5 && fine < 0.27 * coarse, "{coarse:e} {fine:e}");
+        assert!((higher / coarse - 1.0).abs() < 0.02, "{higher:e} {coarse:e}");
     }
 }
 
@@ -163,7 +188,7 @@ fn forces_are_smoother_on_segments_where_an_end_leaves_a_facet() {
 #[test]
 fn forces_are_continuous() {
     let drawn = Drawn::new(1, 0.0);
-    let [coarse, fine] = [120, 480].map(|steps| roughness(&drawn, PIECES, 3, steps));
+    let [coarse, fine] = [120, 480].map(|steps| roughness(&drawn, PIECES, 3, (PAST_NODES, steps)));
     println!("second differences: {coarse:.1e} in 120 steps, {fine:.1e} in 480");
     assert!(fine < 0.5 * coarse, "{coarse:e} {fine:e}");
 }

@@ -11,12 +11,13 @@ use forms_fem::forms;
 /// smallest rotation that takes a to the normal n_x takes t to the tangent plane. The means d = g a + s are those of the gap and of the slip.
 #[forms]
 pub mod multipliers {
-    use super::super::friction::{ball_projection, slip_limit};
+    use super::super::friction::slip_limit;
 
     /// Friction, the axis, and what holds multipliers that nothing faces.
     #[includes(super::super::friction::Data)]
     pub struct Data {
-        /// δ, the part with which the equation p = 0 counts at each node, so that what is not covered has no pressure. A mean gap is off by δ p/γ.
+        /// δ, the part with which the equation p = 0 counts at each node, so that what is not covered has no pressure. A mean gap is off by δ p/γ,
+        /// with friction by 10⁻¹⁵ p/γ more.
         #[doc(alias = "δ")]
         #[default(0.000000000000000001)]
         pub uncovered: Param,
@@ -76,12 +77,7 @@ pub mod multipliers {
 
     /// The conditions with friction: also |t_i| ≤ s₀ + κ p_i at each node, with no mean slip where it is less, else one against t_i.
     pub fn frictional_conditions(m: Vector, d: Vector, q: Vector, r: Vector, gamma: Scalar) -> Form {
-        let p = pressure_of(m);
-        let g = pressure_of(d);
-        let pressure = pos_part(p - gamma * g);
-        let bound = if pressure > 0 { slip_limit(pressure) } else { 0 };
-        let slip = allowed_slip(across(m), across(d), bound, gamma);
-        integral(Own, allowed_gap(p, g, gamma) * pressure_of(q) + dot(slip, q) - dot(d, r))
+        integral(Own, dot(allowed_means(m, d, gamma), q) - dot(d, r))
     }
 
     /// (\[p − γ g\]₊ − p)/γ + g = \[g − p/γ\]₊, less δ p/γ: the mean gap that contact allows, 0 where the surfaces press. If it is the mean gap g, then p ≥ 0,
@@ -90,9 +86,25 @@ pub mod multipliers {
         pos_part(g - p / gamma) - uncovered * p / gamma
     }
 
-    /// (Π_b(t − γ s) − t)/γ + s, less δ t/γ, with the bound b of |t|: the mean slip that friction allows, 0 where the surfaces stick.
-    pub fn allowed_slip(t: Vector, s: Vector, bound: Scalar, gamma: Scalar) -> Vector {
-        let trial = t - gamma * s;
-        (ball_projection(trial, bound) - trial) / gamma - uncovered * t / gamma
+    /// The means that contact and friction allow, gap and slip in one vector: d − m/γ where the surfaces do not press, 0 where they stick, and
+    /// (Π_b(t − γ s) − (t − γ s))/γ where they slip, with the bound b of |t|; the last two less what δ adds. Without tractions they stick.
+    pub fn allowed_means(m: Vector, d: Vector, gamma: Scalar) -> Vector {
+        let pressure = pressure_of(m) - gamma * pressure_of(d);
+        let trial = across(m) - gamma * across(d);
+        let bound = slip_limit(pressure);
+        if pressure < 0 {
+            d - m / gamma
+        } else if norm(trial) <= bound {
+            -held(m) / gamma
+        } else {
+            (bound * normalize(trial) - trial - held(m)) / gamma
+        }
+    }
+
+    /// (δ + 10⁻¹⁵)(Σ_k m_k − m_i), which vanishes only with m, so that nothing is borne where nothing is faced. Solvers know a saddle point by zeros on the
+    /// diagonal of its matrix, hence the other components. Where nodes slip, parts of m along the axis and across it add up to rounding that
+    /// would hide δ, hence 10⁻¹⁵.
+    fn held(m: Vector) -> Vector {
+        (uncovered + 1e-15) * (dot([1; D], m) * [1; D] - m)
     }
 }
