@@ -171,7 +171,8 @@ fn residuals_and_tangents_are_derivatives_of_the_energy() {
             {
                 let name = format!("{shape:?} {geometry} {degree} {pairing}");
                 check(&name, &assembler, &energies_of(&pairing, cover), (&u, &w));
-                if cover == Cover::Whole {
+                // On curved own facets the length of an element is no polynomial, and the rule's length depends on the cuts.
+                if cover == Cover::Whole && geometry == 1 {
                     let rest = largest(energy_forces(&assembler, &model(&pairing).covered(), &u));
                     assert!(rest < 1e-13, "{name}: {rest:e}");
                 }

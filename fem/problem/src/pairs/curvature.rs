@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn rays_have_the_derivatives_of_differences() {
-        for s in [0.1, 0.45, 0.9] {
+        for s in [0.35, 0.45, 0.6] {
             let (first, second) = (ray(s).0.first(), ray(s).0.second());
             let pairs = [
                 (first.gap, fourth_order(1e-3, |t| ray(s + t).0.gap)),
@@ -197,7 +197,7 @@ mod tests {
             ];
             for (place, (found, difference)) in pairs.into_iter().enumerate() {
                 let off = (found - difference).abs() / (1.0 + found.abs());
-                assert!(off < 1e-8, "{place} at {s}: {found} {difference}");
+                assert!(off < 1e-9, "{place} at {s}: {found} {difference}");
             }
         }
     }
@@ -252,8 +252,8 @@ mod tests {
                 }
             }
             for a in 0..2 {
-                let difference = fourth_order(1e-3, |t| rate_along(t, &by, j)[a]);
-                assert!((found[a] - difference).abs() < 1e-8, "{j} {a}: {} {difference}", found[a]);
+                let difference = fourth_order(5e-4, |t| rate_along(t, &by, j)[a]);
+                assert!((found[a] - difference).abs() < 1e-9, "{j} {a}: {} {difference}", found[a]);
             }
         }
     }
