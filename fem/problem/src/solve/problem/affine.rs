@@ -62,7 +62,7 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
         Ok(AffineLoad { lifted, residual, load: reduced.iter().map(|value| -value).collect() })
     }
 
-    /// The start and the solution as the reported iterates of a history.
+    /// The start and the solution as the iterates of a history, for the listener of each step, too.
     pub(super) fn affine_history(
         &mut self,
         elimination: &Elimination,

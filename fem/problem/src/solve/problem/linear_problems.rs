@@ -392,7 +392,7 @@ impl<const D: usize, const N: usize> Problem<'_, D, N> {
         Ok(Column { number, elimination, system, rows: vec![], held: vec![], seconds: 0.0 })
     }
 
-    /// A failure of the linear solver, told in the problem's terms.
+    /// A failure of the linear solver in the problem's own terms.
     fn unsolved(&self, column: &Column, error: SolverError) -> Failed {
         Failed::of(column.number, NewtonFailure::LinearSolver(self.named(error, &column.elimination)).into())
     }
