@@ -163,7 +163,7 @@ fn squares(cells: [usize; 2], degree: usize) -> [[f64; 2]; 2] {
     };
     let lambda = of_bodies(|young, poisson| young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)));
     let mu = of_bodies(|young, poisson| young / (2.0 * (1.0 + poisson)));
-    let data = two_bodies::data().lambda(&lambda).mu(&mu).gamma0(&of_bodies(|young, _| 10.0 * young));
+    let data = two_bodies::data().lambda(&lambda).mu(&mu).gamma0(of_bodies(|young, _| 10.0 * young));
     let data = data.traction(|x: &[f64; 2]| if x[0] < 5.0 { [0.1, -1.0] } else { [-0.1, -1.0] });
     let own = "lower top";
     let regions =
