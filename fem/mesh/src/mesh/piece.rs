@@ -245,7 +245,7 @@ mod tests {
         let piece = half.into_piece(&cut, RegionNames { cells: &[], facets: &[] });
         let part = piece.with_ghost_cells(GhostCells {
             nodes: vec![[1.5, 0.0], [1.5, 0.5], [1.5, 1.0]],
-            blocks: vec![(CellShape::Quadrilateral, vec![2, 9, 5, 10, 5, 10, 8, 11])],
+            blocks: vec![(CellShape::Quadrilateral, vec![2, 9, 10, 5, 5, 10, 11, 8])],
             surfaces: BTreeMap::new(),
             behind_facets: true,
             shapes: vec![CellShape::Quadrilateral],
