@@ -76,7 +76,7 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 /// The difference of a gradient along a direction and that of fourth order of the energy, as a part of its terms' sizes.
 fn off_gradient(assembler: &Assembler<2>, energy: &Energy<2>, (u, w): (&Field<2>, &Field<2>), h: f64) -> f64 {
     let at = |t: f64| assembler.energy(energy, &[&moved(u, w, t)]).unwrap();
-    let gradient = assembler.residual(&energy.into_form(), &[u], &[u.space()]).unwrap();
+    let gradient = assembler.residual(&energy.to_form(), &[u], &[u.space()]).unwrap();
     let terms = || gradient.iter().zip(w.values()).map(|(a, b)| a * b);
     let difference = (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h);
     let size = terms().map(f64::abs).sum::<f64>();
@@ -96,7 +96,7 @@ fn asymmetry(matrix: &CsrMatrix) -> f64 {
 }
 
 fn energy_forces(assembler: &Assembler<2>, energy: &Energy<2>, u: &Field<2>) -> impl Iterator<Item = f64> {
-    assembler.residual(&energy.into_form(), &[u], &[u.space()]).unwrap().into_iter()
+    assembler.residual(&energy.to_form(), &[u], &[u.space()]).unwrap().into_iter()
 }
 
 /// Gradient, tangent and symmetry of energies at a state, along a direction.
@@ -111,7 +111,7 @@ fn check(
             largest(energy_forces(assembler, energy, along.0)) > 1e-3,
             "{name} {energy_name}: nothing touches"
         );
-        let (form, space) = (energy.into_form(), along.0.space());
+        let (form, space) = (energy.to_form(), along.0.space());
         let gradient = off_gradient(assembler, energy, along, 2e-4);
         let tangent = off_differences(assembler, &form, along, 2e-4);
         let asymmetry = asymmetry(&assembler.tangent(&form, &[along.0], &[space]).unwrap());
@@ -137,12 +137,12 @@ enum Cover {
     Whole,
 }
 
-trait IntoForm {
-    fn into_form(&self) -> Form<2>;
+trait ToForm {
+    fn to_form(&self) -> Form<2>;
 }
 
-impl IntoForm for Energy<2> {
-    fn into_form(&self) -> Form<2> {
+impl ToForm for Energy<2> {
+    fn to_form(&self) -> Form<2> {
         self.into()
     }
 }
@@ -237,7 +237,7 @@ fn sums_of_energies_and_forms() {
     let model = model(&Pairing::between("lower top", "upper bottom"));
     let (u, w) = (bent(&space, 0.2), wave(&space, 1.0, 0.9));
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(7));
-    let sum: Form<2> = &(0.7 * &model.springs().into_form()) + &model.held_springs();
+    let sum: Form<2> = &(0.7 * &model.springs().to_form()) + &model.held_springs();
     let off = off_differences(&assembler, &sum, (&u, &w), 2e-4);
     let asymmetry = asymmetry(&assembler.tangent(&sum, &[&u], &[&space]).unwrap());
     println!("{off:.1e}, asymmetry {asymmetry:.1e}");
@@ -249,7 +249,7 @@ fn sums_of_energies_and_forms() {
 fn threads_leave_the_bits() {
     let mesh = plates(CellShape::Quadrilateral, 1, [150, 190]);
     let space = Space::vector(&mesh, 1).unwrap();
-    let form = model(&Pairing::between("lower top", "upper bottom")).all().into_form();
+    let form = model(&Pairing::between("lower top", "upper bottom")).all().to_form();
     let u = bent(&space, 0.2);
     let on = |count: usize| {
         let assembler = Assembler::new(&mesh).with_threads(Threads::new(count));
@@ -268,7 +268,7 @@ fn energies_of_two_unknowns() {
         let (space, scalars) = (Space::vector(&mesh, degree).unwrap(), Space::scalar(&mesh, 1).unwrap());
         let tests = [&space, &scalars];
         let energy = model(&Pairing::between("lower top", "upper bottom")).pressed();
-        let form = energy.into_form();
+        let form = energy.to_form();
         let assembler = Assembler::new(&mesh);
         let (u, w) = (bent(&space, 0.2), wave(&space, 1.0, 0.9));
         let p = Field::interpolate(&scalars, |x| (3.0 * x[0]).sin()).unwrap();
@@ -311,7 +311,7 @@ fn taylor_tests_start_where_segments_appear() {
         let mesh = Mesh::of_bodies(&[("layer", &layer), ("block", &block)]).unwrap();
         let (space, assembler) = (Space::vector(&mesh, 1).unwrap(), Assembler::new(&mesh));
         let energy = model(&Pairing::onto("layer top", "block bottom")).springs();
-        let form = energy.into_form();
+        let form = energy.to_form();
         let u = Field::zero(&space);
         for phase in [0.3, 1.7, 2.9] {
             let w = wave(&space, 0.3, phase);
@@ -344,7 +344,7 @@ fn forces_of_flat_contact_are_those_of_the_form() {
         let space = Space::vector(&mesh, degree).unwrap();
         let law = model(&Pairing::onto("block bottom", "layer top"));
         let (assembler, u) = (Assembler::new(&mesh), Field::zero(&space));
-        let [energy, form] = [law.penalty().into_form(), law.held()]
+        let [energy, form] = [law.penalty().to_form(), law.held()]
             .map(|form| assembler.residual(&form, &[&u], &[&space]).unwrap());
         let off = largest(energy.iter().zip(&form).map(|(a, b)| a - b)) / largest(form.iter().copied());
         println!("degree {degree}: {off:.1e}");
