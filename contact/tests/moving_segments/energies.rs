@@ -2,12 +2,13 @@
 
 use forms_fem::contract::PairQuadrature;
 use forms_fem::linear_algebra::CsrMatrix;
-use forms_fem::mesh::RigidSurface;
 use forms_fem::prelude::*;
 use forms_fem::threads::Threads;
 
 use crate::balance::{bent, plates};
-use crate::tangent::{hairpin, off_differences, taylor_order, wave};
+use crate::tangent::{
+    block_under_a_tool, hairpin, off_differences, plate_before_another, taylor_order, wave,
+};
 
 #[forms(dimension = 2)]
 mod stored {
@@ -130,7 +131,7 @@ fn energies_of(pairing: &Pairing, cover: Cover) -> Vec<(&'static str, Energy<2>)
     energies
 }
 
-/// How much of an own surface is covered.
+/// The part of an own surface that is covered.
 #[derive(Clone, Copy, PartialEq)]
 enum Cover {
     Part,
@@ -196,32 +197,11 @@ fn self_contact_tools_and_hidden_plates() {
             (&u, &w),
         );
 
-        let block = rectangle([0.0, 0.0], [2.0, 0.6], [6, 2], CellShape::Quadrilateral, 1).unwrap();
-        let points = [[-0.2, 0.9], [0.55, 0.64], [0.9, 0.58], [1.4, 0.6], [2.3, 0.75]];
-        let tool = RigidSurface::along(&points).unwrap();
-        let mesh = block.with_rigid_surfaces(&[("tool", &tool)]).unwrap();
-        let space = Space::vector(&mesh, degree).unwrap();
-        let u = Field::interpolate(&space, |x| [0.01 * x[1], 0.02 * x[0] - 0.01]).unwrap();
-        let mut values = wave(&space, 1.0, 1.7).values().to_vec();
-        let affine = |x: &[f64; 2]| [0.3 + 0.2 * x[1] - 0.1 * x[0], 0.7 - 0.5 * x[0] + 0.2 * x[1]];
-        let rigid = Field::interpolate(&space, affine).unwrap();
-        let carried = mesh.cell_region("tool").unwrap()[0] as usize;
-        for node in space.cell_nodes(carried) {
-            let first = 2 * *node as usize;
-            values[first..first + 2].copy_from_slice(&rigid.values()[first..first + 2]);
-        }
-        let w = Field::from_values(&space, values).unwrap();
+        let (mesh, [u, w]) = block_under_a_tool(degree);
         let energies = energies_of(&Pairing::onto("top", "tool"), Cover::Whole);
         check(&format!("tool {degree}"), &Assembler::new(&mesh), &energies, (&u, &w));
 
-        let body = |low: [f64; 2], high: [f64; 2], cells: usize| {
-            rectangle(low, high, [cells, 1], CellShape::Quadrilateral, 1).unwrap()
-        };
-        let own = body([0.0, -0.5], [3.0, 0.0], 7);
-        let (far, near) = (body([0.2, 0.4], [2.8, 0.7], 5), body([0.9, 0.1], [1.7, 0.3], 3));
-        let mut mesh =
-            Mesh::clone(&Mesh::of_bodies(&[("own", &own), ("far", &far), ("near", &near)]).unwrap());
-        mesh.name_facets("lids", "boundary", |x| x[1] == 0.4 || x[1] == 0.1).unwrap();
+        let mesh = plate_before_another();
         let space = Space::vector(&mesh, degree).unwrap();
         let (u, w) = (wave(&space, 0.01, 0.4), wave(&space, 1.0, 1.7));
         let energies = energies_of(&Pairing::onto("own top", "lids").within_reach(0.6), Cover::Part);
@@ -229,7 +209,7 @@ fn self_contact_tools_and_hidden_plates() {
     }
 }
 
-/// In a sum the motion of the points completes the energy's part alone: the form's has a force that is no gradient.
+/// Sums: the motion of the points completes the part of the energy only, since the force of the form is no gradient.
 #[test]
 fn sums_of_energies_and_forms() {
     let mesh = plates(CellShape::Quadrilateral, 1, [7, 9]);
@@ -302,7 +282,7 @@ fn energies_of_two_unknowns() {
     }
 }
 
-/// Where segments appear at the start, and free ends lie inside of facets: order two of the gradient, three with the second derivatives.
+/// Orders from a start at which segments appear, with free ends inside of facets: two of the gradient, three with the second derivatives.
 #[test]
 fn taylor_tests_start_where_segments_appear() {
     for shape in [CellShape::Quadrilateral, CellShape::Triangle] {
