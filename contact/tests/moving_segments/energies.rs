@@ -36,7 +36,7 @@ mod stored {
     pub fn all(u: Unknown<Vector>) -> Energy {
         integral(Touch(u), density(u))
     }
-    /// The covered length, which has a gradient by the motion of the points alone.
+    /// The covered length, whose gradient comes only from the motion of the points.
     pub fn covered(u: Unknown<Vector>) -> Energy {
         integral(Touch(u), kappa)
     }
