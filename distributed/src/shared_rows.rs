@@ -102,7 +102,7 @@ impl SharedRows {
         Ok(())
     }
 
-    /// What processes on one side of a rank contribute to a row, in the order of ranks. Values are zero before the first exchange.
+    /// Contributions to a row from the processes that are asked for, in the order of ranks. Values are zero before the first exchange.
     pub fn visit(&self, row: Index, is_asked: impl Fn(usize) -> bool, entries: &mut Vec<(Index, f64)>) {
         for one in self.with.iter().filter(|one| is_asked(one.rank)) {
             if let Ok(found) = one.rows.binary_search_by_key(&row, |(row, _)| *row) {

@@ -2,12 +2,13 @@
 
 use forms_fem::contract::PairQuadrature;
 use forms_fem::linear_algebra::CsrMatrix;
-use forms_fem::mesh::RigidSurface;
 use forms_fem::prelude::*;
 use forms_fem::threads::Threads;
 
 use crate::balance::{bent, plates};
-use crate::tangent::{hairpin, off_differences, taylor_order, wave};
+use crate::tangent::{
+    block_under_a_tool, hairpin, off_differences, plate_before_another, taylor_order, wave,
+};
 
 #[forms(dimension = 2)]
 mod stored {
@@ -35,7 +36,7 @@ mod stored {
     pub fn all(u: Unknown<Vector>) -> Energy {
         integral(Touch(u), density(u))
     }
-    /// The covered length, which has a gradient by the motion of the points alone.
+    /// The covered length, whose gradient comes only from the motion of the points.
     pub fn covered(u: Unknown<Vector>) -> Energy {
         integral(Touch(u), kappa)
     }
@@ -76,7 +77,7 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 /// The difference of a gradient along a direction and that of fourth order of the energy, as a part of its terms' sizes.
 fn off_gradient(assembler: &Assembler<2>, energy: &Energy<2>, (u, w): (&Field<2>, &Field<2>), h: f64) -> f64 {
     let at = |t: f64| assembler.energy(energy, &[&moved(u, w, t)]).unwrap();
-    let gradient = assembler.residual(&energy.into_form(), &[u], &[u.space()]).unwrap();
+    let gradient = assembler.residual(&energy.to_form(), &[u], &[u.space()]).unwrap();
     let terms = || gradient.iter().zip(w.values()).map(|(a, b)| a * b);
     let difference = (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h);
     let size = terms().map(f64::abs).sum::<f64>();
@@ -96,7 +97,7 @@ fn asymmetry(matrix: &CsrMatrix) -> f64 {
 }
 
 fn energy_forces(assembler: &Assembler<2>, energy: &Energy<2>, u: &Field<2>) -> impl Iterator<Item = f64> {
-    assembler.residual(&energy.into_form(), &[u], &[u.space()]).unwrap().into_iter()
+    assembler.residual(&energy.to_form(), &[u], &[u.space()]).unwrap().into_iter()
 }
 
 /// Gradient, tangent and symmetry of energies at a state, along a direction.
@@ -111,7 +112,7 @@ fn check(
             largest(energy_forces(assembler, energy, along.0)) > 1e-3,
             "{name} {energy_name}: nothing touches"
         );
-        let (form, space) = (energy.into_form(), along.0.space());
+        let (form, space) = (energy.to_form(), along.0.space());
         let gradient = off_gradient(assembler, energy, along, 2e-4);
         let tangent = off_differences(assembler, &form, along, 2e-4);
         let asymmetry = asymmetry(&assembler.tangent(&form, &[along.0], &[space]).unwrap());
@@ -130,19 +131,19 @@ fn energies_of(pairing: &Pairing, cover: Cover) -> Vec<(&'static str, Energy<2>)
     energies
 }
 
-/// How much of an own surface is covered.
+/// The part of an own surface that is covered.
 #[derive(Clone, Copy, PartialEq)]
 enum Cover {
     Part,
     Whole,
 }
 
-trait IntoForm {
-    fn into_form(&self) -> Form<2>;
+trait ToForm {
+    fn to_form(&self) -> Form<2>;
 }
 
-impl IntoForm for Energy<2> {
-    fn into_form(&self) -> Form<2> {
+impl ToForm for Energy<2> {
+    fn to_form(&self) -> Form<2> {
         self.into()
     }
 }
@@ -196,32 +197,11 @@ fn self_contact_tools_and_hidden_plates() {
             (&u, &w),
         );
 
-        let block = rectangle([0.0, 0.0], [2.0, 0.6], [6, 2], CellShape::Quadrilateral, 1).unwrap();
-        let points = [[-0.2, 0.9], [0.55, 0.64], [0.9, 0.58], [1.4, 0.6], [2.3, 0.75]];
-        let tool = RigidSurface::along(&points).unwrap();
-        let mesh = block.with_rigid_surfaces(&[("tool", &tool)]).unwrap();
-        let space = Space::vector(&mesh, degree).unwrap();
-        let u = Field::interpolate(&space, |x| [0.01 * x[1], 0.02 * x[0] - 0.01]).unwrap();
-        let mut values = wave(&space, 1.0, 1.7).values().to_vec();
-        let affine = |x: &[f64; 2]| [0.3 + 0.2 * x[1] - 0.1 * x[0], 0.7 - 0.5 * x[0] + 0.2 * x[1]];
-        let rigid = Field::interpolate(&space, affine).unwrap();
-        let carried = mesh.cell_region("tool").unwrap()[0] as usize;
-        for node in space.cell_nodes(carried) {
-            let first = 2 * *node as usize;
-            values[first..first + 2].copy_from_slice(&rigid.values()[first..first + 2]);
-        }
-        let w = Field::from_values(&space, values).unwrap();
+        let (mesh, [u, w]) = block_under_a_tool(degree);
         let energies = energies_of(&Pairing::onto("top", "tool"), Cover::Whole);
         check(&format!("tool {degree}"), &Assembler::new(&mesh), &energies, (&u, &w));
 
-        let body = |low: [f64; 2], high: [f64; 2], cells: usize| {
-            rectangle(low, high, [cells, 1], CellShape::Quadrilateral, 1).unwrap()
-        };
-        let own = body([0.0, -0.5], [3.0, 0.0], 7);
-        let (far, near) = (body([0.2, 0.4], [2.8, 0.7], 5), body([0.9, 0.1], [1.7, 0.3], 3));
-        let mut mesh =
-            Mesh::clone(&Mesh::of_bodies(&[("own", &own), ("far", &far), ("near", &near)]).unwrap());
-        mesh.name_facets("lids", "boundary", |x| x[1] == 0.4 || x[1] == 0.1).unwrap();
+        let mesh = plate_before_another();
         let space = Space::vector(&mesh, degree).unwrap();
         let (u, w) = (wave(&space, 0.01, 0.4), wave(&space, 1.0, 1.7));
         let energies = energies_of(&Pairing::onto("own top", "lids").within_reach(0.6), Cover::Part);
@@ -229,7 +209,7 @@ fn self_contact_tools_and_hidden_plates() {
     }
 }
 
-/// In a sum the motion of the points completes the energy's part alone: the form's has a force that is no gradient.
+/// Sums: the motion of the points completes the part of the energy only, since the force of the form is no gradient.
 #[test]
 fn sums_of_energies_and_forms() {
     let mesh = plates(CellShape::Quadrilateral, 1, [7, 9]);
@@ -237,7 +217,7 @@ fn sums_of_energies_and_forms() {
     let model = model(&Pairing::between("lower top", "upper bottom"));
     let (u, w) = (bent(&space, 0.2), wave(&space, 1.0, 0.9));
     let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(7));
-    let sum: Form<2> = &(0.7 * &model.springs().into_form()) + &model.held_springs();
+    let sum: Form<2> = &(0.7 * &model.springs().to_form()) + &model.held_springs();
     let off = off_differences(&assembler, &sum, (&u, &w), 2e-4);
     let asymmetry = asymmetry(&assembler.tangent(&sum, &[&u], &[&space]).unwrap());
     println!("{off:.1e}, asymmetry {asymmetry:.1e}");
@@ -249,7 +229,7 @@ fn sums_of_energies_and_forms() {
 fn threads_leave_the_bits() {
     let mesh = plates(CellShape::Quadrilateral, 1, [150, 190]);
     let space = Space::vector(&mesh, 1).unwrap();
-    let form = model(&Pairing::between("lower top", "upper bottom")).all().into_form();
+    let form = model(&Pairing::between("lower top", "upper bottom")).all().to_form();
     let u = bent(&space, 0.2);
     let on = |count: usize| {
         let assembler = Assembler::new(&mesh).with_threads(Threads::new(count));
@@ -268,7 +248,7 @@ fn energies_of_two_unknowns() {
         let (space, scalars) = (Space::vector(&mesh, degree).unwrap(), Space::scalar(&mesh, 1).unwrap());
         let tests = [&space, &scalars];
         let energy = model(&Pairing::between("lower top", "upper bottom")).pressed();
-        let form = energy.into_form();
+        let form = energy.to_form();
         let assembler = Assembler::new(&mesh);
         let (u, w) = (bent(&space, 0.2), wave(&space, 1.0, 0.9));
         let p = Field::interpolate(&scalars, |x| (3.0 * x[0]).sin()).unwrap();
@@ -302,7 +282,7 @@ fn energies_of_two_unknowns() {
     }
 }
 
-/// Where segments appear at the start, and free ends lie inside of facets: order two of the gradient, three with the second derivatives.
+/// Orders from a start at which segments appear, with free ends inside of facets: two of the gradient, three with the second derivatives.
 #[test]
 fn taylor_tests_start_where_segments_appear() {
     for shape in [CellShape::Quadrilateral, CellShape::Triangle] {
@@ -311,7 +291,7 @@ fn taylor_tests_start_where_segments_appear() {
         let mesh = Mesh::of_bodies(&[("layer", &layer), ("block", &block)]).unwrap();
         let (space, assembler) = (Space::vector(&mesh, 1).unwrap(), Assembler::new(&mesh));
         let energy = model(&Pairing::onto("layer top", "block bottom")).springs();
-        let form = energy.into_form();
+        let form = energy.to_form();
         let u = Field::zero(&space);
         for phase in [0.3, 1.7, 2.9] {
             let w = wave(&space, 0.3, phase);
@@ -344,7 +324,7 @@ fn forces_of_flat_contact_are_those_of_the_form() {
         let space = Space::vector(&mesh, degree).unwrap();
         let law = model(&Pairing::onto("block bottom", "layer top"));
         let (assembler, u) = (Assembler::new(&mesh), Field::zero(&space));
-        let [energy, form] = [law.penalty().into_form(), law.held()]
+        let [energy, form] = [law.penalty().to_form(), law.held()]
             .map(|form| assembler.residual(&form, &[&u], &[&space]).unwrap());
         let off = largest(energy.iter().zip(&form).map(|(a, b)| a - b)) / largest(form.iter().copied());
         println!("degree {degree}: {off:.1e}");

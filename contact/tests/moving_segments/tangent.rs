@@ -197,6 +197,39 @@ pub fn hairpin() -> Mesh<2> {
     structured([17, 1], CellShape::Quadrilateral, 1, place).unwrap()
 }
 
+/// A block under a rigid tool with kinks, with a displacement and a direction that move the tool's cell as one piece.
+pub fn block_under_a_tool(degree: usize) -> (Mesh<2>, [Field<2>; 2]) {
+    let block = rectangle([0.0, 0.0], [2.0, 0.6], [6, 2], CellShape::Quadrilateral, 1).unwrap();
+    let points = [[-0.2, 0.9], [0.55, 0.64], [0.9, 0.58], [1.4, 0.6], [2.3, 0.75]];
+    let tool = RigidSurface::along(&points).unwrap();
+    let mesh = block.with_rigid_surfaces(&[("tool", &tool)]).unwrap();
+    let space = Space::vector(&mesh, degree).unwrap();
+    // Affine fields do.
+    let u = Field::interpolate(&space, |x| [0.01 * x[1], 0.02 * x[0] - 0.01]).unwrap();
+    let mut values = wave(&space, 1.0, 1.7).values().to_vec();
+    let affine = |x: &[f64; 2]| [0.3 + 0.2 * x[1] - 0.1 * x[0], 0.7 - 0.5 * x[0] + 0.2 * x[1]];
+    let rigid = Field::interpolate(&space, affine).unwrap();
+    let carried = mesh.cell_region("tool").unwrap()[0] as usize;
+    for node in space.cell_nodes(carried) {
+        let first = 2 * *node as usize;
+        values[first..first + 2].copy_from_slice(&rigid.values()[first..first + 2]);
+    }
+    let w = Field::from_values(&space, values).unwrap();
+    (mesh, [u, w])
+}
+
+/// A small plate in front of a large one, both opposite to a third.
+pub fn plate_before_another() -> Mesh<2> {
+    let body = |low: [f64; 2], high: [f64; 2], cells: usize| {
+        rectangle(low, high, [cells, 1], CellShape::Quadrilateral, 1).unwrap()
+    };
+    let own = body([0.0, -0.5], [3.0, 0.0], 7);
+    let (far, near) = (body([0.2, 0.4], [2.8, 0.7], 5), body([0.9, 0.1], [1.7, 0.3], 3));
+    let mut mesh = Mesh::clone(&Mesh::of_bodies(&[("own", &own), ("far", &far), ("near", &near)]).unwrap());
+    mesh.name_facets("lids", "boundary", |x| x[1] == 0.4 || x[1] == 0.1).unwrap();
+    mesh
+}
+
 /// A hairpin, and a rigid tool with kinks on a block.
 #[test]
 fn self_contact_and_rigid_tools() {
@@ -211,22 +244,7 @@ fn self_contact_and_rigid_tools() {
         let off = off_springs(&pin, &pairing, (&u, &w));
         println!("hairpin, degree {degree}: {off:.1e}");
         assert!(off < 1e-9, "{degree}: {off:e}");
-        let block = rectangle([0.0, 0.0], [2.0, 0.6], [6, 2], CellShape::Quadrilateral, 1).unwrap();
-        let points = [[-0.2, 0.9], [0.55, 0.64], [0.9, 0.58], [1.4, 0.6], [2.3, 0.75]];
-        let tool = RigidSurface::along(&points).unwrap();
-        let mesh = block.with_rigid_surfaces(&[("tool", &tool)]).unwrap();
-        let space = Space::vector(&mesh, degree).unwrap();
-        // Any affine field moves the tool's cell as one piece.
-        let u = Field::interpolate(&space, |x| [0.01 * x[1], 0.02 * x[0] - 0.01]).unwrap();
-        let mut values = wave(&space, 1.0, 1.7).values().to_vec();
-        let affine = |x: &[f64; 2]| [0.3 + 0.2 * x[1] - 0.1 * x[0], 0.7 - 0.5 * x[0] + 0.2 * x[1]];
-        let rigid = Field::interpolate(&space, affine).unwrap();
-        let carried = mesh.cell_region("tool").unwrap()[0] as usize;
-        for node in space.cell_nodes(carried) {
-            let first = 2 * *node as usize;
-            values[first..first + 2].copy_from_slice(&rigid.values()[first..first + 2]);
-        }
-        let w = Field::from_values(&space, values).unwrap();
+        let (mesh, [u, w]) = block_under_a_tool(degree);
         let off = off_springs(&mesh, &Pairing::onto("top", "tool"), (&u, &w));
         println!("tool, degree {degree}: {off:.1e}");
         assert!(off < 1e-9, "{degree}: {off:e}");
@@ -237,14 +255,7 @@ fn self_contact_and_rigid_tools() {
 #[test]
 fn a_plate_that_hides_another_one() {
     for degree in [1, 2] {
-        let body = |low: [f64; 2], high: [f64; 2], cells: usize| {
-            rectangle(low, high, [cells, 1], CellShape::Quadrilateral, 1).unwrap()
-        };
-        let own = body([0.0, -0.5], [3.0, 0.0], 7);
-        let (far, near) = (body([0.2, 0.4], [2.8, 0.7], 5), body([0.9, 0.1], [1.7, 0.3], 3));
-        let mut mesh =
-            Mesh::clone(&Mesh::of_bodies(&[("own", &own), ("far", &far), ("near", &near)]).unwrap());
-        mesh.name_facets("lids", "boundary", |x| x[1] == 0.4 || x[1] == 0.1).unwrap();
+        let mesh = plate_before_another();
         let space = Space::vector(&mesh, degree).unwrap();
         let (u, w) = (wave(&space, 0.01, 0.4), wave(&space, 1.0, 1.7));
         let pairing = Pairing::onto("own top", "lids").within_reach(0.6);

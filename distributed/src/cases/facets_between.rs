@@ -20,7 +20,7 @@ pub mod jumps {
     /// Between its cells.
     #[interior_facets]
     pub struct Inner;
-    /// Where u = x.
+    /// The part of the boundary with u = x.
     #[facets]
     pub struct Held;
 

@@ -81,7 +81,7 @@ pub type Values = Result<Vec<f64>, Box<dyn Error>>;
 /// Numbers by their names.
 pub type Results = Vec<(&'static str, Vec<f64>)>;
 
-/// What depends on whether a process has the whole mesh.
+/// Operations that differ between a whole mesh and its parts.
 pub struct Means<'a> {
     /// The values of a field at the vertices of the whole mesh.
     pub whole: &'a dyn Fn(&Field<2>) -> Values,

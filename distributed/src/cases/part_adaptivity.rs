@@ -77,7 +77,7 @@ pub fn on_one(at_vertices: impl Fn(&Field<2>) -> Vec<f64>) -> Result<Adapted, Fa
     Ok(Adapted { cells, estimates, values: at_vertices(&adapted.solution.field), start })
 }
 
-/// What the first process has between two meshes.
+/// The whole mesh and the last solution, which the first process keeps between two cycles.
 struct Whole {
     mesh: AdaptiveMesh<2>,
     /// The solution on the mesh before.

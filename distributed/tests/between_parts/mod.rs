@@ -1,4 +1,4 @@
-//! What goes across parts: controls that are fields, means of the whole body, interior facets.
+//! Tests across parts: controls that are fields, means of the whole body, interior facets.
 
 use std::collections::BTreeMap;
 

@@ -28,12 +28,15 @@ use crate::pairs::{Foot, FootCurve, NodeOfFoot, PairError};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
 
+/// A node's part in a foot, with the derivatives of the foot and of Φ,ₛ by its displacement.
+type PartOfFoot<const D: usize> = (NodeOfFoot, [f64; D], [f64; D]);
+
 /// The nodes of a space that move the feet of a unit, with their parts in each of them.
 #[derive(Default)]
 struct MovingNodes<const D: usize> {
     nodes: Vec<u32>,
-    /// Of each node and foot, with the first derivatives of the foot and those of Φ,ₛ.
-    parts: Vec<(NodeOfFoot, [f64; D], [f64; D])>,
+    /// Of each node and foot.
+    parts: Vec<PartOfFoot<D>>,
     feet: usize,
     seen: SeenNodes,
 }
@@ -99,7 +102,7 @@ impl<const D: usize> MovingNodes<D> {
         }
     }
 
-    fn of(&self, number: usize) -> &[(NodeOfFoot, [f64; D], [f64; D])] {
+    fn of(&self, number: usize) -> &[PartOfFoot<D>] {
         &self.parts[number * self.feet..][..self.feet]
     }
 }
@@ -109,7 +112,7 @@ impl<const D: usize> MovingNodes<D> {
 fn add_block<const D: usize>(
     feet: &[Option<Foot<D>>],
     (first, second): (&[f64], &[f64]),
-    [rows, columns]: [&[(NodeOfFoot, [f64; D], [f64; D])]; 2],
+    [rows, columns]: [&[PartOfFoot<D>]; 2],
     block: &mut [f64],
 ) {
     for (one, (part, rate, turn)) in rows.iter().enumerate() {

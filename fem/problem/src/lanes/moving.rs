@@ -99,7 +99,9 @@ impl<L: SimdLane> Lane for Moving<L> {
     }
     #[inline(always)]
     fn load(values: &[f64]) -> Self {
-        Moving { value: L::load(values), slope: L::splat(f64::NAN) }
+        // A product, so that derivatives of the slope are lost, too.
+        let value = L::load(values);
+        Moving { value, slope: value * L::splat(f64::NAN) }
     }
     #[inline(always)]
     fn store(self, values: &mut [f64]) {

@@ -251,9 +251,9 @@ mod tests {
                     found[a] += both * by[k][a] + curve.factor * (turn[a] * of_rate + rate[a] * of_turn);
                 }
             }
-            for a in 0..2 {
+            for (a, found) in found.into_iter().enumerate() {
                 let difference = fourth_order(5e-4, |t| rate_along(t, &by, j)[a]);
-                assert!((found[a] - difference).abs() < 1e-9, "{j} {a}: {} {difference}", found[a]);
+                assert!((found - difference).abs() < 1e-9, "{j} {a}: {found} {difference}");
             }
         }
     }

@@ -83,12 +83,12 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
                 }
                 for one in 0..feet {
                     let change = along[one].multiply_add(first, stretch[one] * density);
-                    sums[one] = sums[one] + change;
+                    sums[one] += change;
                     for other in 0..feet {
                         let both = along[one].multiply_add(stretch[other], stretch[one] * along[other]);
                         let change = (along[one] * along[other]).multiply_add(second, both * first);
                         let sum = &mut sums[feet + one * feet + other];
-                        *sum = *sum + change;
+                        *sum += change;
                     }
                 }
             }

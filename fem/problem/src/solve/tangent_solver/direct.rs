@@ -9,7 +9,7 @@ use crate::linear_algebra::error::check_size;
 use crate::solve::linear_solver::{LinearSolution, SolverError};
 use crate::solve::solver_report::SolverPath;
 
-/// What is found for each of several right-hand sides.
+/// A solution or an error for each of several right-hand sides.
 type Each = Vec<Result<LinearSolution, SolverError>>;
 
 impl TangentSolver {
