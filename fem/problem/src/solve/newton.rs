@@ -16,6 +16,7 @@ mod oscillation;
 mod partly_linear;
 mod report;
 mod tangent;
+mod watchdog;
 
 use std::collections::BTreeMap;
 

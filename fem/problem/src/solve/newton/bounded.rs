@@ -172,7 +172,7 @@ impl ActiveSet {
             way: match line_search {
                 LineSearch::Off => Way::Whole,
                 LineSearch::OnPotential => Way::Potential,
-                LineSearch::OnResidual => Way::Residual,
+                LineSearch::OnResidual | LineSearch::Watchdog => Way::Residual,
             },
             unsettled: false,
             unhindered: false,

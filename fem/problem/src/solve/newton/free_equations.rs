@@ -3,6 +3,7 @@
 use super::bounded::{ActiveSet, Moved};
 use super::judgement::{LastChange, Refinement};
 use super::line_search::{Forced, Taken, check_potential};
+use super::watchdog::Watchdog;
 use super::{
     Change, Equations, Iterates, NewtonFailure, NonlinearProblem, Norms, Origin, PrescribedValues, Products,
     Step, Verdict, WorstEquation,
@@ -49,6 +50,7 @@ pub(in crate::solve) struct FreeEquations<'a> {
     /// The equation that is off by the most of its terms, where one was.
     pub(super) worst: Option<WorstEquation>,
     pub(super) forced: Option<Forced>,
+    pub(super) watchdog: Watchdog,
     /// The unknowns that are held at bounds, where there are bounds.
     pub(in crate::solve) bounds: Option<ActiveSet>,
 }
@@ -73,6 +75,7 @@ impl<'a> FreeEquations<'a> {
             allowed_before: vec![],
             worst: None,
             forced: None,
+            watchdog: Watchdog::default(),
             bounds: None,
         }
     }
@@ -216,24 +219,37 @@ pub(super) fn hand_over(
 }
 
 impl FreeEquations<'_> {
-    /// Moves to the next iterate along a change of all unknowns. The part of it that was taken.
-    fn move_along(&mut self, values: &[f64], origin: Origin) -> Result<f64, NewtonFailure> {
+    /// Moves to the next iterate along a change of all unknowns, or along the step from an earlier iterate, which takes the place of the change then.
+    /// The part that was taken.
+    fn move_along(&mut self, values: &mut Vec<f64>, origin: Origin) -> Result<(f64, Begin), NewtonFailure> {
         if self.bounds.is_some() {
             let Moved { u, residuals, part } = self.move_between_bounds(values, origin)?;
             (self.iterates.u, self.residuals) = (u, residuals);
-            return Ok(part);
+            return Ok((part, Begin::LastIterate));
         }
-        let (Taken { part, residuals }, limit) = match origin {
+        let (Taken { part, residuals, elsewhere }, mut limit) = match origin {
             Origin::Tangent { .. } => self.limited_step(values)?,
             Origin::Judgement => (Taken::whole(), 1.0),
         };
+        let mut begin = Begin::LastIterate;
+        if let Some((u, step)) = elsewhere {
+            // That step was limited when it was taken first.
+            (self.iterates.u, *values, limit, begin) = (u, step, 1.0, Begin::EarlierIterate);
+        }
         add_scaled(&mut self.iterates.u, limit * part, values);
         self.residuals = match residuals {
             Some(found) => found,
             None => self.residuals_at_last()?,
         };
-        Ok(limit * part)
+        Ok((limit * part, begin))
     }
+}
+
+/// The place where a step begins.
+#[derive(Clone, Copy, PartialEq)]
+enum Begin {
+    LastIterate,
+    EarlierIterate,
 }
 
 impl Equations for FreeEquations<'_> {
@@ -268,7 +284,7 @@ impl Equations for FreeEquations<'_> {
             }
             Origin::Judgement => (0, None),
         };
-        let part = self.move_along(&values, origin)?;
+        let (part, begin) = self.move_along(&mut values, origin)?;
         let reduced: Vec<f64> = self.elimination.free().iter().map(|unknown| values[*unknown]).collect();
         let (length, lengths) = self.iterates.fields.norm_and_norms(&reduced);
         let step = Step {
@@ -279,7 +295,7 @@ impl Equations for FreeEquations<'_> {
             held: None,
         };
         values.iter_mut().for_each(|value| *value *= part);
-        self.last_change = Some(LastChange { values, origin });
+        self.last_change = (begin == Begin::LastIterate).then_some(LastChange { values, origin });
         self.enter(step, Some(lengths))
     }
 }

@@ -68,6 +68,8 @@ impl FreeEquations<'_> {
         }
         let progress = match self.last_change {
             Some(LastChange { origin: Origin::Judgement, .. }) => self.iterates.check_iterations(),
+            // The watchdog ends what does not lead on.
+            _ if self.watchdog.is_watching() => self.iterates.check_iterations(),
             _ => self.iterates.check_progress(),
         };
         let is_first = self.iterates.history.len() == 1;

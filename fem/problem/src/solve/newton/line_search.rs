@@ -23,12 +23,19 @@ pub enum LineSearch {
     /// the branches of a law, as they do with friction. With several fields each one's norm is divided by the norm of
     /// Σ_j |K_ij| (|u_j| + |δ_j|) over its rows i, so that neither units nor residuals that were small before matter.
     OnResidual,
+    /// As [`OnResidual`](LineSearch::OnResidual), but a whole step may raise the norm, if one of the next whole steps lowers it below the value before. If none of
+    /// three does, the iteration goes back to that place and shortens the step from there (the watchdog technique of Chamberlain, Powell, Lemaréchal
+    /// and Pedersen 1982). It takes fewer steps where contact comes about at many points at once: the forces that appear there are large until the
+    /// tangent knows them. With bounds on unknowns it is `OnResidual`.
+    Watchdog,
 }
 
 /// The part of a step that is taken, and the residual there if it is known.
 pub(super) struct Taken {
     pub part: f64,
     pub residuals: Option<Residuals>,
+    /// The place from which it is taken, and the step, where these are not the last iterate and the last step.
+    pub elsewhere: Option<(Vec<f64>, Vec<f64>)>,
 }
 
 impl Taken {
@@ -38,7 +45,7 @@ impl Taken {
     }
 
     fn some(part: f64) -> Self {
-        Taken { part, residuals: None }
+        Taken { part, residuals: None, elsewhere: None }
     }
 }
 
@@ -63,6 +70,21 @@ pub(super) const SYMMETRIC: f64 = 1e-9;
 
 /// Most evaluations along a step: bisection reaches 10⁻⁹ of it.
 const EVALUATIONS: usize = 30;
+
+/// A step from a place, the residual's norm there, and the scales of the norm.
+pub(super) struct Way<'v> {
+    pub u: &'v [f64],
+    pub step: &'v [f64],
+    pub before: f64,
+    pub scales: &'v [f64],
+}
+
+impl Way<'_> {
+    /// The largest norm that is a fall, after a part of the step.
+    pub fn allowed(&self, part: f64) -> f64 {
+        (1.0 - FALL * part) * self.before
+    }
+}
 
 /// The last step that was taken although the residual rose.
 #[derive(Clone, Copy, Debug)]
@@ -114,6 +136,7 @@ impl FreeEquations<'_> {
             LineSearch::Off => Ok(Taken::whole()),
             LineSearch::OnPotential => self.along_potential(step),
             LineSearch::OnResidual => self.along_residual(step),
+            LineSearch::Watchdog => self.under_watch(step),
         }
     }
 
@@ -140,17 +163,28 @@ impl FreeEquations<'_> {
     /// The part of a step with which the residual's norm falls.
     fn along_residual(&mut self, step: &[f64]) -> Result<Taken, NewtonFailure> {
         let scales = self.scales(step)?;
-        let iterates = &self.iterates;
-        let before = iterates.merit(&self.residuals.reduced, &scales);
-        let choice = self.forced_choice(before);
+        let before = self.iterates.merit(&self.residuals.reduced, &scales);
+        let u = self.iterates.u.clone();
+        self.falling_part(&Way { u: &u, step, before, scales: &scales }, 0)
+    }
+
+    /// The residual at a part of a way, and its norm.
+    pub(super) fn at_part(&mut self, way: &Way<'_>, part: f64) -> Result<(Residuals, f64), NewtonFailure> {
+        let at: Vec<f64> = way.u.iter().zip(way.step).map(|(u, step)| u + part * step).collect();
+        let residuals = Residuals::at(self.problem, &self.elimination, &at)?;
+        let merit = self.iterates.merit(&residuals.reduced, way.scales);
+        Ok((residuals, merit))
+    }
+
+    /// The largest part 2⁻ᵏ of a way, from a number k of halvings on, with which the residual's norm falls.
+    pub(super) fn falling_part(&mut self, way: &Way<'_>, halvings: i32) -> Result<Taken, NewtonFailure> {
+        let choice = self.forced_choice(way.before);
         let mut otherwise = None;
-        for halvings in 0..=HALVINGS {
+        for halvings in halvings..=HALVINGS {
             let part = 0.5_f64.powi(halvings);
-            let at: Vec<f64> = iterates.u.iter().zip(step).map(|(u, step)| u + part * step).collect();
-            let residuals = Residuals::at(self.problem, &self.elimination, &at)?;
-            let merit = iterates.merit(&residuals.reduced, &scales);
-            let taken = Taken { part, residuals: Some(residuals) };
-            if merit <= (1.0 - FALL * part) * before {
+            let (residuals, merit) = self.at_part(way, part)?;
+            let taken = Taken { part, residuals: Some(residuals), elsewhere: None };
+            if merit <= way.allowed(part) {
                 return Ok(taken);
             }
             // What is not finite is too far.
@@ -158,7 +192,7 @@ impl FreeEquations<'_> {
                 otherwise = Some(taken);
             }
         }
-        self.forced = Some(Forced { before, choice });
+        self.forced = Some(Forced { before: way.before, choice });
         otherwise.ok_or(NewtonFailure::NoDescent)
     }
 
