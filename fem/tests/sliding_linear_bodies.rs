@@ -117,6 +117,18 @@ fn friction_in_the_plane() {
 }
 
 #[test]
+fn friction_in_the_plane_under_a_watchdog() {
+    both_ways::<2>([20, 23], 0.3, LineSearch::Watchdog);
+    let states = [LineSearch::OnResidual, LineSearch::Watchdog]
+        .map(|line_search| slide::<2>([20, 23], 0.3, line_search, &mut LuSolver::default()));
+    for (one, other) in states[0].iter().zip(&states[1]) {
+        let pairs = one.field().values().iter().zip(other.field().values());
+        let difference = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(difference < 1e-11, "{difference:e}");
+    }
+}
+
+#[test]
 fn frictionless_in_space() {
     both_ways::<3>([4, 5], 0.0, LineSearch::Off);
 }

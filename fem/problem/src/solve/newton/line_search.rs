@@ -23,10 +23,10 @@ pub enum LineSearch {
     /// the branches of a law, as they do with friction. With several fields each one's norm is divided by the norm of
     /// Σ_j |K_ij| (|u_j| + |δ_j|) over its rows i, so that neither units nor residuals that were small before matter.
     OnResidual,
-    /// As [`OnResidual`](LineSearch::OnResidual), but a whole step may raise the norm, if one of the next whole steps lowers it below the value before. If none of
-    /// three does, the iteration goes back to that place and shortens the step from there (the watchdog technique of Chamberlain, Powell, Lemaréchal
-    /// and Pedersen 1982). It takes fewer steps where contact comes about at many points at once: the forces that appear there are large until the
-    /// tangent knows them. With bounds on unknowns it is `OnResidual`.
+    /// As [`OnResidual`](LineSearch::OnResidual), but a whole step may raise the norm, if one of the next three whole steps lowers it below the value before. If none
+    /// does, the iteration goes back to that place and shortens the step from there (the watchdog technique of Chamberlain, Powell, Lemaréchal
+    /// and Pedersen 1982). It takes fewer steps where flat surfaces meet at many points at once: the forces that appear there are large until the
+    /// tangent knows them. Where contact grows from a point it takes more. With bounds on unknowns it is `OnResidual`.
     Watchdog,
 }
 

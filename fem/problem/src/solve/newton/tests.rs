@@ -4,6 +4,7 @@ mod bounds;
 mod failures;
 mod few_unknowns;
 mod related_unknowns;
+mod watchdog;
 
 use super::convergence::Fields;
 use super::*;
