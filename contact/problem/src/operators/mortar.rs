@@ -88,7 +88,7 @@ pub mod multipliers {
 
     /// The means that contact and friction allow, gap and slip in one vector: d − m/γ where the surfaces do not press, 0 where they stick, and
     /// (Π_b(t − γ s) − (t − γ s))/γ where they slip, with the bound b of |t|; the last two less what δ adds. A node without tractions and means has the
-    /// mean of the first two, m = −γ d: it is held by a spring for a Newton step. If it stuck, a function of which a sliver has come to be faced would bear any force.
+    /// mean of the first two, m = −γ d: it is held by a spring for a Newton step. If it stuck, a function that has come to be faced by a sliver would bear any force.
     pub fn allowed_means(m: Vector, d: Vector, gamma: Scalar) -> Vector {
         let pressure = pressure_of(m) - gamma * pressure_of(d);
         let trial = across(m) - gamma * across(d);
