@@ -1,8 +1,9 @@
 //! Checks of multipliers on own facets: each node has one condition of contact at most, and none where displacements are prescribed.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
-use forms_fem::mesh::MeshError;
+use forms_fem::locate::long_normal;
+use forms_fem::mesh::{Facet, MeshError};
 use forms_fem::prelude::*;
 use thiserror::Error;
 
@@ -74,6 +75,9 @@ pub enum MultiplierError {
 
 /// Least cosine of the angle between the axis of multipliers and normals: tangents turn once around −axis.
 const LEAST_COSINE: f64 = -0.8;
+
+/// Least cosine of the angle between the normals of two facets at a node that is on no sharp edge: that of 60°.
+const SHARP: f64 = 0.5;
 
 /// Parts of a cell's diameter up to which two positions are one.
 const SAME: f64 = 1e-9;
@@ -174,4 +178,60 @@ pub(crate) fn check_axis<const D: usize>(
             position: found.positions[place].to_vec(),
         }),
     }
+}
+
+/// A note on sharp edges of a pairing's own surface, where the normals of a node's facets differ by more than 60°. The mean gap of such a
+/// node counts both sides, and where one of them is open the node bears nothing. It names the sharpest one. None: there are no such edges.
+///
+/// # Errors
+/// A surface that the mesh does not have.
+pub fn note_on_sharp_edges<const D: usize>(
+    pairing: &Pairing,
+    mesh: &Mesh<D>,
+) -> Result<Option<String>, MeshError> {
+    let mut normals: BTreeMap<u32, Vec<[f64; D]>> = BTreeMap::new();
+    for facing in &pairing.surfaces {
+        for facet in mesh.facet_region(&facing.own)? {
+            for (place, vertex) in mesh.facet_vertices(*facet).enumerate() {
+                normals.entry(vertex).or_default().push(normal_at(mesh, *facet, place));
+            }
+        }
+    }
+    let cosine = |a: &[f64; D], b: &[f64; D]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let least = |of_node: &Vec<[f64; D]>| {
+        let pairs = of_node.iter().enumerate().flat_map(|(k, a)| of_node[..k].iter().map(move |b| (a, b)));
+        pairs.map(|(a, b)| cosine(a, b)).fold(1.0, f64::min)
+    };
+    let sharp: Vec<(u32, f64)> = normals.iter().map(|(vertex, all)| (*vertex, least(all))).collect();
+    let sharp: Vec<(u32, f64)> = sharp.into_iter().filter(|(_, cosine)| *cosine < SHARP).collect();
+    let Some((vertex, cosine)) = sharp.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { return Ok(None) };
+    let (position, angle) = (mesh.nodes()[*vertex as usize], cosine.clamp(-1.0, 1.0).acos().to_degrees());
+    let further = match sharp.len() - 1 {
+        0 => String::new(),
+        count => format!(", and by more than 60° at {count} more nodes"),
+    };
+    Ok(Some(format!(
+        "the own surface of {pairing} turns by {angle:.0}° at {position:?}{further}: the mean gap of a node there counts both sides, and where one of them is \
+         open the node bears nothing. End the own surface at sharp edges (`mesh.name_facets`)"
+    )))
+}
+
+/// The outward unit normal of a facet at one of its vertices, whose place among them is given.
+fn normal_at<const D: usize>(mesh: &Mesh<D>, facet: Facet, place: usize) -> [f64; D] {
+    let (cell, shape) = (facet.cell as usize, mesh.cell_shape(facet.cell as usize));
+    let (vertices, points) = (shape.facet_vertices(usize::from(facet.local)), shape.vertex_points());
+    let at = |place: usize| &points[vertices[place % vertices.len()]];
+    let (x, jacobian) = mesh.map(cell, &std::array::from_fn(|k| at(place)[k]));
+    // Corners along the edges that meet there, in the facet's order.
+    let along = |to: &[f64; 3]| -> [f64; D] {
+        let turned = |row: &[f64; D]| (0..D).map(|k| row[k] * (to[k] - at(place)[k])).sum::<f64>();
+        std::array::from_fn(|i| x[i] + turned(&jacobian[i]))
+    };
+    let corners = match D {
+        2 => [0, 1, 1],
+        _ => [place, place + 1, place + vertices.len() - 1],
+    };
+    let normal = long_normal(&std::array::from_fn(|k| along(at(corners[k]))));
+    let length = normal.iter().map(|part| part * part).sum::<f64>().sqrt();
+    normal.map(|part| part / length)
 }

@@ -4,7 +4,7 @@ use forms_fem::contract::Region;
 use forms_fem::forms;
 use forms_fem::prelude::*;
 
-use crate::multiplier_nodes::{MultiplierError, check_axis, check_multipliers};
+use crate::multiplier_nodes::{MultiplierError, check_axis, check_multipliers, note_on_sharp_edges};
 use crate::parameter_ranges;
 use crate::parameter_ranges::ParameterRanges;
 
@@ -100,20 +100,19 @@ parameter_ranges!(mortar_bodies_with_friction {
     non_negative: friction,
 });
 
-/// The check of the multipliers of a law's pairs.
+/// The check of the multipliers of a law's pairs, and a note on sharp edges.
 fn check_pairs<const D: usize>(
     pairs: &Region,
     space: &Arc<Space<D>>,
     held: &Constraints<D>,
-) -> Result<(), MultiplierError> {
-    match &pairs.pairing {
-        Some(pairing) => check_multipliers(&[(pairing, space)], held),
-        None => Ok(()),
-    }
+) -> Result<Option<String>, MultiplierError> {
+    let Some(pairing) = &pairs.pairing else { return Ok(None) };
+    check_multipliers(&[(pairing, space)], held)?;
+    Ok(note_on_sharp_edges(pairing, space.mesh())?)
 }
 
 /// The direct problem without friction on the spaces of displacement and pressure, which is also that of the mean gap, with its conditions. Newton's method
-/// takes whole steps; a line search on the residual leaves them whole.
+/// takes whole steps; a line search on the residual leaves them whole. Where the own surface goes round a sharp edge the solution has a note.
 ///
 /// # Errors
 /// [`MultiplierError`]: a parameter out of its range; multipliers that are not those of the own surface, or at a node whose displacement is
@@ -128,8 +127,8 @@ where
 {
     let form = model.direct();
     model.check(form.name())?;
-    check_pairs(&model.regions.touch.0, spaces[1], held)?;
-    Ok(Problem::new(&form, [spaces[0], spaces[1], spaces[1]]).constrained(held))
+    let note = check_pairs(&model.regions.touch.0, spaces[1], held)?;
+    Ok(Problem::new(&form, [spaces[0], spaces[1], spaces[1]]).constrained(held).with_notes(note))
 }
 
 /// The direct problem of a step with friction, as [`mortar_problem`], with a line search on the residual unless it is given other
@@ -147,10 +146,11 @@ where
 {
     let form = model.direct();
     model.check(form.name())?;
-    check_pairs(&model.regions.touch.0, spaces[1], held)?;
+    let note = check_pairs(&model.regions.touch.0, spaces[1], held)?;
     if D > 2 {
         check_axis(&model.axis_cosine(), spaces[1])?;
     }
     let options = NewtonOptions { line_search: LineSearch::OnResidual, ..NewtonOptions::default() };
-    Ok(Problem::new(&form, [spaces[0], spaces[1], spaces[1]]).constrained(held).options(options))
+    let problem = Problem::new(&form, [spaces[0], spaces[1], spaces[1]]).constrained(held);
+    Ok(problem.options(options).with_notes(note))
 }

@@ -2,7 +2,7 @@
 
 use forms_contact::laws::mortar_bodies as law;
 use forms_contact::laws::mortar_bodies::mortar_problem;
-use forms_contact::multiplier_nodes::{MultiplierError, check_multipliers};
+use forms_contact::multiplier_nodes::{MultiplierError, check_multipliers, note_on_sharp_edges};
 use forms_fem::constraints::RigidMap;
 use forms_fem::prelude::*;
 
@@ -71,5 +71,46 @@ fn nodes_without_a_condition_of_their_own() {
         let model = law::Model { data, regions };
         let Err(found) = mortar_problem(&model, [&space, &bottom], &held) else { panic!("it is refused") };
         assert_eq!(found, MultiplierError::Prescribed { own: own.to_owned(), position: vec![1.5, 0.0] });
+    }
+}
+
+#[test]
+fn sharp_edges_of_own_surfaces_are_noted() {
+    let mut mesh = mesh();
+    mesh.name_facets("lower left", "block left", |x| x[1] < 0.6).unwrap();
+    let listed =
+        ["block bottom", "lower left"].map(|name| mesh.facet_region(name).unwrap().to_vec()).concat();
+    mesh.name_listed_facets("bottom and left", &listed).unwrap();
+    let space = Space::vector(&mesh, 1).unwrap();
+    let mut held = Constraints::new(&space);
+    held.fix("slab bottom", |_| [0.0; 2]).unwrap();
+    held.fix("block top", |_| [0.0; 2]).unwrap();
+    let notes = |own: &str| {
+        let (regions, pressures) = (law::Regions::default(), Space::on_facets(&mesh, own, 1).unwrap());
+        let regions = regions.touch(Pairing::onto(own, "slab top")).own(own).gamma_n("block right");
+        let model = law::Model { data: law::data().lambda(1.0).mu(1.0).gamma0(10.0), regions };
+        mortar_problem(&model, [&space, &pressures], &held).unwrap().solve().unwrap().notes()
+    };
+    let is_told = |note: &String| note.contains("turns by 90° at [0.5, 0.0]: the mean gap");
+    assert!(notes("bottom and left").iter().any(is_told), "{:?}", notes("bottom and left"));
+    assert!(!notes("block bottom").iter().any(|note| note.contains("turns by")));
+
+    // Curved facets, whose chords differ by 90°, meet without an edge.
+    let of_rim = |degree: usize| {
+        let ring = annulus(0.5, 1.0, 1, 4, CellShape::Quadrilateral, degree).unwrap();
+        note_on_sharp_edges(&Pairing::onto("outer", "inner"), &ring).unwrap()
+    };
+    assert!(of_rim(1).is_some_and(|note| note.contains("turns by 90°") && note.contains("3 more nodes")));
+    assert_eq!(of_rim(2), None);
+    for shape in [CellShape::Hexahedron, CellShape::Tetrahedron] {
+        let mut cube = cuboid([0.0; 3], [1.0; 3], [2; 3], shape, 1).unwrap();
+        cube.name_facets("corner", "boundary", |x| x[0] == 0.0 || x[1] == 0.0).unwrap();
+        cube.name_facets("side", "boundary", |x| x[0] == 0.0).unwrap();
+        let note = |own| note_on_sharp_edges(&Pairing::onto(own, "right"), &cube).unwrap();
+        let parts =
+            ["corner onto right turns by 90° at [0.0, 0.0, ", "], and by more than 60° at 2 more nodes"];
+        let corner = note("corner").unwrap();
+        assert!(parts.iter().all(|part| corner.contains(part)), "{corner}");
+        assert_eq!(note("side"), None);
     }
 }

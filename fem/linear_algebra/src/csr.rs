@@ -1,6 +1,7 @@
 //! Sparse matrices in compressed rows, on a shared sparsity pattern.
 
 mod symmetry;
+mod vanishing_diagonal;
 mod whole_diagonal;
 
 use std::sync::Arc;

@@ -191,7 +191,7 @@ pub(super) fn scale(matrix: &CsrMatrix) -> Result<(Vec<f64>, Vec<f64>), LinearAl
     let (rows, columns) = scale_from(matrix, vec![1.0; size])?;
     // In a saddle point [K Bᵀ; B 0] whose unknowns have odd units B may hide K: all rows have largest entries of about one
     // before anything was scaled. There K's own diagonal gives the unit of its unknowns, and B then that of the multipliers.
-    let diagonal: Vec<f64> = (0..size).map(|row| matrix.get(row, row).abs()).collect();
+    let diagonal: Vec<f64> = matrix.diagonal_above_rounding().iter().map(|value| value.abs()).collect();
     let zero_block = diagonal.contains(&0.0);
     let of_row = |row: usize| diagonal[row] * rows[row] * columns[row];
     let largest = (0..size).map(of_row).fold(0.0_f64, f64::max);

@@ -52,7 +52,8 @@ impl SymmetricFactor {
     ) -> Result<Self, LinearAlgebraError> {
         let start = Instant::now();
         matrix.check_finite()?;
-        let (scales, diagonal) = (scales_of_pivots(matrix), matrix.diagonal());
+        let diagonal = matrix.diagonal_above_rounding();
+        let scales = scales_of_pivots(matrix, &diagonal);
         let substitutes: Vec<f64> = analysis
             .order
             .iter()
@@ -115,7 +116,8 @@ impl SymmetricFactor {
         let mut is_negative = vec![false; self.analysis.size()];
         negative.iter().for_each(|place| is_negative[self.analysis.order[*place as usize] as usize] = true);
         let turned = |(value, negative): (&f64, &bool)| *value != 0.0 && (*value < 0.0) != *negative;
-        matrix.diagonal().iter().zip(&is_negative).filter(|pair| turned((pair.0, pair.1))).count()
+        let diagonal = matrix.diagonal_above_rounding();
+        diagonal.iter().zip(&is_negative).filter(|pair| turned((pair.0, pair.1))).count()
     }
 
     /// Estimates by the power method what a step of refinement with this factor leaves of an error. A rate below one proves that
@@ -156,9 +158,9 @@ impl SymmetricFactor {
 }
 
 /// The scale of each pivot: the diagonal, or that of the Schur complement of a multiplier, or the largest entry of the row.
-fn scales_of_pivots(matrix: &CsrMatrix) -> Vec<f64> {
+fn scales_of_pivots(matrix: &CsrMatrix, diagonal: &[f64]) -> Vec<f64> {
     let largest = |row: usize| matrix.row(row).1.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-    let sizes = matrix.sizes_of_unknowns().into_iter().enumerate();
+    let sizes = matrix.sizes_by_diagonal(diagonal.to_vec()).into_iter().enumerate();
     sizes.map(|(row, size)| if size > 0.0 { size * size } else { largest(row) }).collect()
 }
 

@@ -131,7 +131,12 @@ impl CsrMatrix {
     /// √|a_ii|; where the diagonal is zero, as that of a multiplier, the largest |a_ij| / √|a_jj|.
     #[doc(hidden)]
     pub fn sizes_of_unknowns(&self) -> Vec<f64> {
-        sizes_of_unknowns(self.diagonal(), |row, visit| {
+        self.sizes_by_diagonal(self.diagonal())
+    }
+
+    /// [`CsrMatrix::sizes_of_unknowns`] by a diagonal with more zeros.
+    pub(crate) fn sizes_by_diagonal(&self, diagonal: Vec<f64>) -> Vec<f64> {
+        sizes_of_unknowns(diagonal, |row, visit| {
             let (columns, values) = self.row(row);
             columns.iter().zip(values).for_each(|(column, value)| visit(*column as usize, *value));
         })

@@ -157,3 +157,27 @@ fn products_do_not_depend_on_threads() {
         assert!(product == alone);
     }
 }
+
+#[test]
+fn rounding_on_a_diagonal_is_zero_in_any_unit() {
+    // A spring with a multiplier, which has what rounding leaves on its diagonal, and with a soft part.
+    let matrix = |rest: f64, unit: f64| {
+        let multiplier = [(0, 1, 3.0 * unit), (1, 0, -3.0 * unit), (1, 1, rest * unit * unit)];
+        let soft = [(0, 2, 1e-11), (2, 0, 1e-11), (2, 2, 1e-20)];
+        CsrMatrix::from_triplets(3, 3, &[&[(0, 0, 2.0)], &multiplier[..], &soft].concat()).unwrap()
+    };
+    for unit in [1.0, 1e6, 1e-6] {
+        for rest in [0.0, 1e-16, -1e-16, 4e-15] {
+            assert_eq!(matrix(rest, unit).diagonal_above_rounding(), [2.0, 0.0, 1e-20], "{rest} {unit}");
+        }
+        for rest in [6e-15, -1e-13, 1.0] {
+            let matrix = matrix(rest, unit);
+            assert_eq!(matrix.diagonal_above_rounding(), matrix.diagonal(), "{rest} {unit}");
+        }
+    }
+    // An entry without a partner adds nothing to the diagonal.
+    let one_sided = CsrMatrix::from_triplets(2, 2, &[(0, 0, 1e-30), (0, 1, 1.0), (1, 1, 1.0)]).unwrap();
+    assert_eq!(one_sided.diagonal_above_rounding(), [1e-30, 1.0]);
+    let wide = CsrMatrix::from_triplets(1, 2, &[(0, 0, 1e-30), (0, 1, 1.0)]).unwrap();
+    assert_eq!(wide.diagonal_above_rounding(), [1e-30]);
+}

@@ -103,9 +103,9 @@ impl LuSolver {
         }
     }
 
-    /// Whether a matrix is large enough, and has no zeros on its diagonal.
+    /// Whether a matrix is large enough, and has no zeros on its diagonal, rounding included.
     pub(super) fn may_be_unpivoted(matrix: &CsrMatrix) -> bool {
-        matrix.rows() >= SMALL && !matrix.diagonal().contains(&0.0)
+        matrix.rows() >= SMALL && !matrix.diagonal_above_rounding().contains(&0.0)
     }
 
     /// Factors a matrix without exchanges of rows. False: it is small, or has zeros on its diagonal, or the factor is not accurate.

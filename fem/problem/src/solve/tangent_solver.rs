@@ -328,7 +328,7 @@ impl LinearSolver for TangentSolver {
         (self.symmetric, self.equals_transposed) =
             (asymmetry <= self.options.symmetry_tolerance, asymmetry == 0.0);
         let known = self.lu_size == Some(matrix.rows());
-        let diagonal = matrix.diagonal();
+        let diagonal = matrix.diagonal_above_rounding();
         let saddle = diagonal.contains(&0.0);
         if self.symmetric && !known && diagonal.iter().any(|value| *value <= 0.0) {
             let found = self.factor_with_signs(&matrix);

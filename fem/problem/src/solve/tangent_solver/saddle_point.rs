@@ -51,7 +51,8 @@ impl TangentSolver {
 fn is_good(factor: &SymmetricFactor, matrix: &CsrMatrix) -> Result<(), LinearAlgebraError> {
     let remainder = factor.remainder(matrix)?;
     // Without zeros on the diagonal, signs other than its own are those of a matrix for pivoting.
-    let is_truly_indefinite = factor.turned_pivots(matrix) > 0 && !matrix.diagonal().contains(&0.0);
+    let is_truly_indefinite =
+        factor.turned_pivots(matrix) > 0 && !matrix.diagonal_above_rounding().contains(&0.0);
     if remainder.rate <= RATE && remainder.inverse_norm <= ILL_CONDITIONED && !is_truly_indefinite {
         return Ok(());
     }

@@ -185,3 +185,35 @@ fn a_solver_that_cannot_converge_tells_its_history() {
     assert!(error(&matrix.multiply(&found).unwrap(), &[1.0; 40]) < 1e-10);
     assert_eq!((solver.report().path, solver.report().lu_factorisations), (Some(SolverPath::Lu), 1));
 }
+
+/// A chain of springs that a multiplier holds in its middle, with an entry on the multiplier's diagonal.
+fn held_chain(n: usize, sign: f64, rest: f64) -> CsrMatrix {
+    let mut triplets = vec![(n / 2, n, 1.0), (n, n / 2, sign), (n, n, rest)];
+    for i in 0..n {
+        triplets.push((i, i, 2.0));
+        if i > 0 {
+            triplets.extend([(i, i - 1, -1.0), (i - 1, i, -1.0)]);
+        }
+    }
+    CsrMatrix::from_triplets(n + 1, n + 1, &triplets).unwrap()
+}
+
+#[test]
+fn rounding_on_the_diagonal_of_a_saddle_point_is_zero() {
+    for n in [50, 700] {
+        let exact: Vec<f64> = (0..=n).map(|i| (0.2 * i as f64).cos()).collect();
+        for rest in [0.0, 1e-19, -1e-19] {
+            for (sign, path) in [(1.0, SolverPath::SignedCholesky), (-1.0, SolverPath::Lu)] {
+                let matrix = held_chain(n, sign, rest);
+                assert!(!LuSolver::may_be_unpivoted(&matrix));
+                let mut solver = TangentSolver::default();
+                solver.set_matrix(matrix.clone()).unwrap();
+                let found = solver.solve(&matrix.multiply(&exact).unwrap(), 0.0).unwrap();
+                assert!(error(&found.solution, &exact) < 1e-9, "{n} {rest} {sign}");
+                assert_eq!(solver.report().path, Some(path), "{n} {rest} {sign}");
+                assert_eq!(solver.report().factorisations, usize::from(sign > 0.0));
+            }
+        }
+        assert_eq!(LuSolver::may_be_unpivoted(&held_chain(n, -1.0, 1e-3)), n > 500);
+    }
+}
