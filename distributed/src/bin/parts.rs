@@ -47,7 +47,9 @@ fn run(world: &World) -> Outcome {
             solve(&cube(CellShape::Hexahedron)?, &name, degree, method, start)
         }
         "slides" => solve(&cube(CellShape::Hexahedron)?, &name, degree, method, start),
-        "trees" | "rubber trees" => solve(&world.scatter(|| trees(divisions))?, &name, degree, method, start),
+        "trees" | "strip trees" | "rubber trees" => {
+            solve(&world.scatter(|| trees(divisions))?, &name, degree, method, start)
+        }
         "hanging trees" => solve(&world.divide(&trees(divisions)?)?, &name, degree, method, start),
         "trees with surfaces" => {
             let part = world.scatter(|| trees(divisions))?;

@@ -135,13 +135,7 @@ impl<const D: usize> Mesh<D> {
         Ok(mesh)
     }
 
-    /// Whether nodes hang on exterior facets, as in meshes of [`Mesh::from_nonconforming_blocks`] or where bodies touch.
-    #[doc(hidden)]
-    pub fn hangs_outside(&self) -> bool {
-        !self.touching().hanging_nodes.is_empty()
-    }
-
-    /// This piece of a mesh of which [`Mesh::hangs_outside`] is known.
+    /// This piece, with whether nodes hang on exterior facets of the larger mesh.
     #[doc(hidden)]
     #[must_use]
     pub fn with_hanging_outside(mut self, hangs_outside: bool) -> Self {
