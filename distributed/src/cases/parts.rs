@@ -137,7 +137,7 @@ impl Case {
 pub fn trees(divisions: usize) -> Result<Mesh<3>, MeshError> {
     let cube = cuboid([0.0; 3], [1.0; 3], [divisions; 3], CellShape::Hexahedron, 1)?;
     let mut mesh = refined(cube, &[0.4, 0.0, 1.0], &[0.6, 0.3])?;
-    mesh.name_facets("strip", "top", |x| x[1] < 0.2)?;
+    mesh.name_facets("strip", "top", |x| x[1] < 0.48)?;
     Ok(mesh)
 }
 

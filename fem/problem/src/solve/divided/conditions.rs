@@ -65,7 +65,7 @@ pub fn conditions_of_all(
     let values = values.as_chunks().0.iter().map(|[number, value]| (*number as usize, *value)).collect();
     let mut conditions = joined(values, &all)?;
     let is_open = |unknown: &usize| vectors.owns(*unknown) && !prescribed.contains_key(unknown);
-    let open = at_hanging.iter().filter(|(unknown, _)| is_open(*unknown));
+    let open = at_hanging.iter().filter(|(unknown, _)| is_open(unknown));
     let last = gathered(vectors, rank, &open.flat_map(pair).collect::<Vec<_>>())?;
     for [number, value] in last.as_chunks().0 {
         conditions.add_at_hanging(*number as usize, *value).map_err(contradiction)?;
