@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use forms_contact::ContactProblem;
 use forms_distributed::cases::ball_on_flat::ball_on_flat;
 use forms_distributed::cases::eigenmodes::{self, Eigenmodes};
 use forms_distributed::cases::histories;
@@ -175,23 +176,26 @@ fn a_ball_on_a_flat_is_the_same_with_its_adjoint_state() {
     for (theta, method, processes) in
         [(-1.0, "direct", &PROCESSES[..]), (-1.0, "gmres", &[2]), (1.0, "cg", &[4])]
     {
-        let problem = ball_on_flat(4, theta).unwrap();
-        let solved = problem.direct().unwrap().solver(&mut TangentSolver::default()).solve().unwrap();
-        let (u, law) = (solved.field(), &problem.law);
-        let value = |functional: &Functional<3>| problem.assembler.functional(functional).unwrap();
-        let force = value(&law.contact_force(u));
-        assert!(force > 1.0, "the ball is in contact");
-        let active = solved.history.iter().filter_map(|step| step.active_points).map(|count| count as f64);
-        let expected = BTreeMap::from([
-            ("J", vec![value(&law.criterion(u))]),
-            ("force", vec![force]),
-            ("u", vertices(u)),
-            ("adjoint", vertices(problem.adjoint(u).unwrap().solve().unwrap().field())),
-            ("steps", steps(&solved)),
-            ("active", active.collect()),
-        ]);
+        let expected = pressed_ball(&ball_on_flat(4, theta).unwrap());
         check(processes, &["ball", "4", "2", method], &expected);
     }
+}
+
+fn pressed_ball(problem: &ContactProblem<3>) -> Numbers {
+    let solved = problem.direct().unwrap().solver(&mut TangentSolver::default()).solve().unwrap();
+    let (u, law) = (solved.field(), &problem.law);
+    let value = |functional: &Functional<3>| problem.assembler.functional(functional).unwrap();
+    let force = value(&law.contact_force(u));
+    assert!(force > 1.0, "the ball is in contact");
+    let active = solved.history.iter().filter_map(|step| step.active_points).map(|count| count as f64);
+    BTreeMap::from([
+        ("J", vec![value(&law.criterion(u))]),
+        ("force", vec![force]),
+        ("u", vertices(u)),
+        ("adjoint", vertices(problem.adjoint(u).unwrap().solve().unwrap().field())),
+        ("steps", steps(&solved)),
+        ("active", active.collect()),
+    ])
 }
 
 /// Relations between unknowns: of one node, of two surfaces, and of all nodes of a surface. Some nodes are on several sides, where a process may
@@ -393,6 +397,9 @@ fn what_is_not_divided_is_refused() {
         ("uncounted", "3", "does not tell how many eigenvalues of a matrix are negative"),
         ("heavy", "3", "4294967296 weights of cells, added up, are more than PETSc's indices can count"),
         ("functional", "3", "and `part.functional(..)` for a functional"),
+        ("trees with surfaces", "3", "a part without `.with_interior_facets()` and without hanging nodes"),
+        ("loose", "3", "continuity at hanging nodes of a mesh that is given by its cells is not available"),
+        ("late", "3", "continuity after prescribed values is not available"),
         ("diffusion", "1", "2 processes cannot each have cells of a mesh of 1"),
     ];
     for (name, divisions, refusal) in refusals {

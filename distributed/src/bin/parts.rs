@@ -6,8 +6,9 @@ use std::error::Error;
 use std::process::ExitCode;
 use std::time::Instant;
 
+use forms_contact::ContactProblem;
 use forms_contact::threshold::of_law;
-use forms_distributed::cases::ball_on_flat::{is_near, place, pressed};
+use forms_distributed::cases::ball_on_flat::{is_near, place, pressed, refined_quarter};
 use forms_distributed::cases::divided_contact;
 use forms_distributed::cases::eigenmodes::{self, Eigenmodes};
 use forms_distributed::cases::facets_between;
@@ -18,7 +19,7 @@ use forms_distributed::cases::motions::Motion;
 use forms_distributed::cases::pair_histories;
 use forms_distributed::cases::part_adaptivity;
 use forms_distributed::cases::part_steps::{FACTORS, HALF, Softening, softening};
-use forms_distributed::cases::parts::{Case, whole};
+use forms_distributed::cases::parts::{Case, trees, whole};
 use forms_distributed::cases::report::{largest, peak, tell, tell_steps};
 use forms_distributed::cases::whole_body;
 use forms_distributed::{MeshPart, Method, PartCheckpoint, PetscSolver, World};
@@ -46,6 +47,15 @@ fn run(world: &World) -> Outcome {
             solve(&cube(CellShape::Hexahedron)?, &name, degree, method, start)
         }
         "slides" => solve(&cube(CellShape::Hexahedron)?, &name, degree, method, start),
+        "trees" | "strip trees" | "rubber trees" => {
+            solve(&world.scatter(|| trees(divisions))?, &name, degree, method, start)
+        }
+        "hanging trees" => solve(&world.divide(&trees(divisions)?)?, &name, degree, method, start),
+        "trees with surfaces" => {
+            let part = world.scatter(|| trees(divisions))?;
+            Ok(part.with_surfaces(&["top"]).map(drop)?)
+        }
+        "loose" | "late" => continuity(world, &name),
         "periodic" => {
             let part = cube(CellShape::Hexahedron)?.with_surfaces(&["left", "right"])?;
             solve(&part, &name, degree, method, start)
@@ -87,9 +97,10 @@ fn run(world: &World) -> Outcome {
             pair_histories::run(world, &name, given(5).as_deref())
         }
         "fields" | "cell fields" | "minima" | "order" | "far" => field_controls::run(world, &name),
-        "adapted" => part_adaptivity::run(world),
+        "adapted" => part_adaptivity::run(world, (CellShape::Triangle, 2)),
+        "adapted trees" => part_adaptivity::run(world, (CellShape::Quadrilateral, degree)),
         "multiplier" | "pinned" => whole_body::run(world, &name),
-        "penalty" | "smooth" => facets_between::run(world, &name),
+        "penalty" | "smooth" | "penalty trees" | "smooth trees" => facets_between::run(world, &name),
         "creep" | "swing" => history(world, &name),
         "vibrates" | "floats" | "closed" | "buckles" | "shared" | "uncounted" => eigenmodes(world, &name),
         "heavy" => {
@@ -100,6 +111,10 @@ fn run(world: &World) -> Outcome {
             motion(world, Motion::named(name)?, divisions, given(5).as_deref())
         }
         "ball" => ball(world.structured([divisions; 3], CellShape::Hexahedron, 2, place)?, method),
+        "ball trees" => {
+            let part = world.scatter(|| refined_quarter(divisions))?;
+            press(&part, &pressed(&part, -1.0)?, method)
+        }
         _ => refused(&cube(CellShape::Hexahedron)?, &name),
     }
 }
@@ -123,6 +138,8 @@ fn solve(part: &MeshPart<'_, 3>, name: &str, degree: usize, method: Method, star
     tell(world, "solve_seconds", &[solver.report().solve_seconds]);
     tell(world, "seconds", &[seconds]);
     tell(world, "megabytes", &[largest(world, peak())?]);
+    let cells = [part.body_cells().len(), part.ghost_cells()];
+    tell(world, "cells", &cells.map(|count| count as f64));
     if name == "memory" {
         return Ok(());
     }
@@ -272,17 +289,40 @@ fn ball(mut part: MeshPart<'_, 3>, method: Method) -> Outcome {
     let required = of_law(&problem.law, &problem.assembler, &problem.space)?.required;
     problem.law.data.gamma0 = 1.5 * largest(world, required)?;
     problem.law.data.theta = if matches!(method, Method::ConjugateGradients { .. }) { 1.0 } else { -1.0 };
-    let mut solver = PetscSolver::for_part(&part, &[&problem.constraints], method)?;
-    let solved = problem.direct()?.on(&part).solver(&mut solver).solve()?;
+    press(&part, &problem, method)
+}
+
+fn press(part: &MeshPart<'_, 3>, problem: &ContactProblem<3>, method: Method) -> Outcome {
+    let world = part.world();
+    let mut solver = PetscSolver::for_part(part, &[&problem.constraints], method)?;
+    let solved = problem.direct()?.on(part).solver(&mut solver).solve()?;
     let (u, law) = (solved.field(), &problem.law);
     tell(world, "megabytes", &[largest(world, peak())?]);
     tell_steps(world, &solved.history);
     tell(world, "J", &[part.functional(&problem.assembler, &law.criterion(u))?]);
     tell(world, "force", &[part.functional(&problem.assembler, &law.contact_force(u))?]);
-    tell(world, "u", &whole(&part, u)?);
-    let adjoint = problem.adjoint(u)?.on(&part).solver(&mut solver).solve()?;
-    tell(world, "adjoint", &whole(&part, adjoint.field())?);
+    tell(world, "u", &whole(part, u)?);
+    let adjoint = problem.adjoint(u)?.on(part).solver(&mut solver).solve()?;
+    tell(world, "adjoint", &whole(part, adjoint.field())?);
     Ok(())
+}
+
+/// Continuity at a hanging node of a mesh that is given by its cells, and after prescribed values.
+fn continuity(world: &World, name: &str) -> Outcome {
+    if name == "loose" {
+        let (upper, lower) = ([0.0, 1.0], [0.0, 0.0]);
+        let others = [[1.0, 0.0], [1.0, 1.0], [1.5, 0.0], [1.5, 0.5], [1.0, 0.5], [1.5, 1.0]];
+        let nodes = [&[lower][..], &others, &[upper]].concat();
+        let cells = vec![0, 1, 2, 7, 1, 3, 4, 5, 5, 4, 6, 2];
+        let mesh = Mesh::from_nonconforming_blocks(1, nodes, vec![(CellShape::Quadrilateral, cells)])?;
+        let part = world.divide(&mesh)?;
+        let space = Space::scalar(&part, 1)?;
+        return Ok(Constraints::new(&space).join_hanging_nodes()?);
+    }
+    let part = world.scatter(|| trees(3))?;
+    let mut held = Constraints::new(&Space::scalar(&part, 1)?);
+    held.fix("boundary", |_| 0.0)?;
+    Ok(held.join_hanging_nodes()?)
 }
 
 /// A problem that parts refuse, by a name.

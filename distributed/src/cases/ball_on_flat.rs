@@ -3,8 +3,10 @@
 use forms_contact::ContactProblem;
 use forms_contact::forms;
 use forms_contact::threshold::required_gamma0;
-use forms_fem::mesh::structured;
+use forms_fem::mesh::{MeshError, structured};
 use forms_fem::prelude::*;
+
+use super::parts::refined;
 
 const RADIUS: f64 = 8.0;
 const WIDTH: f64 = 4.0;
@@ -31,6 +33,20 @@ pub fn ball_on_flat(divisions: usize, theta: f64) -> Result<ContactProblem<3>, B
     Ok(problem)
 }
 
+/// The quarter with cells that are divided next to the contact, so that nodes hang on Γ_C, too.
+///
+/// # Errors
+/// Too many cells.
+pub fn refined_quarter(divisions: usize) -> Result<Mesh<3>, MeshError> {
+    let mut mesh = refined(
+        structured([divisions; 3], CellShape::Hexahedron, 2, place)?,
+        &[0.0, 0.0, -RADIUS],
+        &[REACH],
+    )?;
+    mesh.name_facets("contact", "bottom", is_near)?;
+    Ok(mesh)
+}
+
 /// The map from the unit cube to the quarter of the ball.
 pub fn place([s, t, w]: [f64; 3]) -> [f64; 3] {
     let graded = |t: f64| 0.4 * t + 0.6 * t * t;
@@ -50,6 +66,7 @@ pub fn is_near(centre: &[f64; 3]) -> bool {
 pub fn pressed(mesh: &Mesh<3>, theta: f64) -> Result<ContactProblem<3>, Box<dyn std::error::Error>> {
     let space = Space::vector(mesh, 2)?;
     let mut constraints = Constraints::new(&space);
+    constraints.join_hanging_nodes()?;
     constraints.fix_component("left", 0, |_| 0.0)?;
     constraints.fix_component("front", 1, |_| 0.0)?;
     constraints.fix_component("top", 2, |_| -PRESSED)?;

@@ -5,7 +5,7 @@ use std::error::Error;
 use forms_fem::mesh::MeshError;
 use forms_fem::prelude::*;
 
-use super::parts::whole;
+use super::parts::{refined, whole};
 use super::report::{tell, tell_steps};
 use crate::method::Method;
 use crate::petsc_solver::PetscSolver;
@@ -55,7 +55,7 @@ pub struct Jumps {
     form: Form<3>,
     /// Discontinuous, or continuous.
     pub space: Arc<Space<3>>,
-    /// None.
+    /// None, but at hanging nodes.
     pub free: Constraints<3>,
 }
 
@@ -65,16 +65,21 @@ pub fn model(inner: &'static str) -> jumps::Model {
 }
 
 impl Jumps {
-    /// "penalty" or "smooth".
+    /// "penalty" or "smooth"; "smooth trees" on a mesh with hanging nodes.
     ///
     /// # Errors
     /// A mesh without a left side.
     pub fn on(mesh: &Mesh<3>, name: &str) -> Result<Self, Box<dyn Error>> {
         let (space, form) = match name {
-            "penalty" => (Space::discontinuous_scalar(mesh, 1)?, model("interior").penalty()),
+            "penalty" | "penalty trees" => {
+                (Space::discontinuous_scalar(mesh, 1)?, model("interior").penalty())
+            }
             _ => (Space::scalar(mesh, 2)?, model("interior").smooth()),
         };
-        let free = Constraints::new(&space);
+        let mut free = Constraints::new(&space);
+        if name == "smooth trees" {
+            free.join_hanging_nodes()?;
+        }
         Ok(Jumps { form, space, free })
     }
 
@@ -97,14 +102,23 @@ pub fn mesh(shape: CellShape) -> Result<Mesh<3>, MeshError> {
     cuboid([0.0; 3], [1.0; 3], [4, 3, 3], shape, 1)
 }
 
-/// Tells a solution on parts: "penalty", or "smooth" on a mesh that is divided along a curve or by a graph.
+/// The mesh of hexahedra with some of them divided at the middle plane.
+///
+/// # Errors
+/// None with these numbers.
+pub fn trees() -> Result<Mesh<3>, MeshError> {
+    refined(mesh(CellShape::Hexahedron)?, &[0.4, 0.3, 0.5], &[0.3])
+}
+
+/// Tells a solution on parts: "penalty", or "smooth" on a mesh that is divided along a curve or by a graph, or either on one with hanging nodes.
 ///
 /// # Errors
 /// Those of the problem.
 pub fn run(world: &World, name: &str) -> Result<(), Box<dyn Error>> {
     let mut part = match name {
         "penalty" => world.cuboid([0.0; 3], [1.0; 3], [4, 3, 3], CellShape::Hexahedron, 1)?,
-        _ => world.divide(&mesh(CellShape::Tetrahedron)?)?,
+        "smooth" => world.divide(&mesh(CellShape::Tetrahedron)?)?,
+        _ => world.divide(&trees()?)?,
     };
     part = part.with_interior_facets()?;
     part.name_interior_facets("middle", "interior", is_in_middle)?;
@@ -113,7 +127,7 @@ pub fn run(world: &World, name: &str) -> Result<(), Box<dyn Error>> {
     let solved = case.problem().on(&part).solver(&mut solver).solve()?;
     let u = solved.field();
     tell_steps(world, &solved.history);
-    if name == "smooth" {
+    if name.starts_with("smooth") {
         tell(world, "u", &whole(&part, u)?);
     }
     let assembler = solved.assembler();

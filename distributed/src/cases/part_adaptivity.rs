@@ -22,9 +22,9 @@ const FRACTION: f64 = 0.5;
 /// An error of a solution.
 type Failure = Box<dyn Error>;
 
-/// The mesh of the first step.
-fn coarse() -> Result<Mesh<2>, MeshError> {
-    rectangle([0.0; 2], [1.0; 2], [4, 3], CellShape::Triangle, 1)
+/// The mesh of the first step. Of quadrilaterals nodes hang in the others.
+fn coarse(shape: CellShape) -> Result<Mesh<2>, MeshError> {
+    rectangle([0.0; 2], [1.0; 2], [4, 3], shape, 1)
 }
 
 fn model() -> membrane::Model<2> {
@@ -33,8 +33,9 @@ fn model() -> membrane::Model<2> {
 }
 
 /// A space on the mesh, or on a part of it, with its conditions.
-fn held(mesh: &Mesh<2>) -> Result<Constraints<2>, Failure> {
-    let mut held = Constraints::new(&Space::scalar(mesh, 2)?);
+fn held(mesh: &Mesh<2>, degree: usize) -> Result<Constraints<2>, Failure> {
+    let mut held = Constraints::new(&Space::scalar(mesh, degree)?);
+    held.join_hanging_nodes()?;
     held.fix("boundary", |_| 0.0)?;
     Ok(held)
 }
@@ -51,17 +52,20 @@ pub struct Adapted {
     pub start: Vec<f64>,
 }
 
-/// The cycle on one process, with `at_vertices` of a field.
+/// The cycle on one process from a mesh of this shape, with elements of this degree and `at_vertices` of a field.
 ///
 /// # Errors
 /// Those of the cycle.
-pub fn on_one(at_vertices: impl Fn(&Field<2>) -> Vec<f64>) -> Result<Adapted, Failure> {
+pub fn on_one(
+    (shape, degree): (CellShape, usize),
+    at_vertices: impl Fn(&Field<2>) -> Vec<f64>,
+) -> Result<Adapted, Failure> {
     let (model, mut start) = (model(), vec![]);
     let balance = model.balance();
     let adapted = Adaptation::to_unknowns(UNKNOWNS).marking(FRACTION).run(
-        coarse()?,
+        coarse(shape)?,
         |mesh, before| {
-            let held = held(mesh)?;
+            let held = held(mesh, degree)?;
             let before =
                 before.map_or(Ok(Field::zero(held.space())), |u| u.onto(held.space()).interpolated())?;
             start = at_vertices(&before);
@@ -106,9 +110,9 @@ fn squares_of_all(
 ///
 /// # Errors
 /// Those of the cycle.
-pub fn run(world: &World) -> Result<(), Failure> {
+pub fn run(world: &World, (shape, degree): (CellShape, usize)) -> Result<(), Failure> {
     let mut first = match world.rank() {
-        0 => Some(Whole { mesh: AdaptiveMesh::new(coarse()?)?, before: None }),
+        0 => Some(Whole { mesh: AdaptiveMesh::new(coarse(shape)?)?, before: None }),
         _ => None,
     };
     let (mut cells, mut estimates) = (vec![], vec![]);
@@ -116,8 +120,8 @@ pub fn run(world: &World) -> Result<(), Failure> {
         let mesh = first.as_ref().map(|whole| whole.mesh.mesh().clone());
         let part =
             world.scatter(|| mesh.clone().ok_or("the first process has the mesh"))?.with_interior_facets()?;
-        let held = held(&part)?;
-        let of_all = mesh.as_ref().map(|mesh| Space::scalar(mesh, 2)).transpose()?;
+        let held = held(&part, degree)?;
+        let of_all = mesh.as_ref().map(|mesh| Space::scalar(mesh, degree)).transpose()?;
         let carried = match (&of_all, first.as_ref().and_then(|whole| whole.before.as_ref())) {
             (Some(space), Some(before)) => Some(before.onto(space).interpolated()?),
             (Some(space), None) => Some(Field::zero(space)),

@@ -3,6 +3,7 @@
 use std::error::Error;
 
 use forms_fem::constraints::RigidMap;
+use forms_fem::mesh::{MeshError, OctreeMesh};
 use forms_fem::prelude::*;
 
 use super::hanging_block::HangingBlock;
@@ -58,14 +59,15 @@ pub struct Case {
 impl Case {
     /// Diffusion with u = x at the top and 0 at the left; `rubber`, a cube that is stretched and sheared by half of its length; `hanging`,
     /// an elastic one under its weight. Relations between unknowns have `periodic`, rubber that is sheared and goes on beyond two sides;
-    /// `slides`, rubber whose top and right side slide along oblique planes; and `rigid`, the elastic block with a rigid top.
+    /// `slides`, rubber whose top and right side slide along oblique planes; and `rigid`, the elastic block with a rigid top. With hanging nodes
+    /// there are `trees`, diffusion with another u at the top, `strip trees` with this u on a part of it that ends at hanging nodes, `rubber trees` and `hanging trees`.
     ///
     /// # Errors
     /// A degree that does not exist, a mesh without these sides.
     pub fn new(name: &str, mesh: &Mesh<3>, degree: usize) -> Result<Self, Box<dyn Error>> {
         let regions = forms::Regions::default().side("right");
         let model = forms::Model { data: forms::data().mu(1.0).lambda(3.0), regions };
-        if ["hanging", "rigid"].contains(&name) {
+        if ["hanging", "rigid", "hanging trees"].contains(&name) {
             let block = HangingBlock::on(mesh, Given::constant([0.0, 0.0, -1.0]))?;
             let mut held = block.constraints;
             if name == "rigid" {
@@ -73,13 +75,21 @@ impl Case {
                 held.fix("left", |_| [0.0; 3])?;
                 held.rigid_body("top")?;
             }
+            if name == "hanging trees" {
+                held = Constraints::new(&block.space);
+                held.join_hanging_nodes()?;
+                held.fix("top", |_| [0.0; 3])?;
+            }
             return Ok(Case { form: block.form, space: block.space, held });
         }
-        let is_rubber = ["rubber", "periodic", "slides"].contains(&name);
+        let is_rubber = ["rubber", "periodic", "slides", "rubber trees"].contains(&name);
         let space = if is_rubber { Space::vector(mesh, degree)? } else { Space::scalar(mesh, degree)? };
         let mut held = Constraints::new(&space);
+        if name.ends_with("trees") {
+            held.join_hanging_nodes()?;
+        }
         match name {
-            "rubber" => {
+            "rubber" | "rubber trees" => {
                 held.fix("left", |_| [0.0; 3])?;
                 held.fix("right", |_| [0.5, 0.25, 0.0])?;
             }
@@ -98,7 +108,9 @@ impl Case {
         if is_rubber {
             return Ok(Case { form: model.rubber().into(), space, held });
         }
-        held.fix("top", |x| x[0])?;
+        let top = if name == "strip trees" { "strip" } else { "top" };
+        // No polynomial of the space: hanging nodes interpolate it.
+        held.fix(top, |x| if name.ends_with("trees") { x[0] * (x[0] + x[1].sin()) } else { x[0] })?;
         held.fix("left", |_| 0.0)?;
         Ok(Case { form: model.diffusion(), space, held })
     }
@@ -116,6 +128,33 @@ impl Case {
         let model = forms::Model::new(forms::data().mu(1.0).lambda(1.0));
         if u.space().components() == 1 { model.scalar_size(u) } else { model.vector_size(u) }
     }
+}
+
+/// The unit cube with cells that are divided near an edge of its top, some of them twice: nodes hang inside of it, on sides and on the edge.
+///
+/// # Errors
+/// Too many cells, or none.
+pub fn trees(divisions: usize) -> Result<Mesh<3>, MeshError> {
+    let cube = cuboid([0.0; 3], [1.0; 3], [divisions; 3], CellShape::Hexahedron, 1)?;
+    let mut mesh = refined(cube, &[0.4, 0.0, 1.0], &[0.6, 0.3])?;
+    mesh.name_facets("strip", "top", |x| x[1] < 0.48)?;
+    Ok(mesh)
+}
+
+/// A mesh of hexahedra whose cells near a point are divided, once for each distance of their centres.
+///
+/// # Errors
+/// A mesh of other cells.
+pub fn refined(mesh: Mesh<3>, point: &[f64; 3], distances: &[f64]) -> Result<Mesh<3>, MeshError> {
+    let mut trees = OctreeMesh::new(mesh)?;
+    for distance in distances {
+        let mesh = trees.mesh();
+        let squared = |x: [f64; 3]| x.iter().zip(point).map(|(x, y)| (x - y).powi(2)).sum::<f64>();
+        let is_near = |cell: &u32| squared(mesh.cell_centre(*cell as usize)) < distance * distance;
+        let marked: Vec<u32> = (0..mesh.cell_count() as u32).filter(is_near).collect();
+        trees = trees.refined(&marked)?.0;
+    }
+    Ok(trees.mesh().clone())
 }
 
 /// The values of a field at the vertices of its mesh, which has the given numbers in a larger mesh with `count` nodes; and 1 for each of its

@@ -119,10 +119,11 @@ impl World {
     }
 
     /// This process's part of a mesh that all processes have, and can drop afterwards. PT-Scotch or ParMETIS divides the graph of the cells, if
-    /// PETSc has one of them; else a part is a piece of the curve along which the mesh's cells are walked.
+    /// PETSc has one of them; else a part is a piece of the curve along which the mesh's cells are walked. Where nodes hang in a mesh of trees, a
+    /// part has copies of the cells on both sides ([`MeshPart::ghost_cells`]), and interior facets.
     ///
     /// # Errors
-    /// [`PetscError::Unfit`] of a mesh with rigid surfaces or hanging nodes; [`PetscError::TooManyProcesses`].
+    /// [`PetscError::Unfit`] of a mesh with rigid surfaces; [`PetscError::TooManyProcesses`].
     pub fn divide<const D: usize>(&self, mesh: &Mesh<D>) -> Result<MeshPart<'_, D>, PetscError> {
         self.divide_weighted(mesh, |_| 1)
     }
@@ -159,7 +160,8 @@ impl World {
             None
         };
         let partition = Partition::new(self, mesh, of_first.as_deref());
-        Ok(self.agree(partition.subdomain(self.rank()).map_err(unfit))?.into_part(self))
+        let own = self.agree(partition.subdomain(self.rank()).map_err(unfit))?;
+        Ok(self.agree(own.into_part(self).map_err(unfit))?)
     }
 
     /// The process of each cell, where a program divides the graph of the cells.
@@ -248,7 +250,7 @@ impl World {
         }
         let lost = || PetscError::Unfit { message: "a piece of a mesh was not received".to_owned() };
         let own = own.map_err(unfit).and_then(|own| own.ok_or_else(lost));
-        Ok(self.agree(own)?.into_part(self))
+        Ok(self.agree(self.agree(own)?.into_part(self).map_err(unfit))?)
     }
 }
 

@@ -42,7 +42,7 @@ impl<const D: usize> MeshPart<'_, D> {
     ///
     /// # Errors
     /// [`PetscError::Unfit`] of a name that does not exist, of surfaces without facets, of other names on other processes, or of a part that has
-    /// such surfaces.
+    /// copies of cells: for such surfaces, for interior facets, or where nodes hang.
     pub fn with_surfaces(self, names: &[&str]) -> Result<Self, PetscError> {
         let world = self.world;
         let texts = names.iter().fold(Fingerprint::default(), |all, name| all.text(name));
@@ -59,7 +59,8 @@ impl<const D: usize> MeshPart<'_, D> {
         let joined = others.iter().try_for_each(|cells| merged.add(cells).ok_or_else(lost));
         world.agree(joined)?;
         let Merged { nodes, blocks, surfaces, numbers, at_surfaces, .. } = merged;
-        let ghosts = GhostCells { nodes, blocks, surfaces, behind_facets: false, shapes };
+        let (behind_facets, facet_parts) = (None, vec![]);
+        let ghosts = GhostCells { nodes, blocks, surfaces, behind_facets, facet_parts, shapes };
         let mesh = self.mesh.with_ghost_cells(ghosts);
         let mesh = world.agree(mesh.map_err(unfit))?;
         let all: Vec<usize> = (0..world.size()).filter(|rank| *rank != world.rank()).collect();
@@ -86,7 +87,7 @@ impl<const D: usize> MeshPart<'_, D> {
         Ok(shapes)
     }
 
-    /// Number of this process's copies of other processes' cells, which it has for contact between surfaces or behind interior facets. They come after its own, and are
+    /// Number of this process's copies of other processes' cells, which it has for contact between surfaces, behind interior facets or where nodes hang. They come after its own, and are
     /// counted by [`Mesh::cell_count`].
     pub fn ghost_cells(&self) -> usize {
         self.mesh.ghost_cells().len()
@@ -105,7 +106,7 @@ impl<const D: usize> MeshPart<'_, D> {
     fn cells_at(&self, names: &[&str]) -> Result<CellsAtSurfaces<D>, PetscError> {
         if self.mesh.has_copies() {
             return Err(unfit(
-                "name all surfaces in one call of `part.with_surfaces(..)`, on a part without `.with_interior_facets()`",
+                "name all surfaces in one call of `part.with_surfaces(..)`, on a part without `.with_interior_facets()` and without hanging nodes",
             ));
         }
         let facets = names.iter().map(|name| self.mesh.facet_region(name).map_err(unfit));
@@ -193,7 +194,7 @@ impl<const D: usize> CellsAtSurfaces<D> {
 pub(super) struct Merged<'n, const D: usize> {
     names: &'n [&'n str],
     /// Number of cells so far.
-    cells: usize,
+    pub cells: usize,
     /// Nodes of the part here, by their numbers in the whole mesh.
     pub places: HashMap<u64, u32>,
     pub numbers: Vec<u64>,

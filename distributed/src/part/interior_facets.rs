@@ -35,12 +35,16 @@ impl<const D: usize> MeshPart<'_, D> {
     /// # }
     /// ```
     ///
+    /// Parts of a mesh with hanging nodes have them from the start.
+    ///
     /// # Errors
-    /// [`PetscError::Unfit`] of a part that has copies of cells already.
+    /// [`PetscError::Unfit`] of a part with copies of cells at surfaces.
     pub fn with_interior_facets(self) -> Result<Self, PetscError> {
         let world = self.world();
-        let has_copies =
-            unfit("a part has copies of cells for surfaces or interior facets, and takes no others");
+        if self.mesh.has_facets_between_pieces() {
+            return Ok(self);
+        }
+        let has_copies = unfit("a part has copies of cells for surfaces, and takes no others");
         world.agree(if self.mesh.has_copies() { Err(has_copies) } else { Ok(()) })?;
         let shapes = self.shapes_of_all()?;
         let met = self.facets_met()?;
@@ -57,8 +61,10 @@ impl<const D: usize> MeshPart<'_, D> {
         });
         world.agree(joined)?;
         let sharers = self.sharers_with_copies(&sent, &merged.places)?;
+        let behind_facets = Some(merged.cells - self.mesh.cell_count());
         let Merged { nodes, blocks, numbers, .. } = merged;
-        let ghosts = GhostCells { nodes, blocks, surfaces: BTreeMap::new(), behind_facets: true, shapes };
+        let surfaces = BTreeMap::new();
+        let ghosts = GhostCells { nodes, blocks, surfaces, behind_facets, facet_parts: vec![], shapes };
         let mesh = world.agree(self.mesh.with_ghost_cells(ghosts).map_err(unfit))?;
         Ok(MeshPart::new(world, mesh, Vertices { numbers, sharers }))
     }

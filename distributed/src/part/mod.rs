@@ -7,6 +7,7 @@ mod divided_vectors;
 mod division;
 mod ghost_cells;
 mod graph;
+mod hanging_cells;
 mod interior_facets;
 mod on_first;
 mod partition;
@@ -64,7 +65,9 @@ use crate::world::World;
 /// Load steps, motions and histories take `.on(&part)` in the same way, [`VtuFile::on`](forms_fem::output::VtuFile::on) writes all parts, and
 /// [`PartCheckpoint`] keeps them. Contact pairs, periodic conditions and rigid bodies need surfaces that each process has whole:
 /// [`MeshPart::with_surfaces`]. Integrals over interior facets need [`MeshPart::with_interior_facets`]. A cycle of adaptivity refines on the first
-/// process: [`MeshPart::on_first`]. Refused by name: mean values as relations, hanging nodes, bounds, projections to continuous spaces.
+/// process: [`MeshPart::on_first`]. Nodes may hang in a mesh of trees ([`OctreeMesh`](forms_fem::mesh::OctreeMesh)) that is divided: call
+/// [`Constraints::join_hanging_nodes`] before conditions that prescribe values. Refused by name: mean values as relations, bounds, projections to
+/// continuous spaces.
 pub struct MeshPart<'w, const D: usize> {
     world: &'w World,
     mesh: Mesh<D>,

@@ -1,11 +1,12 @@
 //! Partition of a mesh into subdomains, one for each process, and the subdomains as lists of numbers, which go from process to process.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use forms_fem::element::CellShape;
-use forms_fem::mesh::{BOUNDARY, EVERYWHERE, Facet, Mesh, MeshError, RegionNames};
+use forms_fem::mesh::{BOUNDARY, EVERYWHERE, Facet, GhostCells, Mesh, MeshError, PartOfMesh, RegionNames};
 
 use super::MeshPart;
+use super::hanging_cells::{Copies, copies};
 use super::shared_nodes::Vertices;
 use super::words::{Words, add, facet_of, word_of};
 use crate::world::World;
@@ -15,6 +16,10 @@ pub(super) struct Partition<'m, const D: usize> {
     mesh: &'m Mesh<D>,
     /// The cells of each process, ascending.
     cells: Vec<Vec<u32>>,
+    /// The copies of each, where nodes hang.
+    copies: Option<Vec<Copies>>,
+    /// Whether nodes hang on exterior facets.
+    hangs_outside: bool,
     /// The processes of each vertex that several have, ascending.
     sharers: BTreeMap<u32, Vec<usize>>,
 }
@@ -27,6 +32,10 @@ pub(super) struct Subdomain<const D: usize> {
     /// Names of the regions of cells and of facets of the whole.
     names: [Vec<String>; 2],
     vertices: Vertices,
+    /// Copies of others' cells, where nodes hang in the whole.
+    copies: Option<GhostCells<D>>,
+    /// Whether nodes hang on exterior facets of the whole.
+    hangs_outside: bool,
 }
 
 /// No process yet.
@@ -46,10 +55,11 @@ impl<'m, const D: usize> Partition<'m, D> {
                 }
             }
         }
+        let copies = copies(mesh, &cells);
         let mut first = vec![NOBODY; mesh.node_count()];
         let mut sharers: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for (rank, cells) in cells.iter().enumerate() {
-            for cell in cells {
+            for cell in cells.iter().chain(copies.iter().flat_map(|copies| &copies[rank].cells)) {
                 for vertex in mesh.cell_vertices(*cell as usize) {
                     let known = &mut first[*vertex as usize];
                     if *known == NOBODY {
@@ -63,7 +73,10 @@ impl<'m, const D: usize> Partition<'m, D> {
                 }
             }
         }
-        Partition { mesh, cells, sharers }
+        // Those of trees are interior ones.
+        let of_trees = mesh.facet_parts().count();
+        let hangs_outside = !mesh.hanging_facets().is_ok_and(|all| all.len() == of_trees);
+        Partition { mesh, cells, copies, hangs_outside, sharers }
     }
 
     /// The cells of a process.
@@ -77,22 +90,64 @@ impl<'m, const D: usize> Partition<'m, D> {
         let cut = part.mesh.boundary_facets().iter().filter(is_cut).copied().collect();
         let list = |names: &mut dyn Iterator<Item = &str>| names.map(str::to_owned).collect::<Vec<_>>();
         let names = [list(&mut mesh.cell_region_names()), list(&mut mesh.facet_region_names())];
-        let others = |(local, node): (usize, &u32)| {
-            let all = self.sharers.get(node)?;
+        let mut numbers: Vec<u64> = part.nodes.iter().map(|node| u64::from(*node)).collect();
+        let copies = self.copies.as_ref().map(|copies| self.described(&copies[rank], &part, &mut numbers));
+        let others = |(local, node): (usize, &u64)| {
+            let all = self.sharers.get(&(*node as u32))?;
             Some((local as u32, all.iter().filter(|other| **other != rank).copied().collect()))
         };
-        let sharers = part.nodes.iter().enumerate().filter_map(others).collect();
-        let numbers = part.nodes.iter().map(|node| u64::from(*node)).collect();
-        Ok(Subdomain { mesh: part.mesh, cut, names, vertices: Vertices { numbers, sharers } })
+        let sharers = numbers.iter().enumerate().filter_map(others).collect();
+        let (vertices, hangs_outside) = (Vertices { numbers, sharers }, self.hangs_outside);
+        Ok(Subdomain { mesh: part.mesh, cut, names, vertices, copies, hangs_outside })
+    }
+
+    /// The copies of a process with the numbers that their nodes and cells have behind its own ones; numbers of nodes in the whole are added to
+    /// the own ones'.
+    fn described(&self, copies: &Copies, part: &PartOfMesh<D>, numbers: &mut Vec<u64>) -> GhostCells<D> {
+        let mesh = self.mesh;
+        let mut places: HashMap<u32, u32> = part.nodes.iter().copied().zip(0..).collect();
+        let (mut nodes, mut blocks): (Vec<[f64; D]>, Vec<(CellShape, Vec<u32>)>) = (vec![], vec![]);
+        for cell in &copies.cells {
+            let place = |node: &u32| {
+                *places.entry(*node).or_insert_with(|| {
+                    nodes.push(mesh.nodes()[*node as usize]);
+                    numbers.push(u64::from(*node));
+                    numbers.len() as u32 - 1
+                })
+            };
+            let own = mesh.cell(*cell as usize).iter().map(place);
+            let shape = mesh.cell_shape(*cell as usize);
+            match blocks.last_mut() {
+                Some((last, all)) if *last == shape => all.extend(own),
+                _ => blocks.push((shape, own.collect())),
+            }
+        }
+        let cells: HashMap<u32, u32> = part.cells.iter().chain(&copies.cells).copied().zip(0..).collect();
+        let here = |facet: Facet| Some(Facet { cell: *cells.get(&facet.cell)?, ..facet });
+        let parts =
+            mesh.facet_parts().filter_map(|(small, large, at)| Some((here(small)?, here(large)?, *at)));
+        GhostCells {
+            nodes,
+            blocks,
+            surfaces: BTreeMap::new(),
+            behind_facets: Some(copies.behind),
+            facet_parts: parts.collect(),
+            shapes: mesh.shapes(),
+        }
     }
 }
 
 impl<const D: usize> Subdomain<D> {
     /// The subdomain as this process's part.
-    pub fn into_part(self, world: &World) -> MeshPart<'_, D> {
+    ///
+    /// # Errors
+    /// Copies that do not fit the cells.
+    pub fn into_part(self, world: &World) -> Result<MeshPart<'_, D>, MeshError> {
         let [cells, facets] = &self.names;
         let mesh = self.mesh.into_piece(&self.cut, RegionNames { cells, facets });
-        MeshPart::new(world, mesh, self.vertices)
+        let mesh = mesh.with_hanging_outside(self.hangs_outside);
+        let mesh = self.copies.map_or(Ok(mesh.clone()), |copies| mesh.with_ghost_cells(copies))?;
+        Ok(MeshPart::new(world, mesh, self.vertices))
     }
 
     /// The subdomain as a list of numbers.
@@ -102,11 +157,8 @@ impl<const D: usize> Subdomain<D> {
         add(&mut words, mesh.nodes().iter().flatten().map(|coordinate| coordinate.to_bits()));
         words.push(mesh.blocks().len() as u64);
         for block in mesh.blocks() {
-            add(&mut words, block.shape.name().bytes().map(u64::from));
-            add(
-                &mut words,
-                block.cells.clone().flat_map(|cell| mesh.cell(cell)).map(|node| u64::from(*node)),
-            );
+            let nodes = block.cells.clone().flat_map(|cell| mesh.cell(cell));
+            add_block(&mut words, block.shape, nodes);
         }
         let [cells, facets] = &self.names;
         words.push(cells.len() as u64);
@@ -127,6 +179,10 @@ impl<const D: usize> Subdomain<D> {
             words.push(u64::from(*vertex));
             add(&mut words, others.iter().map(|rank| *rank as u64));
         }
+        words.extend([u64::from(self.hangs_outside), u64::from(self.copies.is_some())]);
+        if let Some(copies) = &self.copies {
+            add_copies(&mut words, copies);
+        }
         words
     }
 
@@ -146,8 +202,31 @@ impl<const D: usize> Subdomain<D> {
             mesh.name_listed_facets(name, facets)?;
         }
         let names = [cells.into_keys().collect(), facets.into_keys().collect()];
-        Ok(rest.ends().map(|(cut, vertices)| Subdomain { mesh, cut, names, vertices }))
+        let Some((cut, vertices)) = rest.ends() else { return Ok(None) };
+        let (Some(hangs_outside), Some(has_copies)) = (rest.number(), rest.number()) else { return Ok(None) };
+        let copies = if has_copies == 1 { rest.copies() } else { None };
+        if copies.is_some() != (has_copies == 1) {
+            return Ok(None);
+        }
+        Ok(Some(Subdomain { mesh, cut, names, vertices, copies, hangs_outside: hangs_outside == 1 }))
     }
+}
+
+fn add_block<'n>(words: &mut Vec<u64>, shape: CellShape, nodes: impl Iterator<Item = &'n u32>) {
+    add(words, shape.name().bytes().map(u64::from));
+    add(words, nodes.map(|node| u64::from(*node)));
+}
+
+fn add_copies<const D: usize>(words: &mut Vec<u64>, copies: &GhostCells<D>) {
+    add(words, copies.nodes.iter().flatten().map(|coordinate| coordinate.to_bits()));
+    words.push(copies.blocks.len() as u64);
+    copies.blocks.iter().for_each(|(shape, nodes)| add_block(words, *shape, nodes.iter()));
+    words.push(copies.behind_facets.unwrap_or(0) as u64);
+    let parts = &copies.facet_parts;
+    add(words, parts.iter().flat_map(|(small, large, _)| [word_of(small), word_of(large)]));
+    add(words, parts.iter().flat_map(|(.., at)| at.as_flattened()).map(|coordinate| coordinate.to_bits()));
+    words.push(copies.shapes.len() as u64);
+    copies.shapes.iter().for_each(|shape| add(words, shape.name().bytes().map(u64::from)));
 }
 
 /// Degree, nodes and cells by their shapes.
@@ -160,13 +239,35 @@ impl Words<'_> {
     fn cells<const D: usize>(&mut self) -> Option<Cells<D>> {
         let degree = self.number()?;
         let nodes = self.list(|bits| f64::from_bits(*bits))?.as_chunks().0.to_vec();
+        Some((degree, nodes, self.blocks()?))
+    }
+
+    fn shape(&mut self) -> Option<CellShape> {
+        let name = self.text()?;
+        CellShape::ALL.into_iter().find(|shape| shape.name() == name)
+    }
+
+    fn blocks(&mut self) -> Option<Vec<(CellShape, Vec<u32>)>> {
         let mut blocks = vec![];
         for _ in 0..self.number()? {
-            let name = self.text()?;
-            let shape = CellShape::ALL.into_iter().find(|shape| shape.name() == name)?;
-            blocks.push((shape, self.list(|node| *node as u32)?));
+            blocks.push((self.shape()?, self.list(|node| *node as u32)?));
         }
-        Some((degree, nodes, blocks))
+        Some(blocks)
+    }
+
+    fn copies<const D: usize>(&mut self) -> Option<GhostCells<D>> {
+        let nodes = self.list(|bits| f64::from_bits(*bits))?.as_chunks().0.to_vec();
+        let (blocks, behind) = (self.blocks()?, self.number()?);
+        let (facets, at) = (self.list(facet_of)?, self.list(|bits| f64::from_bits(*bits))?);
+        let corners = at.as_chunks::<D>().0.as_chunks::<3>().0;
+        let pairs = facets.as_chunks::<2>().0.iter().zip(corners);
+        let facet_parts = pairs.map(|([small, large], at)| (*small, *large, *at)).collect();
+        let mut shapes = vec![];
+        for _ in 0..self.number()? {
+            shapes.push(self.shape()?);
+        }
+        let (surfaces, behind_facets) = (BTreeMap::new(), Some(behind));
+        Some(GhostCells { nodes, blocks, surfaces, behind_facets, facet_parts, shapes })
     }
 
     fn regions(&mut self) -> Option<(Regions<u32>, Regions<Facet>)> {
@@ -209,7 +310,15 @@ mod tests {
         );
         let names =
             [vec!["all".to_owned(), "steel".to_owned()], vec!["boundary".to_owned(), "left".to_owned()]];
-        let subdomain = Subdomain { mesh, cut, names, vertices };
+        let copies = Some(GhostCells {
+            nodes: vec![[1.5, 0.5], [1.5, 1.0]],
+            blocks: vec![(CellShape::Quadrilateral, vec![5, 9, 10, 8])],
+            surfaces: BTreeMap::new(),
+            behind_facets: Some(1),
+            facet_parts: vec![(Facet { cell: 4, local: 3 }, mesh.boundary_facets()[1], [[0.5, 1.0]; 3])],
+            shapes: mesh.shapes(),
+        });
+        let subdomain = Subdomain { mesh, cut, names, vertices, copies, hangs_outside: true };
         let words = subdomain.to_words();
         let back = Subdomain::<2>::of_words(&words)?.unwrap();
         assert_eq!(back.to_words(), words);

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use forms_fem::linear_algebra::rigid_motions;
 use forms_fem::prelude::*;
 use forms_fem::solve::DividedVectors;
-use forms_fem::solve::divided::conditions_of_all;
+use forms_fem::solve::divided::{ConditionsHere, conditions_of_all};
 use forms_fem::solve::elimination::Elimination;
 
 use super::divided_unknowns::DividedUnknowns;
@@ -87,8 +87,8 @@ fn free_unknowns<const D: usize>(
 ) -> Result<Vec<usize>, PetscError> {
     let failed = |error: &dyn std::error::Error| PetscError::Unfit { message: error.to_string() };
     let own = world.agree(Elimination::of(constraints).map_err(|error| failed(&error)))?;
-    let all = conditions_of_all(&**vectors, world.rank(), own.size(), own.conditions());
-    let (prescribed, relations) = world.agree(all.map_err(|error| failed(&error)))?;
+    let all = conditions_of_all(&**vectors, world.rank(), &own);
+    let ConditionsHere { prescribed, relations, .. } = world.agree(all.map_err(|error| failed(&error)))?;
     let is_free = |unknown: &usize| !prescribed.contains_key(unknown) && !relations.contains_key(unknown);
     Ok((0..vectors.count()).filter(is_free).collect())
 }

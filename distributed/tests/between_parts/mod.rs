@@ -1,15 +1,19 @@
-//! Tests across parts: controls that are fields, means of the whole body, interior facets.
+//! Tests across parts: controls that are fields, means of the whole body, interior facets, hanging nodes.
 
 use std::collections::BTreeMap;
 
+use forms_distributed::cases::ball_on_flat::{pressed, refined_quarter};
 use forms_distributed::cases::facets_between::{self, Jumps, is_in_middle};
 use forms_distributed::cases::field_controls::{self, FieldControls, Means};
 use forms_distributed::cases::part_adaptivity;
+use forms_distributed::cases::parts::{Case, trees};
 use forms_distributed::cases::report::read;
 use forms_distributed::cases::whole_body::{self, MEAN, WithMean};
 use forms_fem::prelude::*;
 
-use super::{DIGITS, Numbers, PROCESSES, SAME, check_to, refused, steps, told, vertices};
+use super::{
+    DIGITS, Numbers, PROCESSES, SAME, check, check_to, pressed_ball, refused, solution, steps, told, vertices,
+};
 
 fn product<const D: usize>(a: &Field<D>, b: &Field<D>) -> f64 {
     a.values().iter().zip(b.values()).map(|(a, b)| a * b).sum()
@@ -71,8 +75,14 @@ fn means_of_the_whole_body_are_the_same() {
 /// Each interior facet counts once: in equations of discontinuous and of continuous elements, functionals, and indicators of cells.
 #[test]
 fn interior_facets_are_the_same() {
-    for (name, shape) in [("penalty", CellShape::Hexahedron), ("smooth", CellShape::Tetrahedron)] {
-        let mut mesh = facets_between::mesh(shape).unwrap();
+    let on = |shape| facets_between::mesh(shape).unwrap();
+    let trees = facets_between::trees().unwrap();
+    for (name, mut mesh) in [
+        ("penalty", on(CellShape::Hexahedron)),
+        ("smooth", on(CellShape::Tetrahedron)),
+        ("penalty trees", trees.clone()),
+        ("smooth trees", trees),
+    ] {
         mesh.name_interior_facets("middle", "interior", is_in_middle).unwrap();
         let solved = Jumps::on(&mesh, name).unwrap().problem().solve().unwrap();
         let u = solved.field();
@@ -88,7 +98,7 @@ fn interior_facets_are_the_same() {
             ("indicators", vec![product(&squares, &squares), product(&squares, &weight)]),
             ("steps", steps(&solved)),
         ]);
-        if name == "smooth" {
+        if name.starts_with("smooth") {
             expected.insert("u", vertices(u));
         }
         check_to(DIGITS, &PROCESSES, &[name], &expected);
@@ -100,13 +110,46 @@ fn interior_facets_are_the_same() {
 /// Meshes, estimates, solutions and what is carried from one mesh to the next.
 #[test]
 fn a_cycle_of_adaptivity_is_the_same() {
-    let found = part_adaptivity::on_one(vertices).unwrap();
-    assert!(found.cells.len() > 3 && found.cells[1] < 2.0 * found.cells[0], "{:?}", found.cells);
-    let expected = BTreeMap::from([
-        ("cells", found.cells),
-        ("estimates", found.estimates),
-        ("u", found.values),
-        ("start", found.start),
-    ]);
-    check_to(DIGITS, &PROCESSES, &["adapted"], &expected);
+    let (triangles, trees) = (["adapted", "0", "2"], |degree| ["adapted trees", "0", degree]);
+    for (arguments, shape, degree) in [
+        (triangles, CellShape::Triangle, 2),
+        (trees("1"), CellShape::Quadrilateral, 1),
+        (trees("2"), CellShape::Quadrilateral, 2),
+    ] {
+        let found = part_adaptivity::on_one((shape, degree), vertices).unwrap();
+        assert!(found.cells.len() > 3 && found.cells[1] < 2.5 * found.cells[0], "{:?}", found.cells);
+        let expected = BTreeMap::from([
+            ("cells", found.cells),
+            ("estimates", found.estimates),
+            ("u", found.values),
+            ("start", found.start),
+        ]);
+        check_to(DIGITS, &PROCESSES, &arguments, &expected);
+    }
+}
+
+/// Hanging nodes inside, on sides and on an edge where values are prescribed; the same by a solver that iterates.
+#[test]
+fn problems_with_hanging_nodes_are_the_same() {
+    let mesh = trees(3).unwrap();
+    assert!(mesh.hanging_facets().unwrap().len() > 40 && mesh.cell_count() > 100);
+    check_to(DIGITS, &PROCESSES, &["trees", "3", "1", "direct"], &solution("trees", &mesh, 1));
+    check_to(DIGITS, &PROCESSES, &["trees", "3", "2", "direct"], &solution("trees", &mesh, 2));
+    // Where a part of a side ends at a hanging node, its value determines one that gives it.
+    let held = Case::new("strip trees", &mesh, 1).unwrap().held;
+    let nodes = ["strip", "left"].map(|region| held.space().nodes_on(region).unwrap()).concat();
+    assert!(held.prescribed().keys().any(|unknown| !nodes.contains(&(*unknown as u32))));
+    check_to(DIGITS, &PROCESSES, &["strip trees", "3", "1", "direct"], &solution("strip trees", &mesh, 1));
+    for degree in [1, 2] {
+        let expected = solution("rubber trees", &mesh, degree);
+        assert!(expected["steps"][0] > 3.0);
+        let processes = if degree == 1 { &PROCESSES[..] } else { &[3] };
+        check_to(DIGITS, processes, &["rubber trees", "3", &degree.to_string(), "direct"], &expected);
+    }
+    let expected = solution("hanging trees", &mesh, 2);
+    for (method, processes) in [("cg", &PROCESSES[..]), ("gmres", &[3])] {
+        check(processes, &["hanging trees", "3", "2", method], &expected);
+    }
+    let problem = pressed(&refined_quarter(4).unwrap(), -1.0).unwrap();
+    check_to(DIGITS, &PROCESSES, &["ball trees", "4", "2", "direct"], &pressed_ball(&problem));
 }

@@ -42,6 +42,8 @@ pub(crate) struct Conditions {
     users: HashMap<usize, BTreeSet<usize>>,
     // Unknowns on small facets, which have the values of the large ones.
     hanging: BTreeSet<usize>,
+    // Values that a piece of a mesh prescribes for hanging unknowns: other processes may prescribe those that give them.
+    at_hanging: BTreeMap<usize, f64>,
     // The largest size of a prescribed value: formulas for others may round as it does.
     largest: f64,
 }
@@ -195,6 +197,11 @@ impl<const D: usize> Constraints<D> {
         &self.conditions.prescribed
     }
 
+    /// Values that a piece of a mesh prescribes for hanging unknowns, which hold where nothing prescribes the unknowns that give them.
+    pub(crate) fn prescribed_at_hanging(&self) -> &BTreeMap<usize, f64> {
+        &self.conditions.at_hanging
+    }
+
     /// Whether an unknown is prescribed.
     pub fn is_prescribed(&self, unknown: usize) -> bool {
         self.conditions.prescribed.contains_key(&unknown)
@@ -237,6 +244,7 @@ impl<const D: usize> Constraints<D> {
         let conditions = Arc::make_mut(&mut same.conditions);
         conditions.prescribed.values_mut().for_each(|value| *value = 0.0);
         conditions.relations.values_mut().for_each(|relation| relation.value = 0.0);
+        conditions.at_hanging.values_mut().for_each(|value| *value = 0.0);
         conditions.largest = 0.0;
         same
     }
@@ -311,7 +319,12 @@ impl<const D: usize> Constraints<D> {
         for (unknown, value) in others.into_iter().chain(hanging) {
             match &mut changed {
                 Some(changed) if self.conditions.hanging.contains(&unknown) => {
-                    if !changed.is_prescribed(unknown) {
+                    if changed.is_prescribed(unknown) {
+                        continue;
+                    }
+                    if changed.space.mesh().is_piece() {
+                        Arc::make_mut(&mut changed.conditions).at_hanging.entry(unknown).or_insert(value);
+                    } else {
                         changed.add_equation(place, &[(unknown, 1.0)], value)?;
                     }
                 }

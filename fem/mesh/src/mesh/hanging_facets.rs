@@ -13,10 +13,12 @@ impl<const D: usize> Mesh<D> {
     /// whose facets there are exterior ones.
     ///
     /// # Errors
-    /// [`MeshError::NotNested`] for facets that lie on each other in part.
+    /// [`MeshError::NotNested`] for facets that lie on each other in part; [`MeshError::Piece`] where a mesh with the latter is divided among
+    /// processes.
     #[inline(never)]
     pub fn hanging_facets(&self) -> Result<Vec<[Facet; 2]>, MeshError> {
-        let hanging = self.touching().hanging_nodes;
+        self.without_hanging_outside()?;
+        let hanging = if self.is_piece() { vec![] } else { self.touching().hanging_nodes };
         let mut facets_at: BTreeMap<u32, Vec<Facet>> =
             hanging.iter().map(|hanging| (hanging.node, vec![])).collect();
         for &facet in self.boundary_facets() {

@@ -49,18 +49,19 @@ impl<const D: usize> Mesh<D> {
     /// [`MeshError::UnknownCellRegion`]; [`MeshError::RigidSurface`] and [`MeshError::FacetParts`], for meshes with rigid surfaces, and
     /// those with hanging nodes on facets that are parts of others.
     pub fn part(&self, region: &str) -> Result<PartOfMesh<D>, MeshError> {
-        self.part_of_cells(self.cell_region(region)?.to_vec())
+        let cells = self.cell_region(region)?.to_vec();
+        self.without_facet_parts("a part of a mesh")?;
+        self.part_of_cells(cells)
     }
 
-    /// The mesh of some cells, in ascending order.
+    /// The mesh of some cells, in ascending order. Facets that are parts of larger ones, or have such parts, are exterior ones there.
     ///
     /// # Errors
-    /// As [`Mesh::part`].
+    /// [`MeshError::RigidSurface`].
     #[doc(hidden)]
     #[inline(never)]
     pub fn part_of_cells(&self, cells: Vec<u32>) -> Result<PartOfMesh<D>, MeshError> {
         self.without_rigid_surfaces("a part of a mesh")?;
-        self.without_facet_parts("a part of a mesh")?;
         let mut nodes: Vec<u32> = cells.iter().flat_map(|cell| self.cell(*cell as usize)).copied().collect();
         nodes.sort_unstable();
         nodes.dedup();

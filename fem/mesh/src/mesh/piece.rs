@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use super::facet_parts::FacetParts;
 use super::{BOUNDARY, EVERYWHERE, Facet, INTERIOR, Mesh, MeshError};
 use crate::element::CellShape;
 
@@ -29,6 +30,8 @@ pub(super) struct Replicas {
     behind_facets: bool,
     /// The shapes of all processes' cells.
     shapes: Vec<CellShape>,
+    /// Whether nodes hang on exterior facets of the larger mesh, which a piece does not know.
+    hangs_outside: bool,
 }
 
 /// Copies of other processes' cells.
@@ -41,8 +44,11 @@ pub struct GhostCells<const D: usize> {
     pub blocks: Vec<(CellShape, Vec<u32>)>,
     /// All facets of each surface: of the piece's own cells, and of the copies.
     pub surfaces: BTreeMap<String, Vec<Facet>>,
-    /// Whether they are those behind facets to other pieces, which this process integrates over: these facets are interior ones then.
-    pub behind_facets: bool,
+    /// The number of the first copies whose facets to this piece's cells this process integrates over: facets between pieces are interior ones
+    /// then.
+    pub behind_facets: Option<usize>,
+    /// Facets that are parts of larger ones, of the piece's own cells, too, as [`Mesh::facet_parts`] has them.
+    pub facet_parts: Vec<(Facet, Facet, [[f64; D]; 3])>,
     /// The shapes of all processes' cells.
     pub shapes: Vec<CellShape>,
 }
@@ -92,7 +98,7 @@ impl<const D: usize> Mesh<D> {
     /// Cells that do not fit each other.
     #[doc(hidden)]
     pub fn with_ghost_cells(&self, ghosts: GhostCells<D>) -> Result<Self, MeshError> {
-        let GhostCells { nodes, blocks, mut surfaces, behind_facets, shapes } = ghosts;
+        let GhostCells { nodes, blocks, mut surfaces, behind_facets, facet_parts, shapes } = ghosts;
         let of_block = |block: &super::CellBlock| {
             let cells = block.cells.clone().flat_map(|cell| self.cell(cell));
             (block.shape, cells.copied().collect())
@@ -110,17 +116,44 @@ impl<const D: usize> Mesh<D> {
         let data = mesh.data_mut();
         data.facet_regions.clone_from(&self.facet_regions);
         data.cell_regions.clone_from(&self.cell_regions);
-        let interior = data.interior_regions.remove(INTERIOR).unwrap_or_default();
+        let mut interior = data.interior_regions.remove(INTERIOR).unwrap_or_default();
         data.interior_regions.clear();
-        if behind_facets {
+        if let Some(behind) = behind_facets {
             // The first side is of the cell with the lower number; copies come last.
-            let own = self.cell_count() as u32;
-            let integrated = interior.into_iter().filter(|[first, _]| first.cell < own);
-            data.interior_regions.insert(INTERIOR.to_owned(), integrated.collect());
+            let (own, end) = (self.cell_count() as u32, (self.cell_count() + behind) as u32);
+            interior
+                .extend(facet_parts.iter().map(|(small, large, _)| [*small.min(large), *small.max(large)]));
+            interior.retain(|[first, second]| first.cell < own && second.cell < end);
+            interior.sort_unstable();
+            data.interior_regions.insert(INTERIOR.to_owned(), interior);
         }
-        let replicas = Replicas { ghost_cells, ghost_nodes, surfaces, behind_facets, shapes };
+        data.parts = FacetParts::new(facet_parts);
+        let hangs_outside = self.replicas().is_some_and(|replicas| replicas.hangs_outside);
+        let behind_facets = behind_facets.is_some();
+        let replicas = Replicas { ghost_cells, ghost_nodes, surfaces, behind_facets, shapes, hangs_outside };
         data.extent = Extent::Piece(Box::new(replicas));
         Ok(mesh)
+    }
+
+    /// This piece, with whether nodes hang on exterior facets of the larger mesh.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn with_hanging_outside(mut self, hangs_outside: bool) -> Self {
+        if let Extent::Piece(replicas) = &mut self.data_mut().extent {
+            replicas.hangs_outside = hangs_outside;
+        }
+        self
+    }
+
+    /// An error for a piece of a mesh whose nodes hang on exterior facets: the large facet and the small ones may be on two processes.
+    pub(super) fn without_hanging_outside(&self) -> Result<(), MeshError> {
+        match self.replicas().is_some_and(|replicas| replicas.hangs_outside) {
+            true => Err(MeshError::Piece {
+                what: "continuity at hanging nodes of a mesh that is given by its cells",
+                instead: TAKE_THE_WHOLE,
+            }),
+            false => Ok(()),
+        }
     }
 
     fn replicas(&self) -> Option<&Replicas> {
@@ -247,7 +280,8 @@ mod tests {
             nodes: vec![[1.5, 0.0], [1.5, 0.5], [1.5, 1.0]],
             blocks: vec![(CellShape::Quadrilateral, vec![2, 9, 10, 5, 5, 10, 11, 8])],
             surfaces: BTreeMap::new(),
-            behind_facets: true,
+            behind_facets: Some(2),
+            facet_parts: vec![],
             shapes: vec![CellShape::Quadrilateral],
         })?;
         // Four inside, two to copies, and not the one between copies.
@@ -270,7 +304,8 @@ mod tests {
             nodes: vec![[1.5, 0.5], [1.5, 1.0]],
             blocks: vec![(CellShape::Quadrilateral, vec![5, 9, 10, 8])],
             surfaces: BTreeMap::from([("top".to_owned(), [&[copy], &top[..]].concat())]),
-            behind_facets: false,
+            behind_facets: None,
+            facet_parts: vec![],
             shapes: vec![CellShape::Quadrilateral],
         })?;
         assert_eq!((part.cell_count(), part.body_cells(), part.ghost_cells()), (5, 0..4, 4..5));

@@ -49,7 +49,8 @@ impl<const D: usize> Constraints<D> {
     ///
     /// # Errors
     /// [`ConstraintsError::NotContinuous`] for other than continuous spaces;
-    /// [`MeshError::NotNested`] for facets that lie on each other in part;
+    /// [`MeshError::NotNested`] for facets that lie on each other in part; [`MeshError::Piece`] on a part of a mesh after conditions that prescribe
+    /// values, or of a mesh of other than trees;
     /// [`ConstraintsError::SeparateBodies`] where all that could be joined belongs to bodies that share no vertex;
     /// [`ConstraintsError::AlreadyGiven`] and [`ConstraintsError::Contradiction`] where earlier conditions say otherwise.
     #[inline(never)]
@@ -59,6 +60,13 @@ impl<const D: usize> Constraints<D> {
             return Err(ConstraintsError::NotContinuous { elements, scope });
         }
         let mesh = self.space.mesh();
+        if !self.conditions.prescribed.is_empty() {
+            // Other processes prescribe other values: which ones come first has to be the same for all.
+            mesh.without_pieces(
+                "continuity after prescribed values",
+                "call `join_hanging_nodes()` before them",
+            )?;
+        }
         let (all, bodies) = (mesh.hanging_facets()?, bodies(mesh));
         let is_of_one =
             |[small, large]: &[Facet; 2]| bodies[small.cell as usize] == bodies[large.cell as usize];

@@ -53,6 +53,17 @@ impl Conditions {
         Ok(())
     }
 
+    /// Prescribes a value of a hanging unknown, unless those that give it are prescribed.
+    ///
+    /// # Errors
+    /// As [`Conditions::add`].
+    pub(crate) fn add_at_hanging(&mut self, dependent: usize, value: f64) -> Result<(), f64> {
+        if self.prescribed.contains_key(&dependent) {
+            return Ok(());
+        }
+        self.add(&Dependence { dependent, terms: vec![], value })
+    }
+
     /// The prescribed unknowns, and the relations.
     pub(crate) fn into_parts(self) -> (BTreeMap<usize, f64>, BTreeMap<usize, Relation>) {
         (self.prescribed, self.relations)

@@ -9,7 +9,7 @@ use std::fmt;
 use std::ops::Range;
 use std::rc::Rc;
 
-pub use conditions::conditions_of_all;
+pub use conditions::{ConditionsHere, conditions_of_all};
 use forms_core::contract::Source;
 
 use super::communicator::{CommunicationError, Communicator, agreed};

@@ -20,7 +20,11 @@ pub struct Elimination {
     size: usize,
     prescribed: BTreeMap<usize, f64>,
     relations: BTreeMap<usize, Relation>,
+    /// Values for hanging unknowns of a piece of a mesh, which hold where those that give them are prescribed by no process.
+    at_hanging: BTreeMap<usize, f64>,
     free: Vec<usize>,
+    /// Free unknowns of other processes that give unknowns which this process does not have: their rows are zero here.
+    rows_elsewhere: Vec<usize>,
     /// Threads on which matrices are reduced.
     threads: Threads,
     restriction: Option<Restriction>,
@@ -50,9 +54,17 @@ impl Elimination {
             from = unknown + 1;
         }
         free.extend(from..size);
-        let (prescribed, relations) = (prescribed.clone(), BTreeMap::new());
-        let threads = Threads::default();
-        Ok(Self { size, prescribed, relations, free, threads, restriction: None, weighted: None })
+        Ok(Self {
+            size,
+            prescribed: prescribed.clone(),
+            relations: BTreeMap::new(),
+            at_hanging: BTreeMap::new(),
+            free,
+            rows_elsewhere: vec![],
+            threads: Threads::default(),
+            restriction: None,
+            weighted: None,
+        })
     }
 
     /// This elimination on another number of threads than all, which take submatrices out.
@@ -69,7 +81,7 @@ impl Elimination {
     #[inline(never)]
     pub fn of<const D: usize>(constraints: &[&Constraints<D>]) -> Result<Self, LinearAlgebraError> {
         let (mut prescribed, mut relations) = (BTreeMap::new(), BTreeMap::new());
-        let mut offset = 0;
+        let (mut at_hanging, mut offset) = (BTreeMap::new(), 0);
         for constraints in constraints {
             prescribed
                 .extend(constraints.prescribed().iter().map(|(unknown, value)| (offset + unknown, *value)));
@@ -78,9 +90,19 @@ impl Elimination {
                 relation.terms.iter_mut().for_each(|term| term.0 += offset);
                 (offset + unknown, relation)
             }));
+            let hanging = constraints.prescribed_at_hanging().iter();
+            at_hanging.extend(hanging.map(|(unknown, value)| (offset + unknown, *value)));
             offset += constraints.space().unknowns();
         }
-        Elimination::new(offset, &prescribed)?.with_relations(relations)
+        let made = Elimination::new(offset, &prescribed)?.with_relations(relations)?;
+        Ok(Elimination { at_hanging, ..made })
+    }
+
+    /// This elimination on a piece of a mesh. Some free unknowns give others that only other processes have: those reduce the rows.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn with_rows_elsewhere(self, rows_elsewhere: Vec<usize>) -> Self {
+        Elimination { rows_elsewhere, ..self }
     }
 
     /// This elimination with relations: unknowns that free ones determine.
@@ -114,7 +136,9 @@ impl Elimination {
             size: self.size,
             prescribed: self.prescribed.clone(),
             relations: self.relations.clone(),
+            at_hanging: self.at_hanging.clone(),
             free: self.free.clone(),
+            rows_elsewhere: self.rows_elsewhere.clone(),
             threads: self.threads,
             restriction: None,
             weighted: None,
@@ -174,6 +198,11 @@ impl Elimination {
         (&self.prescribed, &self.relations)
     }
 
+    /// Values for hanging unknowns of a piece of a mesh.
+    pub(super) fn at_hanging(&self) -> &BTreeMap<usize, f64> {
+        &self.at_hanging
+    }
+
     /// Prescribed values, by unknown.
     pub(crate) fn prescribed(&self) -> &BTreeMap<usize, f64> {
         &self.prescribed
@@ -226,13 +255,14 @@ impl Elimination {
     /// If the size is wrong.
     pub fn reduce(&self, full: &[f64]) -> Result<Vec<f64>, LinearAlgebraError> {
         check_size("the vector of all unknowns", self.size, full.len())?;
-        if self.relations.is_empty() {
+        if self.relations.is_empty() && self.rows_elsewhere.is_empty() {
             return Ok(self.free.iter().map(|&unknown| full[unknown]).collect());
         }
         let mut sums = full.to_vec();
         for (&unknown, relation) in &self.relations {
             relation.terms.iter().for_each(|(free, a)| sums[*free] += a * full[unknown]);
         }
+        self.rows_elsewhere.iter().for_each(|unknown| sums[*unknown] = 0.0);
         Ok(self.free.iter().map(|&unknown| sums[unknown]).collect())
     }
 
@@ -246,6 +276,7 @@ impl Elimination {
         for (&unknown, relation) in &self.relations {
             relation.terms.iter().for_each(|(free, a)| sums[*free] += a.abs() * full[unknown]);
         }
+        self.rows_elsewhere.iter().for_each(|unknown| sums[*unknown] = 0.0);
         Ok(self.free.iter().map(|&unknown| sums[unknown]).collect())
     }
 

@@ -10,7 +10,7 @@ use forms_core::contract::{Entity, Region};
 use super::communicator::{
     CommunicationError, Communicator, Fingerprint, agreed, agreed_or, on_part_of_cells, summed,
 };
-use super::divided::{DividedVectors, check_ghost_values, conditions_of_all};
+use super::divided::{ConditionsHere, DividedVectors, check_ghost_values, conditions_of_all};
 use super::elimination::Elimination;
 use crate::assemble::{Assembler, AssemblyError};
 use crate::contract::Form;
@@ -126,11 +126,11 @@ impl<'a> Processes<'a> {
     pub fn elimination(&self, form: &'static str, own: Elimination) -> Result<Elimination, AssemblyError> {
         let (Some(divided), Some(all)) = (&self.divided, self.communicator) else { return Ok(own) };
         let failed = |source| AssemblyError::Communication { form, source };
-        let known = conditions_of_all(&**divided, all.rank(), own.size(), own.conditions()).map_err(failed);
-        let (prescribed, relations) = self.all_succeed(form, known)?;
+        let known = conditions_of_all(&**divided, all.rank(), &own).map_err(failed);
+        let ConditionsHere { prescribed, relations, rows_elsewhere } = self.all_succeed(form, known)?;
         let unfit = |source: LinearAlgebraError| AssemblyError::LinearAlgebra { form, source };
         let made = Elimination::new(own.size(), &prescribed).map_err(unfit)?;
-        made.with_relations(relations).map_err(unfit)
+        Ok(made.with_relations(relations).map_err(unfit)?.with_rows_elsewhere(rows_elsewhere))
     }
 
     /// The sum of what all processes assembled of a vector over the unknowns, each over its own cells.

@@ -5,17 +5,25 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use super::{DividedVectors, prescribed_by_all};
 use crate::constraints::{Conditions, Dependence, Relation};
 use crate::solve::communicator::CommunicationError;
+use crate::solve::elimination::Elimination;
 
 /// The largest number of unknowns of a process. An unknown's number on all processes is this times the rank of its owner, and its place there.
 const OF_A_PROCESS: f64 = 4_294_967_296.0;
 
-/// Prescribed values and relations, by this process's unknowns.
-pub type ConditionsHere = (BTreeMap<usize, f64>, BTreeMap<usize, Relation>);
+/// Conditions of all processes, by this one's unknowns.
+#[doc(hidden)]
+#[derive(Debug, Default)]
+pub struct ConditionsHere {
+    pub prescribed: BTreeMap<usize, f64>,
+    pub relations: BTreeMap<usize, Relation>,
+    /// Free unknowns of other processes that give unknowns which this process does not have.
+    pub rows_elsewhere: Vec<usize>,
+}
 
 /// Prescribed values and relations of all processes at this one's unknowns. A process may have a node of a boundary without the facet there.
 ///
 /// All processes get all relations, so their number is that of a surface. Each numbers an unknown by its owner and by its place there, and all
-/// eliminate in the same order: the free unknowns are the same on all of them.
+/// eliminate in the same order: the free unknowns are the same on all of them. Values of hanging unknowns come last, as on one process.
 ///
 /// # Errors
 /// A failed exchange; [`CommunicationError::Contradiction`]; on this process only [`CommunicationError::SplitRelation`].
@@ -23,13 +31,14 @@ pub type ConditionsHere = (BTreeMap<usize, f64>, BTreeMap<usize, Relation>);
 pub fn conditions_of_all(
     vectors: &dyn DividedVectors,
     rank: usize,
-    size: usize,
-    own: (&BTreeMap<usize, f64>, &BTreeMap<usize, Relation>),
+    own: &Elimination,
 ) -> Result<ConditionsHere, CommunicationError> {
-    let (prescribed, relations) = (prescribed_by_all(vectors, size, own.0)?, own.1);
+    let ((prescribed, relations), size) = (own.conditions(), own.size());
+    let prescribed = prescribed_by_all(vectors, size, prescribed)?;
     if vectors.gather(relations.len() as f64)?.iter().all(|count| *count == 0.0) {
-        return Ok((prescribed, BTreeMap::new()));
+        return Ok(ConditionsHere { prescribed, ..ConditionsHere::default() });
     }
+    let at_hanging = prescribed_by_all(vectors, size, own.at_hanging())?;
     let mut numbers: Vec<f64> =
         (0..size).map(|unknown| rank as f64 * OF_A_PROCESS + unknown as f64).collect();
     vectors.spread(&mut numbers)?;
@@ -51,14 +60,26 @@ pub fn conditions_of_all(
     let related: HashSet<usize> = all.iter().flat_map(Dependence::unknowns).collect();
     let is_related = |(unknown, _): &(&usize, &f64)| related.contains(&number(**unknown));
     let of_owner = prescribed.iter().filter(is_related).filter(|(unknown, _)| vectors.owns(**unknown));
-    let pairs: Vec<f64> = of_owner.flat_map(|(unknown, value)| [numbers[*unknown], *value]).collect();
-    let values = gathered(vectors, rank, &pairs)?;
+    let pair = |(unknown, value): (&usize, &f64)| [numbers[*unknown], *value];
+    let values = gathered(vectors, rank, &of_owner.flat_map(pair).collect::<Vec<_>>())?;
     let values = values.as_chunks().0.iter().map(|[number, value]| (*number as usize, *value)).collect();
-    here(joined(values, &all)?, prescribed, &numbers, &related)
+    let mut conditions = joined(values, &all)?;
+    let is_open = |unknown: &usize| vectors.owns(*unknown) && !prescribed.contains_key(unknown);
+    let open = at_hanging.iter().filter(|(unknown, _)| is_open(unknown));
+    let last = gathered(vectors, rank, &open.flat_map(pair).collect::<Vec<_>>())?;
+    for [number, value] in last.as_chunks().0 {
+        conditions.add_at_hanging(*number as usize, *value).map_err(contradiction)?;
+    }
+    here(vectors, conditions, prescribed, &numbers, &related)
+}
+
+fn contradiction(difference: f64) -> CommunicationError {
+    CommunicationError::Contradiction { difference: difference.to_string() }
 }
 
 /// The conditions at this process's unknowns.
 fn here(
+    vectors: &dyn DividedVectors,
     all: Conditions,
     mut prescribed: BTreeMap<usize, f64>,
     numbers: &[f64],
@@ -68,30 +89,34 @@ fn here(
     let places: HashMap<usize, usize> = places.filter(|(number, _)| related.contains(number)).collect();
     let (values, dependent) = all.into_parts();
     prescribed.extend(values.iter().filter_map(|(number, value)| Some((*places.get(number)?, *value))));
-    let mut relations = BTreeMap::new();
+    let (mut relations, mut rows_elsewhere) = (BTreeMap::new(), vec![]);
     for (number, mut relation) in dependent {
         let terms = relation.terms.iter().map(|(number, a)| Some((*places.get(number)?, *a)));
         let found: Option<Vec<(usize, f64)>> = terms.collect();
-        let is_any_here = relation.terms.iter().any(|(number, _)| places.contains_key(number));
         match (places.get(&number), found) {
             (Some(place), Some(mut terms)) => {
                 terms.sort_unstable_by_key(|(unknown, _)| *unknown);
                 relation.terms = terms;
                 relations.insert(*place, relation);
             }
-            (None, _) if !is_any_here => {}
-            _ => return Err(CommunicationError::SplitRelation),
+            // The owners of those that give it need it, nobody else.
+            (None, _) => {
+                let known = relation.terms.iter().filter_map(|(number, _)| places.get(number));
+                rows_elsewhere.extend(known.copied());
+            }
+            (Some(_), None) => return Err(CommunicationError::SplitRelation),
         }
     }
-    Ok((prescribed, relations))
+    match rows_elsewhere.iter().any(|unknown| vectors.owns(*unknown)) {
+        true => Err(CommunicationError::SplitRelation),
+        false => Ok(ConditionsHere { prescribed, relations, rows_elsewhere }),
+    }
 }
 
 /// Prescribed values with dependences, which are added in their order.
 fn joined(prescribed: BTreeMap<usize, f64>, all: &[Dependence]) -> Result<Conditions, CommunicationError> {
     let mut conditions = Conditions::prescribing(prescribed);
     for one in all {
-        let contradiction =
-            |difference: f64| CommunicationError::Contradiction { difference: difference.to_string() };
         conditions.add(one).map_err(contradiction)?;
     }
     Ok(conditions)
