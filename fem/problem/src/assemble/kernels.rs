@@ -128,6 +128,9 @@ impl<const D: usize> VectorKernel<D> {
         moving: (PointMotion, Range<usize>),
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
+        if self.factor == 1.0 {
+            return self.kernel.compute_moving(task, &self.constants, moving, deliver);
+        }
         let mut scaled = Vec::new();
         self.kernel.compute_moving(task, &self.constants, moving, &mut |first, values| {
             scaled.clear();

@@ -112,6 +112,12 @@ pub(crate) trait SimdLane: Lane {
     /// Whether values carry derivatives along a motion of points.
     const CARRIES_SLOPES: bool = false;
 
+    /// `self * factor + addend` with a factor that has no derivative where values carry one.
+    #[inline(always)]
+    fn multiply_add_constant(self, factor: Self, addend: Self) -> Self {
+        self.multiply_add(factor, addend)
+    }
+
     /// [`SimdLane::gather`] with the first and second derivatives of the entries, where values carry any.
     ///
     /// # Panics

@@ -230,6 +230,14 @@ impl<L: SimdLane> SimdLane for Moving<L> {
     }
 
     #[inline(always)]
+    fn multiply_add_constant(self, factor: Self, addend: Self) -> Self {
+        Moving {
+            value: self.value.multiply_add_constant(factor.value, addend.value),
+            slope: self.slope.multiply_add_constant(factor.value, addend.slope),
+        }
+    }
+
+    #[inline(always)]
     fn gather<const COUNT: usize>(values: &[f64], places: &[usize; WIDEST]) -> [Self; COUNT] {
         let (entries, zero) = (L::gather::<COUNT>(values, places), L::splat(0.0));
         let mut moving = [Moving { value: zero, slope: zero }; COUNT];
@@ -317,6 +325,8 @@ mod tests {
             assert!((found - difference).abs() < 1e-9 * (1.0 + found.abs()), "{name}: {found} {difference}");
             assert!(function(M::splat(x)).slope == 0.0, "{name}");
         }
+        let product = M { value: 0.4, slope: 1.0 }.multiply_add_constant(M::splat(3.0), M { value: 1.0, slope: 2.0 });
+        assert!(product.value == 0.4 * 3.0 + 1.0 && product.slope == 5.0);
         assert!(M::splat(0.0).sqrt().slope == 0.0);
         assert!(M::splat(0.3).each(f64::cbrt).slope.is_nan());
     }

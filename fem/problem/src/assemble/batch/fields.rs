@@ -228,7 +228,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         }
     }
 
-    /// Σ over the nodes of coefficient × basis function, or its derivatives.
+    /// Σ over the nodes of coefficient × basis function, or its derivatives. Coefficients are gathered: they do not move with points.
     #[inline(always)]
     fn interpolate(&mut self, slot: &FieldSlot, index: usize, element: usize, nodes: usize) {
         let side = &self.buffers.sides[side_index(slot.side)];
@@ -241,8 +241,8 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                 Order::Value => {
                     let mut sum = L::splat(0.0);
                     for node in 0..nodes {
-                        sum =
-                            basis[node].value.multiply_add(coefficients[node * components + component], sum);
+                        let coefficient = coefficients[node * components + component];
+                        sum = basis[node].value.multiply_add_constant(coefficient, sum);
                     }
                     self.buffers.fields[slot.offset + component] = sum;
                 }
@@ -251,7 +251,8 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                     for node in 0..nodes {
                         let coefficient = coefficients[node * components + component];
                         for axis in 0..D {
-                            sums[axis] = basis[node].gradient[axis].multiply_add(coefficient, sums[axis]);
+                            sums[axis] =
+                                basis[node].gradient[axis].multiply_add_constant(coefficient, sums[axis]);
                         }
                     }
                     let start = slot.offset + component * D;
@@ -267,7 +268,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                         for i in 0..D {
                             for j in 0..D {
                                 sums[i][j] =
-                                    further[node].hessian[i][j].multiply_add(coefficient, sums[i][j]);
+                                    further[node].hessian[i][j].multiply_add_constant(coefficient, sums[i][j]);
                             }
                         }
                     }
