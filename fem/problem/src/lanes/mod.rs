@@ -23,7 +23,7 @@ use forms_core::contract::Lane;
 
 pub use self::instruction_set::InstructionSet;
 pub(crate) use self::instruction_set::{Checked, with_lanes};
-pub(crate) use self::moving::Moving;
+pub(crate) use self::moving::{Both, Moving, SimdSlope};
 #[cfg(target_arch = "aarch64")]
 pub(crate) use self::neon::Neon;
 pub(crate) use self::ordered::{Order, Ordered};
@@ -109,8 +109,8 @@ pub(crate) trait SimdLane: Lane {
         Self::gather(values, &places)
     }
 
-    /// Whether values carry derivatives along a motion of points.
-    const CARRIES_SLOPES: bool = false;
+    /// The number of directions along which values carry derivatives by a motion of points.
+    const DIRECTIONS: usize = 0;
 
     /// `self * factor + addend` with a factor that has no derivative where values carry one.
     #[inline(always)]
@@ -118,7 +118,7 @@ pub(crate) trait SimdLane: Lane {
         self.multiply_add(factor, addend)
     }
 
-    /// [`SimdLane::gather`] with the first and second derivatives of the entries, where values carry any.
+    /// [`SimdLane::gather`] with the first and second derivatives of the entries, or those along two directions, where values carry any.
     ///
     /// # Panics
     /// When a place is out of range.
@@ -137,15 +137,15 @@ pub(crate) trait SimdLane: Lane {
         self.equal(Self::splat(0.0))
     }
 
-    /// The derivative, as a value; zero where values carry none.
-    #[inline(always)]
-    fn slope(self) -> Self {
-        Self::splat(0.0)
-    }
-
     /// The same value with another derivative, where values carry one.
     #[inline(always)]
     fn with_slope(self, _slope: Self) -> Self {
+        self
+    }
+
+    /// The same value with the derivatives of a function of position that has a gradient, where values carry any.
+    #[inline(always)]
+    fn moved_by<const D: usize>(self, _gradient: &[Self; D], _position: &[Self; D]) -> Self {
         self
     }
 

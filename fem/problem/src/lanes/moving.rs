@@ -1,5 +1,5 @@
 //! Lanes that carry a derivative: a kernel that is run on them gives its values together with their derivatives along a motion of its points.
-//! Lanes whose values carry one themselves have two derivatives.
+//! Lanes whose values carry one themselves have two derivatives. Points of a facet in space move in two directions: there lanes carry both derivatives.
 //!
 //! A value that goes through memory by [`Lane::store`] and [`Lane::load`] loses its derivative, which is NaN then: so functions of a user that have
 //! no derivative do not count as constants. Data that do not move are gathered.
@@ -7,6 +7,7 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
 #![allow(clippy::needless_range_loop)]
 
+use std::marker::PhantomData;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 use forms_core::contract::Lane;
@@ -15,20 +16,181 @@ use super::{SharedWork, SimdLane, WIDEST};
 
 /// Values with their derivatives.
 #[derive(Clone, Copy)]
-pub(crate) struct Moving<L> {
+pub(crate) struct Moving<L, S = L> {
     pub value: L,
-    pub slope: L,
+    pub slope: S,
 }
 
-impl<L: SimdLane> Moving<L> {
-    /// f(self) from f and f′; what does not move has no derivative, whatever f′ is.
+/// Derivatives of values, along one direction or two.
+pub(crate) trait Slope<L>:
+    Copy + Send + Sync + 'static + Add<Output = Self> + Sub<Output = Self> + Neg<Output = Self>
+{
+    /// The number of directions.
+    const DIRECTIONS: usize;
+
+    /// The same number in all directions.
+    fn all(slope: L) -> Self;
+    /// That along one direction.
+    fn along(self, direction: usize) -> L;
+    fn times(self, factor: L) -> Self;
+    fn times_add(self, factor: L, addend: Self) -> Self;
+    fn over(self, divisor: L) -> Self;
+}
+
+/// Derivatives along two directions.
+#[derive(Clone, Copy)]
+pub(crate) struct Both<L>(pub [L; 2]);
+
+impl<L: Lane> Slope<L> for L {
+    const DIRECTIONS: usize = 1;
+
     #[inline(always)]
-    fn chain(self, value: L, slope: L) -> Self {
-        Moving { value, slope: L::select(self.slope.vanishes(), L::splat(0.0), slope * self.slope) }
+    fn all(slope: L) -> Self {
+        slope
+    }
+    #[inline(always)]
+    fn along(self, _direction: usize) -> L {
+        self
+    }
+    #[inline(always)]
+    fn times(self, factor: L) -> Self {
+        self * factor
+    }
+    #[inline(always)]
+    fn times_add(self, factor: L, addend: Self) -> Self {
+        self.multiply_add(factor, addend)
+    }
+    #[inline(always)]
+    fn over(self, divisor: L) -> Self {
+        self / divisor
     }
 }
 
-impl<L: Lane> Add for Moving<L> {
+impl<L: Lane> Slope<L> for Both<L> {
+    const DIRECTIONS: usize = 2;
+
+    #[inline(always)]
+    fn all(slope: L) -> Self {
+        Both([slope; 2])
+    }
+    #[inline(always)]
+    fn along(self, direction: usize) -> L {
+        self.0[direction]
+    }
+    #[inline(always)]
+    fn times(self, factor: L) -> Self {
+        Both([self.0[0] * factor, self.0[1] * factor])
+    }
+    #[inline(always)]
+    fn times_add(self, factor: L, addend: Self) -> Self {
+        let [first, second] = addend.0;
+        Both([self.0[0].multiply_add(factor, first), self.0[1].multiply_add(factor, second)])
+    }
+    #[inline(always)]
+    fn over(self, divisor: L) -> Self {
+        Both([self.0[0] / divisor, self.0[1] / divisor])
+    }
+}
+
+impl<L: Lane> Add for Both<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Both([self.0[0] + other.0[0], self.0[1] + other.0[1]])
+    }
+}
+
+impl<L: Lane> Sub for Both<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Both([self.0[0] - other.0[0], self.0[1] - other.0[1]])
+    }
+}
+
+impl<L: Lane> Neg for Both<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Both([-self.0[0], -self.0[1]])
+    }
+}
+
+/// Slopes whose lanes are chosen one by one, and come from memory.
+pub(crate) trait SimdSlope<L: SimdLane>: Slope<L> {
+    fn chosen(mask: L::Mask, taken: Self, otherwise: Self) -> Self;
+    /// Whether it is zero along all directions.
+    fn is_zero(self) -> L::Mask;
+    /// That of f from f′: what does not move along a direction has no derivative there, whatever f′ is.
+    fn chained(self, slope: L) -> Self;
+    /// From lists of the first and second derivatives, or of those along two directions.
+    fn gathered<const COUNT: usize>(slopes: [&[f64]; 2], places: &[usize; WIDEST]) -> [Self; COUNT];
+}
+
+impl<L: SimdLane> SimdSlope<L> for L {
+    #[inline(always)]
+    fn chosen(mask: L::Mask, taken: Self, otherwise: Self) -> Self {
+        L::select(mask, taken, otherwise)
+    }
+    #[inline(always)]
+    fn is_zero(self) -> L::Mask {
+        self.vanishes()
+    }
+    #[inline(always)]
+    fn chained(self, slope: L) -> Self {
+        L::select(self.vanishes(), L::splat(0.0), slope * self)
+    }
+    #[inline(always)]
+    fn gathered<const COUNT: usize>(
+        [slopes, bends]: [&[f64]; 2],
+        places: &[usize; WIDEST],
+    ) -> [Self; COUNT] {
+        // Inside of values with two derivatives there are values with one.
+        L::gather_with_slopes::<COUNT>(slopes, [bends, &[]], places)
+    }
+}
+
+impl<L: SimdLane> SimdSlope<L> for Both<L> {
+    #[inline(always)]
+    fn chosen(mask: L::Mask, taken: Self, otherwise: Self) -> Self {
+        let ([a, b], [c, d]) = (taken.0, otherwise.0);
+        Both([L::select(mask, a, c), L::select(mask, b, d)])
+    }
+    #[inline(always)]
+    fn is_zero(self) -> L::Mask {
+        L::and(self.0[0].vanishes(), self.0[1].vanishes())
+    }
+    #[inline(always)]
+    fn chained(self, slope: L) -> Self {
+        Both([self.0[0].chained(slope), self.0[1].chained(slope)])
+    }
+    #[inline(always)]
+    fn gathered<const COUNT: usize>(slopes: [&[f64]; 2], places: &[usize; WIDEST]) -> [Self; COUNT] {
+        let first = L::gather::<COUNT>(slopes[0], places);
+        let second = L::gather::<COUNT>(slopes[1], places);
+        let mut both = [Both([L::splat(0.0); 2]); COUNT];
+        for k in 0..COUNT {
+            both[k] = Both([first[k], second[k]]);
+        }
+        both
+    }
+}
+
+impl<L: SimdLane, S: SimdSlope<L>> Moving<L, S> {
+    /// A value that does not move.
+    #[inline(always)]
+    fn constant(value: L) -> Self {
+        Moving { value, slope: S::all(L::splat(0.0)) }
+    }
+
+    /// f(self) from f and f′.
+    #[inline(always)]
+    fn chain(self, value: L, slope: L) -> Self {
+        Moving { value, slope: self.slope.chained(slope) }
+    }
+}
+
+impl<L: Lane, S: Slope<L>> Add for Moving<L, S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -36,7 +198,7 @@ impl<L: Lane> Add for Moving<L> {
     }
 }
 
-impl<L: Lane> Sub for Moving<L> {
+impl<L: Lane, S: Slope<L>> Sub for Moving<L, S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -44,25 +206,25 @@ impl<L: Lane> Sub for Moving<L> {
     }
 }
 
-impl<L: Lane> Mul for Moving<L> {
+impl<L: Lane, S: Slope<L>> Mul for Moving<L, S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        let slope = self.slope.multiply_add(other.value, self.value * other.slope);
+        let slope = self.slope.times_add(other.value, other.slope.times(self.value));
         Moving { value: self.value * other.value, slope }
     }
 }
 
-impl<L: Lane> Div for Moving<L> {
+impl<L: Lane, S: Slope<L>> Div for Moving<L, S> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         let value = self.value / other.value;
-        Moving { value, slope: (self.slope - value * other.slope) / other.value }
+        Moving { value, slope: (self.slope - other.slope.times(value)).over(other.value) }
     }
 }
 
-impl<L: Lane> Neg for Moving<L> {
+impl<L: Lane, S: Slope<L>> Neg for Moving<L, S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -70,7 +232,7 @@ impl<L: Lane> Neg for Moving<L> {
     }
 }
 
-impl<L: Lane> AddAssign for Moving<L> {
+impl<L: Lane, S: Slope<L>> AddAssign for Moving<L, S> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
@@ -89,19 +251,19 @@ macro_rules! functions {
     };
 }
 
-impl<L: SimdLane> Lane for Moving<L> {
+impl<L: SimdLane, S: SimdSlope<L>> Lane for Moving<L, S> {
     const WIDTH: usize = L::WIDTH;
     type Mask = L::Mask;
 
     #[inline(always)]
     fn splat(value: f64) -> Self {
-        Moving { value: L::splat(value), slope: L::splat(0.0) }
+        Self::constant(L::splat(value))
     }
     #[inline(always)]
     fn load(values: &[f64]) -> Self {
         // A product, so that derivatives of the slope are lost, too.
         let value = L::load(values);
-        Moving { value, slope: value * L::splat(f64::NAN) }
+        Moving { value, slope: S::all(value * L::splat(f64::NAN)) }
     }
     #[inline(always)]
     fn store(self, values: &mut [f64]) {
@@ -109,8 +271,8 @@ impl<L: SimdLane> Lane for Moving<L> {
     }
     #[inline(always)]
     fn multiply_add(self, factor: Self, addend: Self) -> Self {
-        let slope = self.value.multiply_add(factor.slope, addend.slope);
-        let slope = self.slope.multiply_add(factor.value, slope);
+        let slope = factor.slope.times_add(self.value, addend.slope);
+        let slope = self.slope.times_add(factor.value, slope);
         Moving { value: self.value.multiply_add(factor.value, addend.value), slope }
     }
     #[inline(always)]
@@ -121,7 +283,7 @@ impl<L: SimdLane> Lane for Moving<L> {
     #[inline(always)]
     fn abs(self) -> Self {
         let negative = self.value.less(L::splat(0.0));
-        Moving { value: self.value.abs(), slope: L::select(negative, -self.slope, self.slope) }
+        Moving { value: self.value.abs(), slope: S::chosen(negative, -self.slope, self.slope) }
     }
     #[inline(always)]
     fn powi(self, exponent: i32) -> Self {
@@ -153,7 +315,7 @@ impl<L: SimdLane> Lane for Moving<L> {
     #[inline]
     fn atan2(self, x: Self) -> Self {
         let square = self.value * self.value + x.value * x.value;
-        let slope = (self.slope * x.value - self.value * x.slope) / square;
+        let slope = (self.slope.times(x.value) - x.slope.times(self.value)).over(square);
         Moving { value: self.value.atan2(x.value), slope }
     }
     functions! {
@@ -203,15 +365,15 @@ impl<L: SimdLane> Lane for Moving<L> {
     fn select(mask: L::Mask, taken: Self, otherwise: Self) -> Self {
         Moving {
             value: L::select(mask, taken.value, otherwise.value),
-            slope: L::select(mask, taken.slope, otherwise.slope),
+            slope: S::chosen(mask, taken.slope, otherwise.slope),
         }
     }
 }
 
 /// Work in these lanes as work in those of their values, for whose instructions it is compiled.
-struct InValues<W>(W);
+struct InValues<W, S>(W, PhantomData<S>);
 
-impl<L: SimdLane, W: SharedWork<Moving<L>>> SharedWork<L> for InValues<W> {
+impl<L: SimdLane, S: SimdSlope<L>, W: SharedWork<Moving<L, S>>> SharedWork<L> for InValues<W, S> {
     type Output = W::Output;
 
     #[inline(always)]
@@ -220,27 +382,27 @@ impl<L: SimdLane, W: SharedWork<Moving<L>>> SharedWork<L> for InValues<W> {
     }
 }
 
-impl<L: SimdLane> SimdLane for Moving<L> {
-    const REGISTERS: usize = L::REGISTERS / 2;
-    const CARRIES_SLOPES: bool = true;
+impl<L: SimdLane, S: SimdSlope<L>> SimdLane for Moving<L, S> {
+    const REGISTERS: usize = L::REGISTERS / (1 + S::DIRECTIONS);
+    const DIRECTIONS: usize = S::DIRECTIONS;
 
     #[inline(always)]
     fn call<W: SharedWork<Self>>(work: W) -> W::Output {
-        L::call(InValues(work))
+        L::call(InValues(work, PhantomData::<S>))
     }
 
     #[inline(always)]
     fn multiply_add_constant(self, factor: Self, addend: Self) -> Self {
         Moving {
             value: self.value.multiply_add_constant(factor.value, addend.value),
-            slope: self.slope.multiply_add_constant(factor.value, addend.slope),
+            slope: self.slope.times_add(factor.value, addend.slope),
         }
     }
 
     #[inline(always)]
     fn gather<const COUNT: usize>(values: &[f64], places: &[usize; WIDEST]) -> [Self; COUNT] {
-        let (entries, zero) = (L::gather::<COUNT>(values, places), L::splat(0.0));
-        let mut moving = [Moving { value: zero, slope: zero }; COUNT];
+        let entries = L::gather::<COUNT>(values, places);
+        let mut moving = [Self::splat(0.0); COUNT];
         for k in 0..COUNT {
             moving[k].value = entries[k];
         }
@@ -250,12 +412,11 @@ impl<L: SimdLane> SimdLane for Moving<L> {
     #[inline(always)]
     fn gather_with_slopes<const COUNT: usize>(
         values: &[f64],
-        [slopes, bends]: [&[f64]; 2],
+        slopes: [&[f64]; 2],
         places: &[usize; WIDEST],
     ) -> [Self; COUNT] {
-        // Inside of values with two derivatives there are values with one.
-        let entries = L::gather_with_slopes::<COUNT>(values, [slopes, bends], places);
-        let slopes = L::gather_with_slopes::<COUNT>(slopes, [bends, &[]], places);
+        let entries = L::gather_with_slopes::<COUNT>(values, slopes, places);
+        let slopes = S::gathered::<COUNT>(slopes, places);
         let mut moving = [Self::splat(0.0); COUNT];
         for k in 0..COUNT {
             moving[k] = Moving { value: entries[k], slope: slopes[k] };
@@ -265,17 +426,21 @@ impl<L: SimdLane> SimdLane for Moving<L> {
 
     #[inline(always)]
     fn vanishes(self) -> L::Mask {
-        L::and(self.value.vanishes(), self.slope.vanishes())
-    }
-
-    #[inline(always)]
-    fn slope(self) -> Self {
-        Moving { value: self.slope, slope: L::splat(0.0) }
+        L::and(self.value.vanishes(), self.slope.is_zero())
     }
 
     #[inline(always)]
     fn with_slope(self, slope: Self) -> Self {
-        Moving { value: self.value, slope: slope.value }
+        Moving { value: self.value, slope: S::all(slope.value) }
+    }
+
+    #[inline(always)]
+    fn moved_by<const D: usize>(self, gradient: &[Self; D], position: &[Self; D]) -> Self {
+        let mut slope = S::all(L::splat(0.0));
+        for axis in 0..D {
+            slope = position[axis].slope.times_add(gradient[axis].value, slope);
+        }
+        Moving { value: self.value, slope }
     }
 }
 
@@ -316,6 +481,15 @@ mod tests {
             ("log10", M::log10),
             ("erf", |x| x.erf() + M::splat(2.0) * x.erfc()),
         ];
+        type Along2 = Moving<f64, Both<f64>>;
+        let both: [(&str, fn(Along2) -> Along2); 6] = [
+            ("product", |x| x * x * Along2::splat(3.0) + x),
+            ("quotient", |x| (x + Along2::splat(1.0)) / (x * x)),
+            ("multiply_add", |x| x.multiply_add(x, -x)),
+            ("sqrt", Along2::sqrt),
+            ("abs", |x| (x - Along2::splat(2.0)).abs()),
+            ("atan2", |x| x.atan2(Along2::splat(2.0)) + Along2::splat(0.4).atan2(x)),
+        ];
         for (name, function) in all {
             let at = |x: f64| function(Moving { value: x, slope: 1.0 });
             let (x, h) = (0.37, 1e-3);
@@ -327,6 +501,16 @@ mod tests {
         }
         let product = M { value: 0.4, slope: 1.0 }.multiply_add_constant(M::splat(3.0), M { value: 1.0, slope: 2.0 });
         assert!(product.value == 0.4 * 3.0 + 1.0 && product.slope == 5.0);
+        // Along two directions, each as along one.
+        for (name, function) in both {
+            let (x, y) = (0.37, 0.8);
+            let slope = |slope: f64| M { value: x, slope };
+            let found = function(Moving { value: x, slope: Both([1.0, y]) });
+            let one = all.iter().find(|(known, _)| *known == name).unwrap().1;
+            assert_eq!(found.slope.0, [one(slope(1.0)).slope, one(slope(y)).slope], "{name}");
+            assert_eq!(found.value, one(slope(1.0)).value, "{name}");
+        }
+        assert_eq!(Moving { value: 0.0, slope: Both([0.0, 1.0]) }.sqrt().slope.0, [0.0, f64::INFINITY]);
         assert!(M::splat(0.0).sqrt().slope == 0.0);
         assert!(M::splat(0.3).each(f64::cbrt).slope.is_nan());
     }

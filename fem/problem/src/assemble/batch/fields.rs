@@ -133,16 +133,15 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                         self.buffers.fields[slot.offset + component] = L::load(lanes);
                     }
                     // Where points move, a function moves by its gradient.
-                    if let (true, Order::Value, Some(gradient)) = (L::CARRIES_SLOPES, slot.order, gradient) {
+                    if let (true, Order::Value, Some(gradient)) = (L::DIRECTIONS > 0, slot.order, gradient) {
                         let lanes = self.function(&slot, count * D, gradient, &components)?;
                         for component in 0..count {
-                            let mut slope = L::splat(0.0);
+                            let mut along = [L::splat(0.0); D];
                             for axis in 0..D {
-                                let along = L::load(&lanes[component * D + axis]);
-                                slope += along * position[axis].slope();
+                                along[axis] = L::load(&lanes[component * D + axis]);
                             }
                             let field = &mut self.buffers.fields[slot.offset + component];
-                            *field = field.with_slope(slope);
+                            *field = field.moved_by(&along, position);
                         }
                     }
                 }

@@ -52,7 +52,10 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         pairs: &PairTables<D>,
     ) -> Result<(), AssemblyError> {
         let (stride, points, motion) = (PairGroup::<D>::STRIDE, &pairs.group.points, &pairs.group.motion);
-        let slopes = [&motion.slopes[self.direction][..], &motion.bends];
+        let slopes = match L::DIRECTIONS {
+            2 => motion.slopes.each_ref().map(|slopes| &slopes[..]),
+            _ => [&motion.slopes[self.direction][..], &motion.bends],
+        };
         let mut places = [0; WIDEST];
         for lane in 0..L::WIDTH {
             let unit = self.start + lane.min(self.filled - 1);

@@ -22,7 +22,9 @@ use crate::assemble::AssemblyError;
 use crate::assemble::batch::{ArgumentBasis, Batch, BatchBuffers};
 use crate::assemble::scatter::group_nodes::Reading;
 use crate::instantiate::instantiate;
-use crate::lanes::{Moving, SharedWork, SimdLane, Transposition, WIDEST};
+#[cfg(not(test))]
+use crate::lanes::Both;
+use crate::lanes::{Moving, SharedWork, SimdLane, SimdSlope, Transposition, WIDEST};
 
 /// The motion of the points of moving segments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,16 +36,16 @@ pub enum PointMotion<'a> {
 }
 
 /// The loops over the batches of a range: derivatives of the element vectors of its entities, in their order.
-pub(in crate::assemble) struct Loops<'a, 'd, 'c, L, const D: usize> {
+pub(in crate::assemble) struct Loops<'a, 'd, 'c, L, S, const D: usize> {
     pub task: &'a ElementVectors<'d, D>,
     pub kernel: &'a LinearConstants,
-    pub calls: &'a mut dyn VectorCalls<Moving<L>, D>,
+    pub calls: &'a mut dyn VectorCalls<Moving<L, S>, D>,
     pub motion: PointMotion<'a>,
     pub range: Range<usize>,
     pub deliver: Deliver<'c>,
 }
 
-impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
+impl<L: SimdLane, S: SimdSlope<L>, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, S, D> {
     type Output = Result<(), AssemblyError>;
 
     #[inline(always)]
@@ -64,12 +66,12 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
         let [reading, _] = Reading::of_arguments(&requirements);
         let own = [ArgumentBasis { side, element, reading, mean: requirements.test_mean }];
         let arguments = if of_integrand { &[][..] } else { &own };
-        let mut buffers = BatchBuffers::<Moving<L>, D>::default();
+        let mut buffers = BatchBuffers::<Moving<L, S>, D>::default();
         let mut batch = Batch::new(task.binding, group, task.cells, requirements, arguments, &mut buffers)?;
-        let nothing = Moving { value: zero, slope: zero };
+        let nothing = Moving::<L, S>::splat(0.0);
         let stride = vectors_each * size;
         let (mut at_point, mut sums) = (vec![nothing; nodes * components], vec![zero; stride]);
-        let (mut values, mut slopes) = (vec![zero; size], vec![zero; directions * size]);
+        let (mut values, mut slopes) = (vec![zero; size], vec![zero; directions.max(S::DIRECTIONS) * size]);
         let mut vectors = vec![0.0; L::WIDTH * stride];
         let mut start = range.start;
         while start < range.end {
@@ -79,11 +81,11 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
                 sums[k] = zero;
             }
             for q in 0..group.points() {
-                for direction in 0..directions {
+                for first in (0..directions).step_by(S::DIRECTIONS) {
                     for k in 0..at_point.len() {
                         at_point[k] = nothing;
                     }
-                    batch.move_along(direction);
+                    batch.move_along(first);
                     batch.point(q)?;
                     let (geometry, fields) = (batch.geometry(), batch.fields());
                     let (basis, further) = match of_integrand {
@@ -94,13 +96,15 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
                     };
                     let target = &mut at_point[..];
                     calls.call(&mut VectorCall::Point { geometry, fields, basis, further, target, stride: 1 });
-                    let slopes = &mut slopes[direction * size..][..size];
                     for i in 0..places.len() {
                         for component in 0..components {
                             let Moving { value, slope } = at_point[places[i] * components + component];
                             let k = i * components + component;
                             // The same in all directions.
-                            (values[k], slopes[k]) = (value, slope);
+                            values[k] = value;
+                            for direction in 0..S::DIRECTIONS {
+                                slopes[(first + direction) * size + k] = slope.along(direction);
+                            }
                         }
                     }
                 }
@@ -134,5 +138,5 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
     }
 }
 
-instantiate!(moving_points in lanes: L::call::<Loops<L, D>>, L::call::<piece_slopes::Loops<L, D>>,
+instantiate!(moving_points in lanes: L::call::<Loops<L, L, D>>, L::call::<Loops<L, Both<L>, D>>, L::call::<piece_slopes::Loops<L, D>>,
     L::call::<second_motion::Loops<L, D>>);
