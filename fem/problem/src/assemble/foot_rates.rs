@@ -53,7 +53,7 @@ struct FunctionsAtNodes<const D: usize> {
     /// The one that was found last.
     last: usize,
     seen: SeenNodes,
-    /// The same at a node of a rigid surface, of which there are many in a cell.
+    /// The same at a node of a rigid surface: a cell has many of them.
     carried: Vec<(usize, f64)>,
 }
 
@@ -245,8 +245,8 @@ impl<const D: usize> Rates<D> {
         nodes.zip(self.rates.chunks_exact(self.coordinates.max(1)))
     }
 
-    /// Σ over the feet's coordinates c of ∂R/∂c ∂c/∂u, node after node, from ∂R/∂c of an element vector with so many entries. They begin at a place
-    /// of a list, in which as many numbers follow the last one as lanes may have.
+    /// Σ over the feet's coordinates c of ∂R/∂c ∂c/∂u, node after node, from ∂R/∂c of an element vector with a number of entries. They begin at a
+    /// place of a list, where as many numbers follow the last one as lanes may have.
     pub fn multiply(&mut self, (vectors, place, entries): (&[f64], usize, usize), set: InstructionSet) {
         let stride = entries.next_multiple_of(WIDEST);
         self.products.resize(self.columns.len() * D * stride, 0.0);

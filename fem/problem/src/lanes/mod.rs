@@ -16,6 +16,7 @@ mod moving;
 mod neon;
 mod ordered;
 mod placed;
+mod slope;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
@@ -23,11 +24,12 @@ use forms_core::contract::Lane;
 
 pub use self::instruction_set::InstructionSet;
 pub(crate) use self::instruction_set::{Checked, with_lanes};
-pub(crate) use self::moving::{Both, Moving, SimdSlope};
+pub(crate) use self::moving::Moving;
 #[cfg(target_arch = "aarch64")]
 pub(crate) use self::neon::Neon;
 pub(crate) use self::ordered::{Order, Ordered};
 pub(crate) use self::placed::{PairPlaces, PlacedBlocks};
+pub(crate) use self::slope::{Both, SimdSlope};
 #[cfg(all(target_arch = "x86_64", not(without_avx2)))]
 pub(crate) use self::x86::Avx2;
 #[cfg(all(target_arch = "x86_64", not(without_avx512)))]

@@ -303,7 +303,8 @@ fn grouped<const D: usize>(mesh: &Mesh<D>, found: &[Found<D>]) -> Vec<Arc<PairGr
         let (sides, count, rigid) = *key;
         let points = Vec::with_capacity(units * count * PairGroup::<D>::STRIDE);
         let rigid_normals = Vec::with_capacity(if rigid { units * count * D } else { 0 });
-        let (facets, motion) = (Vec::with_capacity(*units), GroupMotion::with_room(units * feet, *units, count));
+        let (facets, motion) =
+            (Vec::with_capacity(*units), GroupMotion::with_room(units * feet, *units, count));
         let rule_points = Vec::with_capacity(units * count);
         (*key, PairGroup { sides, facets, count, points, rigid_normals, rule_points, motion })
     };

@@ -60,7 +60,7 @@ impl Corner {
         Corner { s: *s, origin: Origin::OwnCorner, edge: Edge::Outline, is_middle: false }
     }
 
-    /// The corners of the polygon of an opposite facet's feet, of which every second one may be that of a middle node. Surfaces that face each other turn
+    /// The corners of the polygon of an opposite facet's feet, where every second one may be that of a middle node. Surfaces that face each other turn
     /// opposite ways: the last foot is the first corner.
     pub fn of_feet(feet: &[Point], has_middles: bool) -> impl Iterator<Item = Self> {
         feet.iter().enumerate().rev().map(move |(k, s)| Corner {
@@ -71,7 +71,7 @@ impl Corner {
         })
     }
 
-    /// Its derivatives by the feet, where lines of the own outline have clipped the polygon.
+    /// The derivatives of the corner by the feet, where lines of the own outline have clipped the polygon.
     pub fn rates(&self, feet: &[Point], lines: &[Line]) -> CornerRates {
         let mut by = CornerRates::default();
         match self.origin {

@@ -52,7 +52,7 @@ impl<const D: usize> Default for GroupMotion<D> {
 }
 
 impl<const D: usize> GroupMotion<D> {
-    /// With room for the given number of feet in all, whose units have so many points each.
+    /// Lists with room for some feet in all, of units with the given number of points each.
     pub(super) fn with_room(feet: usize, units: usize, points: usize) -> Self {
         let all = if feet == 0 { 0 } else { units * points };
         let numbers = all * PairGroup::<D>::STRIDE;
@@ -164,7 +164,7 @@ pub(super) fn slopes_of<L: Lane, const D: usize>(
     slopes
 }
 
-/// What displacements move of feet with coordinates s of nodes y.
+/// Derivatives of feet by displacements, several side by side.
 struct FeetInLanes<const D: usize, L> {
     /// From a foot to its node.
     off: [L; D],
@@ -248,7 +248,8 @@ pub(super) fn add_feet<L: SimdLane, const D: usize>(
         }
         for lane in 0..filled {
             let (s, at) = (&feet[first + lane], &nodes[first + lane]);
-            let of_lane = |rows: &[[[f64; WIDEST]; D]; 2]| [0, 1].map(|row: usize| rows[row].map(|of| of[lane]));
+            let of_lane =
+                |rows: &[[[f64; WIDEST]; D]; 2]| [0, 1].map(|row: usize| rows[row].map(|of| of[lane]));
             list.push(Some(Foot {
                 own: own.reference(s),
                 facet: opposite.facet,

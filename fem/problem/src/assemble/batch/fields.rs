@@ -266,8 +266,8 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                         let coefficient = coefficients[node * components + component];
                         for i in 0..D {
                             for j in 0..D {
-                                sums[i][j] =
-                                    further[node].hessian[i][j].multiply_add_constant(coefficient, sums[i][j]);
+                                sums[i][j] = further[node].hessian[i][j]
+                                    .multiply_add_constant(coefficient, sums[i][j]);
                             }
                         }
                     }

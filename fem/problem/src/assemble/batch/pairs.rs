@@ -88,7 +88,8 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         let this = self.facet_point(requirements, 0, &own, lanes[0], None, &pairs.dual);
         let other = self.facet_point(requirements, 1, &opposite, lanes[1], rigid, &[]);
         // Part by part: the whole is long, and would be copied.
-        let PointGeometry { weight: measure, position, normal, curvature, opposite } = &mut self.buffers.geometry;
+        let PointGeometry { weight: measure, position, normal, curvature, opposite } =
+            &mut self.buffers.geometry;
         *measure = weight * this.element;
         (*position, *normal, *curvature) = (this.position, this.normal, this.curvature);
         (opposite.gap, opposite.toward) = (gap, toward);

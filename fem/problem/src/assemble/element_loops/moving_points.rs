@@ -95,7 +95,14 @@ impl<L: SimdLane, S: SimdSlope<L>, const D: usize> SharedWork<L> for Loops<'_, '
                         }
                     };
                     let target = &mut at_point[..];
-                    calls.call(&mut VectorCall::Point { geometry, fields, basis, further, target, stride: 1 });
+                    calls.call(&mut VectorCall::Point {
+                        geometry,
+                        fields,
+                        basis,
+                        further,
+                        target,
+                        stride: 1,
+                    });
                     for i in 0..places.len() {
                         for component in 0..components {
                             let Moving { value, slope } = at_point[places[i] * components + component];

@@ -37,7 +37,7 @@ impl KnownBlocks<'_> {
 }
 
 impl<'a> MotionBlocks<'a> {
-    /// Those of the test and trial functions with the given numbers, of which the former live on a side of the group and are seen at some places.
+    /// The blocks of a group for test and trial functions with the given numbers. The test functions live on a side of the group, and are seen at some places.
     pub fn new<const D: usize>(
         pattern: &'a BlockPattern<D>,
         (blocks, [test_number, trial_number]): (&'a BlockRows, [usize; 2]),
