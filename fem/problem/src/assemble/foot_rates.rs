@@ -45,11 +45,13 @@ fn key<const D: usize>(space: &Space<D>, facet: Facet) -> Seen {
     (mesh.cell_shape(facet.cell as usize), facet.local, mesh.carries(facet.cell))
 }
 
+/// A facet's node with the places of the functions in the cell that do not vanish there, and their values.
+type AtNode<const D: usize> = (Seen, [f64; D], Vec<(usize, f64)>);
+
 /// The functions of a space that do not vanish at opposite nodes.
 #[derive(Default)]
 struct FunctionsAtNodes<const D: usize> {
-    /// Of a facet's node: places of the functions in the cell, and their values.
-    known: Vec<(Seen, [f64; D], Vec<(usize, f64)>)>,
+    known: Vec<AtNode<D>>,
     /// The one that was found last.
     last: usize,
     seen: SeenNodes,
@@ -67,7 +69,7 @@ impl<const D: usize> FunctionsAtNodes<D> {
             return &self.carried;
         }
         // The nodes of a facet follow each other.
-        let fits = |(seen, node, _): &(Seen, [f64; D], Vec<_>)| *seen == key && *node == foot.node;
+        let fits = |(seen, node, _): &AtNode<D>| *seen == key && *node == foot.node;
         let next = if self.last + 1 < self.known.len() { self.last + 1 } else { 0 };
         self.last = match self.known.get(next) {
             Some(known) if fits(known) => next,

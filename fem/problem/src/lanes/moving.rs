@@ -329,7 +329,8 @@ mod tests {
             ("erf", |x| x.erf() + M::splat(2.0) * x.erfc()),
         ];
         type Along2 = Moving<f64, Both<f64>>;
-        let both: [(&str, fn(Along2) -> Along2); 6] = [
+        type NamedAlong2 = (&'static str, fn(Along2) -> Along2);
+        let both: [NamedAlong2; 6] = [
             ("product", |x| x * x * Along2::splat(3.0) + x),
             ("quotient", |x| (x + Along2::splat(1.0)) / (x * x)),
             ("multiply_add", |x| x.multiply_add(x, -x)),

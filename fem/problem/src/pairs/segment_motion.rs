@@ -94,6 +94,9 @@ pub(crate) struct Foot<const D: usize> {
     pub curve: Option<FootCurve<D>>,
 }
 
+/// Second derivatives of positions along the coordinates of a facet.
+type Bends<const D: usize, L> = [[[L; D]; 2]; 2];
+
 /// The inverse of a symmetric matrix; in the plane of its first entry.
 #[inline(always)]
 fn inverse<L: Lane, const D: usize>([[a, b], [_, c]]: [[L; 2]; 2]) -> [[L; 2]; 2] {
@@ -109,7 +112,7 @@ fn inverse<L: Lane, const D: usize>([[a, b], [_, c]]: [[L; 2]; 2]) -> [[L; 2]; 2
 #[inline(always)]
 pub(super) fn foot_matrix<L: Lane, const D: usize>(
     tangents: &[[L; D]; 2],
-    bend: &[[[L; D]; 2]; 2],
+    bend: &Bends<D, L>,
     off: &[L; D],
 ) -> [[L; 2]; 2] {
     let mut matrix = [[L::splat(0.0); 2]; 2];
@@ -133,7 +136,7 @@ pub(super) struct PointSlopes<const D: usize, L> {
 /// The derivatives of points along the own coordinates, from the own facet's points and unit normals there, and from the opposite points.
 #[inline(always)]
 pub(super) fn slopes_of<L: Lane, const D: usize>(
-    (here, n, bend): (&SurfacePoint<D, L>, &[L; D], &[[[L; D]; 2]; 2]),
+    (here, n, bend): (&SurfacePoint<D, L>, &[L; D], &Bends<D, L>),
     there: &SurfacePoint<D, L>,
     gap: L,
 ) -> [PointSlopes<D, L>; 2] {
@@ -169,7 +172,7 @@ struct FeetInLanes<const D: usize, L> {
     /// From a foot to its node.
     off: [L; D],
     tangents: [[L; D]; 2],
-    bend: [[[L; D]; 2]; 2],
+    bend: Bends<D, L>,
     normal: [L; D],
     matrix: [[L; 2]; 2],
     /// M and M times the gap in the directions of the own tangents, deformed and in the own cell's reference coordinates.

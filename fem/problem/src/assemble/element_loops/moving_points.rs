@@ -82,7 +82,7 @@ impl<L: SimdLane, S: SimdSlope<L>, const D: usize> SharedWork<L> for Loops<'_, '
             }
             for q in 0..group.points() {
                 for first in (0..directions).step_by(S::DIRECTIONS) {
-                    for k in 0..at_point.len() {
+                    for k in 0..nodes * components {
                         at_point[k] = nothing;
                     }
                     batch.move_along(first);
