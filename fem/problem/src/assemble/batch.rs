@@ -69,6 +69,8 @@ pub(super) struct Batch<'a, L, const D: usize> {
 struct AffineGeometry<L, const D: usize> {
     measure: L,
     normal: [L; D],
+    /// On the other side of a contact pair.
+    opposite_normal: [L; D],
 }
 
 impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
@@ -185,13 +187,18 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
                 self.least = self.least.minimum(self.buffers.sides[side].determinant);
             }
             let this = &self.buffers.sides[0];
-            self.affine = Some(match &self.tables[0].group.facet {
-                None => AffineGeometry { measure: this.determinant, normal: [L::splat(0.0); D] },
-                Some((_, tangents)) => {
-                    let (measure, normal) = surface(&this.jacobian, tangents);
-                    AffineGeometry { measure, normal }
+            let nowhere = [L::splat(0.0); D];
+            let (measure, normal) = match &self.tables[0].group.facet {
+                None => (this.determinant, nowhere),
+                Some((_, tangents)) => surface(&this.jacobian, tangents),
+            };
+            let opposite_normal = match (&self.group.own, &self.tables[1].group.facet) {
+                (Some(OwnPoints::Pairs(_)), Some((_, tangents))) => {
+                    surface(&self.buffers.sides[1].jacobian, tangents).1
                 }
-            });
+                _ => nowhere,
+            };
+            self.affine = Some(AffineGeometry { measure, normal, opposite_normal });
         }
         self.load_means(requirements);
         self.cell_geometry(requirements)

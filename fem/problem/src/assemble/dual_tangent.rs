@@ -12,11 +12,12 @@ use super::batch::Cells;
 use super::binding::{Values, pair_error};
 use super::element_loops::matrices::ElementMatrices;
 use super::element_loops::vectors::ElementVectors;
+use super::foot_rates::{FunctionsAtFeet, Rates};
 use super::groups::dual_functions::{Covers, moments_by_feet};
 use super::groups::{Group, groups};
 use super::kernels::{MatrixKernel, VectorKernel};
 use super::scatter::group_nodes::{GroupNodes, Reading, seen_places};
-use super::segment_tangent::{Rates, displacing_segments};
+use super::segment_tangent::displacing_segments;
 use super::tangent::{TangentIntegrals, Target};
 use super::{AssemblyError, Parts};
 use crate::contract::Function;
@@ -188,13 +189,14 @@ impl<const D: usize> TangentIntegrals<'_, D> {
             let space = self.trials[trial];
             for group in groups {
                 let Some(pairs) = group.pairs() else { continue };
+                let functions = FunctionsAtFeet::new(&pairs.group, space, self.binding.instructions);
                 for (unit, own, covers) in units_in_part(group, element) {
                     let (Some(rows), Some(cover)) = (rows.get(&own), covers.in_part(own)) else { continue };
                     let entries = cover.count() * cover.count();
                     let moments = moments_by_feet(&pairs.group, &self.binding.elements[element], unit);
                     let by_feet: Vec<Vec<f64>> =
                         moments.chunks_exact(entries).map(|of_foot| cover.rate(of_foot)).collect();
-                    rates.take(pairs.group.motion.feet_of(unit, group.entities()), own, space);
+                    rates.take(&pairs.group, unit, &functions, space);
                     for ((test, row), known) in rows {
                         let left: Vec<f64> = known
                             .chunks_exact(entries)

@@ -22,7 +22,7 @@ use super::element_loops::sink::{Buffered, Deliver, Sink};
 use super::element_loops::vectors::{self, ElementVectors};
 use super::element_loops::{BilinearCalls, Factors, LinearCalls};
 use super::groups::Group;
-use crate::lanes::{Moving, Order, SimdLane, with_lanes};
+use crate::lanes::{Both, Moving, Order, SimdLane, with_lanes};
 
 /// This backend: kernels run in the lanes of the machine's instruction set.
 #[derive(Clone, Copy, Debug)]
@@ -128,6 +128,9 @@ impl<const D: usize> VectorKernel<D> {
         moving: (PointMotion, Range<usize>),
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
+        if self.factor == 1.0 {
+            return self.kernel.compute_moving(task, &self.constants, moving, deliver);
+        }
         let mut scaled = Vec::new();
         self.kernel.compute_moving(task, &self.constants, moving, &mut |first, values| {
             scaled.clear();
@@ -295,10 +298,16 @@ impl<K: LinearKernel<D>, const D: usize> AnyLinearKernel<D> for K {
         deliver: Deliver,
     ) -> Result<(), AssemblyError> {
         // Kernels whose points nothing moves are not compiled once more.
-        if const { K::SLIDES } {
+        if const { K::SLIDES && D == 2 } {
             return with_lanes!(task.binding.instructions.checked(), L => {
                 let calls = &mut LinearCalls::<K, Moving<L>, D>::new(self);
-                L::call(moving_points::Loops { task, kernel, calls, motion, range, deliver })
+                L::call(moving_points::Loops::<L, L, D> { task, kernel, calls, motion, range, deliver })
+            });
+        }
+        if const { K::SLIDES && D != 2 } {
+            return with_lanes!(task.binding.instructions.checked(), L => {
+                let calls = &mut LinearCalls::<K, Moving<L, Both<L>>, D>::new(self);
+                L::call(moving_points::Loops::<L, Both<L>, D> { task, kernel, calls, motion, range, deliver })
             });
         }
         Ok(())

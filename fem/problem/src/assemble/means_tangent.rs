@@ -164,7 +164,7 @@ impl<const D: usize> TangentIntegrals<'_, D> {
                     let space = self.trials[trial];
                     motion.each_column(
                         (group, 0),
-                        PointMotion::ByFeet,
+                        PointMotion::ByFeet(&[0]),
                         space,
                         &mut |unit, node, column| {
                             let key = (facets[&pairs.group.facets[unit][0]], means.weight);

@@ -11,10 +11,10 @@
 //! element_kernel   the same on cells that the caller lists; fixed: loops whose lengths are known when compiled
 //! block_pattern   the positions of a matrix. Inside: sparsity, block_index (the slots of element matrices), touched entries
 //! scatter   from element matrices to the global one. Inside: partition (which thread adds what, in the order of one thread),
-//!           own_rows (the rows that a thread adds to), group_nodes, block_positions (to which rows and slots)
+//!           own_rows (the rows that a thread adds to), group_nodes, block_positions (to which rows and slots), motion_blocks
 //! means_tangent   products of the derivatives of means over own facets
 //! residual, tangent, functional, derived   the four loops, one per kind of kernel; action runs the residual's
-//! segment_tangent   what a tangent has of points that move with moving segments
+//! segment_tangent, foot_rates   what a tangent has of points that move with moving segments, and the motion of what they follow
 //! segment_energy   what the tangent of an energy has of them besides
 //! ```
 //!
@@ -36,6 +36,7 @@ mod dual_tangent;
 mod element_kernel;
 mod element_loops;
 mod error;
+mod foot_rates;
 mod functional;
 mod groups;
 mod kernels;

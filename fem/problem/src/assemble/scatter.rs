@@ -2,6 +2,7 @@
 
 pub(super) mod block_positions;
 pub(super) mod group_nodes;
+pub(super) mod motion_blocks;
 mod own_rows;
 pub(super) mod partition;
 

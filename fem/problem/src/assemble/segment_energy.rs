@@ -15,9 +15,10 @@ use forms_core::contract::Role;
 use super::batch::Cells;
 use super::element_loops::moving_points::PointMotion;
 use super::element_loops::vectors::ElementVectors;
+use super::foot_rates::SeenNodes;
 use super::groups::{Group, groups};
 use super::scatter::group_nodes::{Reading, seen_places};
-use super::segment_tangent::{Motion, SeenNodes, displacing_segments};
+use super::segment_tangent::{Motion, displacing_segments};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::contract::Function;
 use crate::element::lagrange::MAXIMUM_NODES;
@@ -199,7 +200,7 @@ impl<const D: usize> Motion<'_, D> {
         let (integral, constants) = (term.integral, term.kernel.constants());
         let degrees = binding.degrees(tests);
         let arguments = [(Role::Test(integral.test), &**columns)];
-        let blocks = pattern.sparsity().pair(row, integral.test).clone();
+        let blocks = pattern.sparsity().pair(row, integral.test);
         let zero_rows = pattern.sparsity().pair_rows(row, integral.test);
         let (width, [reading, _]) = (constants.components, Reading::of_arguments(constants.requirements));
         for group in groups(binding, integral, quadrature, &degrees, constants.requirements, &arguments)? {
@@ -209,15 +210,16 @@ impl<const D: usize> Motion<'_, D> {
             let local = group.sides[side].facet.map(|(local, _)| local);
             let (values, zeros) = matrix.values_and_zero_rows();
             let (values, zeros) = (&mut values[blocks.values()], &mut zeros[zero_rows.clone()]);
-            self.each_column((&group, side), PointMotion::ByFeet, tests[row], &mut |unit, node, column| {
+            let motion = PointMotion::ByFeet(&seen);
+            self.each_column((&group, side), motion, tests[row], &mut |unit, node, column| {
                 let at = columns.nodes_at(group.sides[side].cells[unit], local);
                 zeros[node as usize] = false;
-                for place in &seen {
+                for (number, place) in seen.iter().enumerate() {
                     let block = blocks.place(node as usize, at[*place]);
                     let first = block.ok_or_else(|| self.missing(row, integral.test))? * D * width;
                     let block = &mut values[first..][..D * width];
                     for component in 0..width {
-                        let rates = column.of(place * width + component);
+                        let rates = column.of(number * width + component);
                         (0..D).for_each(|k| block[k * width + component] += rates[k]);
                     }
                 }
@@ -268,7 +270,7 @@ impl<const D: usize> Motion<'_, D> {
     ) -> Result<(), AssemblyError> {
         let Some(pairs) = group.pairs() else { return Ok(()) };
         let (row, units) = (self.term.integral.test, group.entities());
-        let blocks = pattern.sparsity().pair(row, trial).clone();
+        let blocks = pattern.sparsity().pair(row, trial);
         let (values, zeros) = matrix.values_and_zero_rows();
         let values = &mut values[blocks.values()];
         let zeros = &mut zeros[pattern.sparsity().pair_rows(row, trial)];

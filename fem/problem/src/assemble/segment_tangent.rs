@@ -1,8 +1,8 @@
 //! The part of a tangent that moves the points of moving segments: Σ over coordinates c of the feet of opposite nodes of ∂R/∂c ⊗ ∂c/∂u; of
 //! derivatives by the shape and by states, that of their integrand J is ∂J/∂c ∂c/∂T.
 //!
-//! `element_loops/moving_points.rs` has the first factor and `pairs/segment_motion.rs` the second one, which has entries for the nodes of the own
-//! facet and those of the facet that has the node.
+//! `element_loops/moving_points.rs` has the first factor and `foot_rates.rs` the second one, which has entries for the nodes of the own facet and those
+//! of the facet that has the node.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -13,18 +13,18 @@ use super::batch::Cells;
 use super::binding::{Binding, Values, pair_error};
 use super::element_loops::moving_points::PointMotion;
 use super::element_loops::vectors::ElementVectors;
+use super::foot_rates::{FunctionsAtFeet, MotionColumn, Rates};
 use super::groups::{Group, groups};
 use super::kernels::VectorKernel;
 use super::scatter::group_nodes::{Reading, seen_places};
+use super::scatter::motion_blocks::MotionBlocks;
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::contract::Function;
-use crate::element::CellShape;
-use crate::element::lagrange::MAXIMUM_NODES;
 use crate::field::FieldView;
 use crate::instantiate::instantiate;
+use crate::lanes::WIDEST;
 use crate::linear_algebra::BlockMatrix;
-use crate::mesh::Facet;
-use crate::pairs::{Foot, PairError};
+use crate::pairs::PairError;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
 use crate::threads::Threads;
@@ -41,91 +41,6 @@ pub(super) fn displacing_segments<const D: usize>(
 ) -> Option<&'static [usize]> {
     let region = &form.inputs().regions[term.integral.region];
     term.integral.displacement.filter(|by| region.is_on_moving_segments(Some(by)))
-}
-
-/// The derivatives of the coordinates of a unit's feet by the coefficients of a space.
-#[derive(Default)]
-pub(super) struct Rates<const D: usize> {
-    columns: Vec<u32>,
-    /// Of each column and coordinate.
-    rates: Vec<[f64; D]>,
-    coordinates: usize,
-    seen: SeenNodes,
-}
-
-/// The nodes of facets among those of their cells.
-#[derive(Default)]
-pub(super) struct SeenNodes {
-    /// Of a shape and local number, and of cells that are carried.
-    places: Vec<(Seen, Vec<usize>)>,
-}
-
-impl SeenNodes {
-    /// The nodes of a facet's cell, and the places of those that the facet sees.
-    pub fn of<'a, const D: usize>(&mut self, space: &'a Space<D>, facet: Facet) -> (&'a [u32], &[usize]) {
-        let (places, shape) = (&mut self.places, space.mesh.cell_shape(facet.cell as usize));
-        let nodes = space.nodes_at(facet.cell, Some(facet.local));
-        let seen = (shape, facet.local, space.mesh.carries(facet.cell));
-        let known = places.iter().position(|(known, _)| *known == seen).unwrap_or_else(|| {
-            let of_facet = || space.traces_of(shape).facet_nodes(usize::from(facet.local));
-            places.push((seen, if seen.2 { (0..nodes.len()).collect() } else { of_facet() }));
-            places.len() - 1
-        });
-        (nodes, &places[known].1)
-    }
-}
-
-/// The shape of a cell, the local number of its facet, whether it is carried.
-type Seen = (CellShape, u8, bool);
-
-impl<const D: usize> Rates<D> {
-    pub fn take(&mut self, feet: &[Option<Foot<D>>], own: Facet, space: &Space<D>) {
-        self.columns.clear();
-        self.rates.clear();
-        self.coordinates = feet.len() * (D - 1);
-        for (k, foot) in feet.iter().enumerate() {
-            let Some(foot) = foot else { continue };
-            self.add((k, space), foot.facet, &foot.node, |axis, value, _| {
-                foot.apart[axis].map(|component| value * component)
-            });
-            self.add((k, space), own, &foot.own, |axis, value, gradient| {
-                let slope: f64 = (0..D).map(|k| gradient[k] * foot.turning[axis][k]).sum();
-                std::array::from_fn(|k| slope * foot.normal[k] - value * foot.apart[axis][k])
-            });
-        }
-    }
-
-    /// Each node with the rates of all coordinates by its displacement.
-    pub fn by_node(&self) -> impl Iterator<Item = (u32, &[[f64; D]])> {
-        self.columns.iter().copied().zip(self.rates.chunks_exact(self.coordinates.max(1)))
-    }
-
-    /// The rates of one foot by the nodes of a facet, from values and gradients of their functions.
-    fn add(
-        &mut self,
-        (foot, space): (usize, &Space<D>),
-        facet: Facet,
-        reference: &[f64; D],
-        of_node: impl Fn(usize, f64, &[f64; D]) -> [f64; D],
-    ) {
-        let (mut value, mut gradient) = ([0.0; MAXIMUM_NODES], [[0.0; D]; MAXIMUM_NODES]);
-        let element = space.traces_of(space.mesh.cell_shape(facet.cell as usize));
-        element.evaluate(reference, &mut value, &mut gradient);
-        let Rates { columns, rates, coordinates, seen } = self;
-        let (nodes, places) = seen.of(space, facet);
-        for &place in places {
-            let column = columns.iter().position(|known| *known == nodes[place]).unwrap_or_else(|| {
-                columns.push(nodes[place]);
-                rates.resize(columns.len() * *coordinates, [0.0; D]);
-                columns.len() - 1
-            });
-            for axis in 0..D - 1 {
-                let rate = of_node(axis, value[place], &gradient[place]);
-                let known = &mut rates[column * *coordinates + foot * (D - 1) + axis];
-                (0..D).for_each(|k| known[k] += rate[k]);
-            }
-        }
-    }
 }
 
 impl<const D: usize> Assembler<D> {
@@ -237,25 +152,6 @@ pub(super) struct Motion<'a, const D: usize> {
     pub threads: Threads,
 }
 
-/// The derivatives of an element vector by a node's displacement: Σ over coordinates c of the feet of ∂R/∂c ∂c/∂u.
-pub(super) struct MotionColumn<'a, const D: usize> {
-    /// Of each coordinate, ∂R/∂c.
-    by_feet: &'a [f64],
-    /// Of each coordinate, ∂c/∂u.
-    rates: &'a [[f64; D]],
-}
-
-impl<const D: usize> MotionColumn<'_, D> {
-    /// The derivative of one entry.
-    pub fn of(&self, entry: usize) -> [f64; D] {
-        let (mut sum, size) = ([0.0; D], self.by_feet.len() / self.rates.len());
-        for (coordinate, rate) in self.rates.iter().enumerate() {
-            (0..D).for_each(|k| sum[k] += self.by_feet[coordinate * size + entry] * rate[k]);
-        }
-        sum
-    }
-}
-
 /// Takes a unit, a node of the space that displaces it, and the column of that node.
 pub(super) type ReceiveColumn<'r, const D: usize> =
     dyn FnMut(usize, u32, &MotionColumn<D>) -> Result<(), AssemblyError> + 'r;
@@ -278,7 +174,7 @@ impl<const D: usize> Motion<'_, D> {
         };
         let degrees = binding.degrees(tests);
         let arguments = [(Role::Test(integral.test), &**test)];
-        let blocks = pattern.sparsity().pair(integral.test, trial).clone();
+        let blocks = pattern.sparsity().pair(integral.test, trial);
         let rows = pattern.sparsity().pair_rows(integral.test, trial);
         let (height, [reading, _]) = (constants.components, Reading::of_arguments(constants.requirements));
         for group in groups(binding, integral, quadrature, &degrees, constants.requirements, &arguments)? {
@@ -288,15 +184,20 @@ impl<const D: usize> Motion<'_, D> {
             let local = group.sides[side].facet.map(|(local, _)| local);
             let (values, zeros) = matrix.values_and_zero_rows();
             let (values, zeros) = (&mut values[blocks.values()], &mut zeros[rows.clone()]);
-            self.each_column((&group, side), PointMotion::ByFeet, trials, &mut |unit, node, column| {
+            let motion = PointMotion::ByFeet(&seen);
+            let of_tests = (&**test, side, &seen[..], reading);
+            let numbers = [integral.test, trial];
+            let places = MotionBlocks::new(pattern, (blocks, numbers), &group, of_tests, trials);
+            self.each_column((&group, side), motion, trials, &mut |unit, node, column| {
                 let at = test.nodes_at(group.sides[side].cells[unit], local);
-                for place in &seen {
+                for (number, place) in seen.iter().enumerate() {
                     let row = at[*place] as usize;
-                    let first = blocks.place(row, node).ok_or_else(missing)? * height * D;
+                    let place = places.place((unit, number, row), (node, column.of_cell));
+                    let first = place.ok_or_else(missing)? * height * D;
                     zeros[row] = false;
                     for (component, entries) in values[first..][..height * D].chunks_exact_mut(D).enumerate()
                     {
-                        let rates = column.of(place * height + component);
+                        let rates = column.of(number * height + component);
                         (0..D).for_each(|k| entries[k] += rates[k]);
                     }
                 }
@@ -319,19 +220,21 @@ impl<const D: usize> Motion<'_, D> {
     ) -> Result<(), AssemblyError> {
         let Some(pairs) = group.pairs() else { return Ok(()) };
         let vectors = self.vectors_by_feet(group, side, motion)?;
-        let (units, mut rates) = (group.entities(), Rates::default());
-        let length = vectors.len() / units.max(1);
-        for (unit, facets) in pairs.group.facets.iter().enumerate() {
-            rates.take(pairs.group.motion.feet_of(unit, units), facets[0], space);
-            let by_feet = &vectors[unit * length..][..length];
-            for (node, rates) in rates.by_node() {
-                receive(unit, node, &MotionColumn { by_feet, rates })?;
+        let (units, instructions) = (group.entities(), self.binding.instructions);
+        let length = (vectors.len() - WIDEST) / units.max(1);
+        let entries = length / pairs.group.motion.coordinates(units).max(1);
+        let (own, mut rates) = (FunctionsAtFeet::new(&pairs.group, space, instructions), Rates::default());
+        for unit in 0..units {
+            rates.take(&pairs.group, unit, &own, space);
+            rates.multiply((&vectors, unit * length, entries), instructions);
+            for column in rates.products(entries) {
+                receive(unit, column.node, &column)?;
             }
         }
         Ok(())
     }
 
-    /// The derivatives of the element vectors of a group by the feet of their segments, unit after unit.
+    /// The derivatives of the element vectors of a group by the feet of their segments, unit after unit, with as many zeros behind them as lanes may have.
     fn vectors_by_feet(
         &self,
         group: &Group<D>,
@@ -353,8 +256,14 @@ impl<const D: usize> Motion<'_, D> {
             })?;
             Ok(vectors)
         });
-        let parts: Vec<Vec<f64>> = found.into_iter().collect::<Result<_, AssemblyError>>()?;
-        let vectors = parts.concat();
+        let mut vectors: Vec<f64> = Vec::new();
+        for part in found {
+            match part? {
+                first if vectors.is_empty() => vectors = first,
+                later => vectors.extend(later),
+            }
+        }
+        vectors.resize(vectors.len() + WIDEST, 0.0);
         match vectors.iter().all(|value| value.is_finite()) {
             true => Ok(vectors),
             false => Err(self.no_gradient()),

@@ -16,6 +16,7 @@ mod moving;
 mod neon;
 mod ordered;
 mod placed;
+mod slope;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
@@ -28,6 +29,7 @@ pub(crate) use self::moving::Moving;
 pub(crate) use self::neon::Neon;
 pub(crate) use self::ordered::{Order, Ordered};
 pub(crate) use self::placed::{PairPlaces, PlacedBlocks};
+pub(crate) use self::slope::{Both, SimdSlope};
 #[cfg(all(target_arch = "x86_64", not(without_avx2)))]
 pub(crate) use self::x86::Avx2;
 #[cfg(all(target_arch = "x86_64", not(without_avx512)))]
@@ -109,10 +111,16 @@ pub(crate) trait SimdLane: Lane {
         Self::gather(values, &places)
     }
 
-    /// Whether values carry derivatives along a motion of points.
-    const CARRIES_SLOPES: bool = false;
+    /// The number of directions along which values carry derivatives by a motion of points.
+    const DIRECTIONS: usize = 0;
 
-    /// [`SimdLane::gather`] with the first and second derivatives of the entries, where values carry any.
+    /// `self * factor + addend` with a factor that has no derivative where values carry one.
+    #[inline(always)]
+    fn multiply_add_constant(self, factor: Self, addend: Self) -> Self {
+        self.multiply_add(factor, addend)
+    }
+
+    /// [`SimdLane::gather`] with the first and second derivatives of the entries, or those along two directions, where values carry any.
     ///
     /// # Panics
     /// When a place is out of range.
@@ -131,15 +139,15 @@ pub(crate) trait SimdLane: Lane {
         self.equal(Self::splat(0.0))
     }
 
-    /// The derivative, as a value; zero where values carry none.
-    #[inline(always)]
-    fn slope(self) -> Self {
-        Self::splat(0.0)
-    }
-
     /// The same value with another derivative, where values carry one.
     #[inline(always)]
     fn with_slope(self, _slope: Self) -> Self {
+        self
+    }
+
+    /// The same value with the derivatives of a function of position that has a gradient, where values carry any.
+    #[inline(always)]
+    fn moved_by<const D: usize>(self, _gradient: &[Self; D], _position: &[Self; D]) -> Self {
         self
     }
 

@@ -1,5 +1,5 @@
 //! Lanes that carry a derivative: a kernel that is run on them gives its values together with their derivatives along a motion of its points.
-//! Lanes whose values carry one themselves have two derivatives.
+//! Lanes whose values carry one themselves have two derivatives. Points of a facet in space move in two directions: there lanes carry both derivatives.
 //!
 //! A value that goes through memory by [`Lane::store`] and [`Lane::load`] loses its derivative, which is NaN then: so functions of a user that have
 //! no derivative do not count as constants. Data that do not move are gathered.
@@ -7,28 +7,36 @@
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
 #![allow(clippy::needless_range_loop)]
 
+use std::marker::PhantomData;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 use forms_core::contract::Lane;
 
+use super::slope::{SimdSlope, Slope};
 use super::{SharedWork, SimdLane, WIDEST};
 
 /// Values with their derivatives.
 #[derive(Clone, Copy)]
-pub(crate) struct Moving<L> {
+pub(crate) struct Moving<L, S = L> {
     pub value: L,
-    pub slope: L,
+    pub slope: S,
 }
 
-impl<L: SimdLane> Moving<L> {
-    /// f(self) from f and f′; what does not move has no derivative, whatever f′ is.
+impl<L: SimdLane, S: SimdSlope<L>> Moving<L, S> {
+    /// A value that does not move.
+    #[inline(always)]
+    fn constant(value: L) -> Self {
+        Moving { value, slope: S::all(L::splat(0.0)) }
+    }
+
+    /// f(self) from f and f′.
     #[inline(always)]
     fn chain(self, value: L, slope: L) -> Self {
-        Moving { value, slope: L::select(self.slope.vanishes(), L::splat(0.0), slope * self.slope) }
+        Moving { value, slope: self.slope.chained(slope) }
     }
 }
 
-impl<L: Lane> Add for Moving<L> {
+impl<L: Lane, S: Slope<L>> Add for Moving<L, S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -36,7 +44,7 @@ impl<L: Lane> Add for Moving<L> {
     }
 }
 
-impl<L: Lane> Sub for Moving<L> {
+impl<L: Lane, S: Slope<L>> Sub for Moving<L, S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -44,25 +52,25 @@ impl<L: Lane> Sub for Moving<L> {
     }
 }
 
-impl<L: Lane> Mul for Moving<L> {
+impl<L: Lane, S: Slope<L>> Mul for Moving<L, S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        let slope = self.slope.multiply_add(other.value, self.value * other.slope);
+        let slope = self.slope.times_add(other.value, other.slope.times(self.value));
         Moving { value: self.value * other.value, slope }
     }
 }
 
-impl<L: Lane> Div for Moving<L> {
+impl<L: Lane, S: Slope<L>> Div for Moving<L, S> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         let value = self.value / other.value;
-        Moving { value, slope: (self.slope - value * other.slope) / other.value }
+        Moving { value, slope: (self.slope - other.slope.times(value)).over(other.value) }
     }
 }
 
-impl<L: Lane> Neg for Moving<L> {
+impl<L: Lane, S: Slope<L>> Neg for Moving<L, S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -70,7 +78,7 @@ impl<L: Lane> Neg for Moving<L> {
     }
 }
 
-impl<L: Lane> AddAssign for Moving<L> {
+impl<L: Lane, S: Slope<L>> AddAssign for Moving<L, S> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
@@ -89,19 +97,19 @@ macro_rules! functions {
     };
 }
 
-impl<L: SimdLane> Lane for Moving<L> {
+impl<L: SimdLane, S: SimdSlope<L>> Lane for Moving<L, S> {
     const WIDTH: usize = L::WIDTH;
     type Mask = L::Mask;
 
     #[inline(always)]
     fn splat(value: f64) -> Self {
-        Moving { value: L::splat(value), slope: L::splat(0.0) }
+        Self::constant(L::splat(value))
     }
     #[inline(always)]
     fn load(values: &[f64]) -> Self {
         // A product, so that derivatives of the slope are lost, too.
         let value = L::load(values);
-        Moving { value, slope: value * L::splat(f64::NAN) }
+        Moving { value, slope: S::all(value * L::splat(f64::NAN)) }
     }
     #[inline(always)]
     fn store(self, values: &mut [f64]) {
@@ -109,8 +117,8 @@ impl<L: SimdLane> Lane for Moving<L> {
     }
     #[inline(always)]
     fn multiply_add(self, factor: Self, addend: Self) -> Self {
-        let slope = self.value.multiply_add(factor.slope, addend.slope);
-        let slope = self.slope.multiply_add(factor.value, slope);
+        let slope = factor.slope.times_add(self.value, addend.slope);
+        let slope = self.slope.times_add(factor.value, slope);
         Moving { value: self.value.multiply_add(factor.value, addend.value), slope }
     }
     #[inline(always)]
@@ -121,7 +129,7 @@ impl<L: SimdLane> Lane for Moving<L> {
     #[inline(always)]
     fn abs(self) -> Self {
         let negative = self.value.less(L::splat(0.0));
-        Moving { value: self.value.abs(), slope: L::select(negative, -self.slope, self.slope) }
+        Moving { value: self.value.abs(), slope: S::chosen(negative, -self.slope, self.slope) }
     }
     #[inline(always)]
     fn powi(self, exponent: i32) -> Self {
@@ -153,7 +161,7 @@ impl<L: SimdLane> Lane for Moving<L> {
     #[inline]
     fn atan2(self, x: Self) -> Self {
         let square = self.value * self.value + x.value * x.value;
-        let slope = (self.slope * x.value - self.value * x.slope) / square;
+        let slope = (self.slope.times(x.value) - x.slope.times(self.value)).over(square);
         Moving { value: self.value.atan2(x.value), slope }
     }
     functions! {
@@ -203,15 +211,15 @@ impl<L: SimdLane> Lane for Moving<L> {
     fn select(mask: L::Mask, taken: Self, otherwise: Self) -> Self {
         Moving {
             value: L::select(mask, taken.value, otherwise.value),
-            slope: L::select(mask, taken.slope, otherwise.slope),
+            slope: S::chosen(mask, taken.slope, otherwise.slope),
         }
     }
 }
 
 /// Work in these lanes as work in those of their values, for whose instructions it is compiled.
-struct InValues<W>(W);
+struct InValues<W, S>(W, PhantomData<S>);
 
-impl<L: SimdLane, W: SharedWork<Moving<L>>> SharedWork<L> for InValues<W> {
+impl<L: SimdLane, S: SimdSlope<L>, W: SharedWork<Moving<L, S>>> SharedWork<L> for InValues<W, S> {
     type Output = W::Output;
 
     #[inline(always)]
@@ -220,19 +228,27 @@ impl<L: SimdLane, W: SharedWork<Moving<L>>> SharedWork<L> for InValues<W> {
     }
 }
 
-impl<L: SimdLane> SimdLane for Moving<L> {
-    const REGISTERS: usize = L::REGISTERS / 2;
-    const CARRIES_SLOPES: bool = true;
+impl<L: SimdLane, S: SimdSlope<L>> SimdLane for Moving<L, S> {
+    const REGISTERS: usize = L::REGISTERS / (1 + S::DIRECTIONS);
+    const DIRECTIONS: usize = S::DIRECTIONS;
 
     #[inline(always)]
     fn call<W: SharedWork<Self>>(work: W) -> W::Output {
-        L::call(InValues(work))
+        L::call(InValues(work, PhantomData::<S>))
+    }
+
+    #[inline(always)]
+    fn multiply_add_constant(self, factor: Self, addend: Self) -> Self {
+        Moving {
+            value: self.value.multiply_add_constant(factor.value, addend.value),
+            slope: self.slope.times_add(factor.value, addend.slope),
+        }
     }
 
     #[inline(always)]
     fn gather<const COUNT: usize>(values: &[f64], places: &[usize; WIDEST]) -> [Self; COUNT] {
-        let (entries, zero) = (L::gather::<COUNT>(values, places), L::splat(0.0));
-        let mut moving = [Moving { value: zero, slope: zero }; COUNT];
+        let entries = L::gather::<COUNT>(values, places);
+        let mut moving = [Self::splat(0.0); COUNT];
         for k in 0..COUNT {
             moving[k].value = entries[k];
         }
@@ -242,12 +258,11 @@ impl<L: SimdLane> SimdLane for Moving<L> {
     #[inline(always)]
     fn gather_with_slopes<const COUNT: usize>(
         values: &[f64],
-        [slopes, bends]: [&[f64]; 2],
+        slopes: [&[f64]; 2],
         places: &[usize; WIDEST],
     ) -> [Self; COUNT] {
-        // Inside of values with two derivatives there are values with one.
-        let entries = L::gather_with_slopes::<COUNT>(values, [slopes, bends], places);
-        let slopes = L::gather_with_slopes::<COUNT>(slopes, [bends, &[]], places);
+        let entries = L::gather_with_slopes::<COUNT>(values, slopes, places);
+        let slopes = S::gathered::<COUNT>(slopes, places);
         let mut moving = [Self::splat(0.0); COUNT];
         for k in 0..COUNT {
             moving[k] = Moving { value: entries[k], slope: slopes[k] };
@@ -257,23 +272,28 @@ impl<L: SimdLane> SimdLane for Moving<L> {
 
     #[inline(always)]
     fn vanishes(self) -> L::Mask {
-        L::and(self.value.vanishes(), self.slope.vanishes())
-    }
-
-    #[inline(always)]
-    fn slope(self) -> Self {
-        Moving { value: self.slope, slope: L::splat(0.0) }
+        L::and(self.value.vanishes(), self.slope.is_zero())
     }
 
     #[inline(always)]
     fn with_slope(self, slope: Self) -> Self {
-        Moving { value: self.value, slope: slope.value }
+        Moving { value: self.value, slope: S::all(slope.value) }
+    }
+
+    #[inline(always)]
+    fn moved_by<const D: usize>(self, gradient: &[Self; D], position: &[Self; D]) -> Self {
+        let mut slope = S::all(L::splat(0.0));
+        for axis in 0..D {
+            slope = position[axis].slope.times_add(gradient[axis].value, slope);
+        }
+        Moving { value: self.value, slope }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::Both;
 
     /// Derivatives of all functions are those of differences; comparisons and choices are those of values.
     #[test]
@@ -308,6 +328,16 @@ mod tests {
             ("log10", M::log10),
             ("erf", |x| x.erf() + M::splat(2.0) * x.erfc()),
         ];
+        type Along2 = Moving<f64, Both<f64>>;
+        type NamedAlong2 = (&'static str, fn(Along2) -> Along2);
+        let both: [NamedAlong2; 6] = [
+            ("product", |x| x * x * Along2::splat(3.0) + x),
+            ("quotient", |x| (x + Along2::splat(1.0)) / (x * x)),
+            ("multiply_add", |x| x.multiply_add(x, -x)),
+            ("sqrt", Along2::sqrt),
+            ("abs", |x| (x - Along2::splat(2.0)).abs()),
+            ("atan2", |x| x.atan2(Along2::splat(2.0)) + Along2::splat(0.4).atan2(x)),
+        ];
         for (name, function) in all {
             let at = |x: f64| function(Moving { value: x, slope: 1.0 });
             let (x, h) = (0.37, 1e-3);
@@ -317,6 +347,19 @@ mod tests {
             assert!((found - difference).abs() < 1e-9 * (1.0 + found.abs()), "{name}: {found} {difference}");
             assert!(function(M::splat(x)).slope == 0.0, "{name}");
         }
+        let product =
+            M { value: 0.4, slope: 1.0 }.multiply_add_constant(M::splat(3.0), M { value: 1.0, slope: 2.0 });
+        assert!(product.value == 0.4 * 3.0 + 1.0 && product.slope == 5.0);
+        // Along two directions, each as along one.
+        for (name, function) in both {
+            let (x, y) = (0.37, 0.8);
+            let slope = |slope: f64| M { value: x, slope };
+            let found = function(Moving { value: x, slope: Both([1.0, y]) });
+            let one = all.iter().find(|(known, _)| *known == name).unwrap().1;
+            assert_eq!(found.slope.0, [one(slope(1.0)).slope, one(slope(y)).slope], "{name}");
+            assert_eq!(found.value, one(slope(1.0)).value, "{name}");
+        }
+        assert_eq!(Moving { value: 0.0, slope: Both([0.0, 1.0]) }.sqrt().slope.0, [0.0, f64::INFINITY]);
         assert!(M::splat(0.0).sqrt().slope == 0.0);
         assert!(M::splat(0.3).each(f64::cbrt).slope.is_nan());
     }

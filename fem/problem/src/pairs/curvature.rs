@@ -14,85 +14,73 @@
 //! ∂²s/∂u∂v = M ((aᵤ dᵥ + aᵥ dᵤ) I + Φ,ₛᵤ ⊗ ∂s/∂v + ∂s/∂u ⊗ Φ,ₛᵥ + Φ,ₛₛ ∂s/∂u ⊗ ∂s/∂v)
 //! ```
 
-use super::PairGroup;
-use super::surface::{SurfaceFacet, dot};
+// Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
+#![allow(clippy::needless_range_loop)]
 
-/// A ray from an own facet to an opposite one, with the derivatives of both.
-struct Ray<const D: usize> {
-    tangent: [f64; D],
-    bend: [f64; D],
-    normal: [f64; D],
-    gap: f64,
-    opposite_tangent: [f64; D],
-    opposite_bend: [f64; D],
+use forms_core::contract::Lane;
+
+use super::surface::dot;
+
+/// Rays from an own facet to an opposite one, with the derivatives of both.
+pub(super) struct CurvedRays<const D: usize, L = f64> {
+    pub tangent: [L; D],
+    pub bend: [L; D],
+    pub normal: [L; D],
+    pub gap: L,
+    pub opposite_tangent: [L; D],
+    pub opposite_bend: [L; D],
 }
 
 /// Derivatives of a ray along the own coordinate: of its direction, the gap, and the opposite coordinate.
-struct Along<const D: usize> {
-    normal: [f64; D],
-    gap: f64,
-    met: f64,
+pub(super) struct Along<const D: usize, L = f64> {
+    pub normal: [L; D],
+    pub gap: L,
+    pub met: L,
 }
 
-impl<const D: usize> Ray<D> {
+impl<const D: usize, L: Lane> CurvedRays<D, L> {
     /// The derivatives g′ and η′ of the gap and the opposite coordinate from y′ η′ − g′ n.
-    fn meets(&self, side: &[f64; D]) -> (f64, f64) {
-        let Ray { normal, opposite_tangent, .. } = self;
+    #[inline(always)]
+    fn meets(&self, side: &[L; D]) -> (L, L) {
+        let CurvedRays { normal, opposite_tangent, .. } = self;
         let mut across = *opposite_tangent;
         (across[0], across[D - 1]) = (opposite_tangent[D - 1], -opposite_tangent[0]);
         let gap = -dot(&across, side) / dot(&across, normal);
-        let passed: [f64; D] = std::array::from_fn(|k| side[k] + gap * normal[k]);
+        let mut passed = *side;
+        for k in 0..D {
+            passed[k] += gap * normal[k];
+        }
         (gap, dot(opposite_tangent, &passed) / dot(opposite_tangent, opposite_tangent))
     }
 
-    fn first(&self) -> Along<D> {
-        let Ray { tangent, bend, normal, .. } = self;
+    #[inline(always)]
+    fn first(&self) -> Along<D, L> {
+        let CurvedRays { tangent, bend, normal, .. } = self;
         let curvature = dot(normal, bend) / dot(tangent, tangent);
-        let turned = tangent.map(|t| -curvature * t);
-        let (gap, met) = self.meets(&std::array::from_fn(|k| tangent[k] + self.gap * turned[k]));
+        let (mut turned, mut side) = (*tangent, *tangent);
+        for k in 0..D {
+            turned[k] = -curvature * tangent[k];
+            side[k] += self.gap * turned[k];
+        }
+        let (gap, met) = self.meets(&side);
         Along { normal: turned, gap, met }
     }
 
-    fn second(&self) -> Along<D> {
-        let (first, Ray { tangent, bend, normal, .. }) = (self.first(), self);
-        let square = dot(tangent, tangent);
+    #[inline(always)]
+    pub fn second(&self) -> Along<D, L> {
+        let (first, CurvedRays { tangent, bend, normal, .. }) = (self.first(), self);
+        let (square, two) = (dot(tangent, tangent), L::splat(2.0));
         let curvature = dot(normal, bend) / square;
-        let change = (dot(&first.normal, bend) - 2.0 * curvature * dot(tangent, bend)) / square;
-        let turned: [f64; D] = std::array::from_fn(|k| -change * tangent[k] - curvature * bend[k]);
-        let (gap, met) = self.meets(&std::array::from_fn(|k| {
-            bend[k] + 2.0 * first.gap * first.normal[k] + self.gap * turned[k]
-                - first.met * first.met * self.opposite_bend[k]
-        }));
+        let change = (dot(&first.normal, bend) - two * curvature * dot(tangent, bend)) / square;
+        let (mut turned, mut side) = (*bend, *bend);
+        for k in 0..D {
+            turned[k] = -change * tangent[k] - curvature * bend[k];
+            side[k] += two * first.gap * first.normal[k] + self.gap * turned[k]
+                - first.met * first.met * self.opposite_bend[k];
+        }
+        let (gap, met) = self.meets(&side);
         Along { normal: turned, gap, met }
     }
-}
-
-/// The second derivatives of a point's numbers along the own facet in the plane, added to the list of a search.
-#[inline]
-pub(super) fn add_bends<const D: usize>(
-    (own, s): (&SurfaceFacet<D>, &[f64; 2]),
-    (opposite, met): (&SurfaceFacet<D>, &[f64; 2]),
-    gap: f64,
-    bends: &mut Vec<f64>,
-) {
-    let here = own.at(s);
-    let ray = Ray {
-        tangent: here.tangents[0],
-        bend: own.second(s)[0][0],
-        normal: here.normal(),
-        gap,
-        opposite_tangent: opposite.at(met).tangents[0],
-        opposite_bend: opposite.second(met)[0][0],
-    };
-    let second = ray.second();
-    let first = bends.len();
-    bends.resize(first + PairGroup::<D>::STRIDE, 0.0);
-    let numbers = &mut bends[first..];
-    for k in 0..D {
-        numbers[D + k] = second.met * opposite.tangents[0][k];
-        numbers[2 * D + 2 + k] = second.normal[k];
-    }
-    numbers[2 * D + 1] = second.gap;
 }
 
 /// The second derivatives of a foot in the plane.
@@ -165,7 +153,7 @@ mod tests {
     const OWN: Nodes = [[0.0, 0.0], [1.1, 0.2], [0.5, 0.3]];
     const OPPOSITE: Nodes = [[1.2, 1.0], [-0.1, 0.8], [0.6, 0.75]];
 
-    fn ray(s: f64) -> (Ray<2>, f64) {
+    fn ray(s: f64) -> (CurvedRays<2>, f64) {
         let [x, tangent, bend] = curve(&OWN, s);
         let length = dot(&tangent, &tangent).sqrt();
         let normal = [-tangent[1] / length, tangent[0] / length];
@@ -179,7 +167,7 @@ mod tests {
             gap += (slope[0] * off[1] - slope[1] * off[0]) / determinant;
         }
         let [_, opposite_tangent, opposite_bend] = curve(&OPPOSITE, met);
-        (Ray { tangent, bend, normal, gap, opposite_tangent, opposite_bend }, met)
+        (CurvedRays { tangent, bend, normal, gap, opposite_tangent, opposite_bend }, met)
     }
 
     #[test]

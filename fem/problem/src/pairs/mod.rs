@@ -283,27 +283,28 @@ fn grouped<const D: usize>(mesh: &Mesh<D>, found: &[Found<D>]) -> Vec<Arc<PairGr
         order.push(first);
         order.extend((first + 1..units.len()).take_while(|k| !begins(k)));
     }
-    let mut kinds: Vec<(GroupKey, usize)> = Vec::new();
+    let mut kinds: Vec<(GroupKey, usize, usize)> = Vec::new();
     let mut last = 0;
     let mut kind_of = |unit: &Unit| {
         let side = |facet: Facet| (mesh.cell_shape(facet.cell as usize), facet.local);
         let key = (unit.facets.map(side), unit.count, mesh.carries(unit.facets[1].cell));
         // Units of a kind follow each other more often than not.
-        if kinds.get(last).is_none_or(|(known, _)| *known != key) {
-            last = kinds.iter().position(|(known, _)| *known == key).unwrap_or(kinds.len());
+        if kinds.get(last).is_none_or(|(known, ..)| *known != key) {
+            last = kinds.iter().position(|(known, ..)| *known == key).unwrap_or(kinds.len());
         }
         if last == kinds.len() {
-            kinds.push((key, 0));
+            kinds.push((key, 0, unit.segment.as_ref().map_or(0, |segment| segment.feet.len())));
         }
         kinds[last].1 += 1;
         last
     };
     let kind_of_each: Vec<usize> = order.iter().map(|number| kind_of(units[*number].0)).collect();
-    let with_room = |(key, units): &(GroupKey, usize)| {
+    let with_room = |(key, units, feet): &(GroupKey, usize, usize)| {
         let (sides, count, rigid) = *key;
         let points = Vec::with_capacity(units * count * PairGroup::<D>::STRIDE);
         let rigid_normals = Vec::with_capacity(if rigid { units * count * D } else { 0 });
-        let (facets, motion) = (Vec::with_capacity(*units), GroupMotion::default());
+        let (facets, motion) =
+            (Vec::with_capacity(*units), GroupMotion::with_room(units * feet, *units, count));
         let rule_points = Vec::with_capacity(units * count);
         (*key, PairGroup { sides, facets, count, points, rigid_normals, rule_points, motion })
     };

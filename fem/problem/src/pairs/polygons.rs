@@ -1,20 +1,23 @@
 //! Moving segments in space: the feet of an opposite facet's nodes are a polygon in the own facet's coordinates, which is clipped by the own
 //! facet's outline and divided into triangles from a corner.
 //!
-//! Each corner of what is left carries its derivatives by the feet. A foot on the outline counts as outside, for both own facets of an edge.
+//! Each corner of what is left has derivatives by the feet. A foot on the outline counts as outside, for both own facets of an edge.
 //! Of facets of degree two the triangles begin at a middle node: where its edge is straight, no triangle is without area. Where edges bend inwards some
 //! of them may be negative. Their sum has the area of the polygon, and its integrals of polynomials.
 
+use std::ops::Range;
+
 use super::PairError;
-use super::feet::{foot_of, is_positive};
+use super::feet::{MiddleOfFacet, feet_of, is_positive};
 use super::found::Found;
 use super::moving_polygon::{
-    Corner, Line, ON_OUTLINE, Point, apart, area, clip, cross, is_folded, middle, triangles,
+    Corner, CornerRates, Line, ON_OUTLINE, Point, apart, area, clip, cross, extent, is_folded, middle,
+    triangles, value,
 };
-use super::parts::{PartPoint, continued_by};
+use super::parts::{PartPoint, PartPoints, continued_by};
 use super::rays::Rays;
 use super::search::{FACING, Search};
-use super::segment_motion::{FEET, Shares, foot, foot_matrix};
+use super::segment_motion::{FEET, add_feet, foot_matrix};
 use super::surface::{SurfaceFacet, dot};
 use super::tolerances::INSIDE;
 use crate::lanes::SimdLane;
@@ -35,7 +38,9 @@ const SQUARE: [Line; 4] = [(0.0, [0.0, 1.0]), (1.0, [-1.0, 0.0]), (1.0, [0.0, -1
 #[derive(Clone, Debug)]
 struct Part {
     facet: usize,
-    corners: Vec<Corner>,
+    /// Its corners among those of all parts.
+    corners: Range<usize>,
+    extent: [[f64; 2]; 2],
     feet: [Point; FEET],
     gap: f64,
 }
@@ -45,60 +50,61 @@ struct Part {
 pub(super) struct Polygons {
     polygon: Vec<Corner>,
     clipped: Vec<Corner>,
+    corners: Vec<Corner>,
+    /// Of the corners of one part.
+    rates: Vec<CornerRates>,
     parts: Vec<Part>,
 }
 
-/// The points of a rule on the triangles of a polygon.
-fn add_points(corners: &[Corner], rule: &QuadratureRule<2>, points: &mut Vec<PartPoint>) {
+/// The lines of an own facet's outline.
+fn lines_of<const D: usize>(own: &SurfaceFacet<D>) -> &'static [Line] {
+    if own.parameters().len() == 3 { &TRIANGLE } else { &SQUARE }
+}
+
+/// Whether a facet faces an own one with this unit normal.
+fn faces<const D: usize>(normal: &[f64; D], opposite: &SurfaceFacet<D>) -> bool {
+    let across = match opposite.flat() {
+        Some(flat) if opposite.affine => flat.frame.normal,
+        _ => opposite.at(&opposite.middle()).long_normal(),
+    };
+    let product = dot(normal, &across);
+    product < 0.0 && FACING * FACING * dot(&across, &across) < product * product
+}
+
+/// The points of a rule on the triangles of a polygon, whose corners have derivatives by a number of feet.
+fn add_points(
+    corners: &[Corner],
+    (rates, feet): (&[CornerRates], usize),
+    rule: &QuadratureRule<2>,
+    PartPoints { points, shares }: &mut PartPoints,
+) {
     for triangle in triangles(corners) {
-        let first = triangle[0];
-        let [a, b] = [1, 2].map(|k| apart(&triangle[k].s, &first.s));
+        let at = triangle.map(|k| &corners[k].s);
+        let [a, b] = [1, 2].map(|k| apart(at[k], at[0]));
         // Ends of two edges that meet the outline at one point part with it: a triangle without an area has the rate of one.
         let determinant = Some(cross(&a, &b)).filter(|size| size.abs() > LEAST).unwrap_or(LEAST);
+        let by = triangle.map(|k| rates.get(k).map_or(&[][..], |by| &by.as_flattened()[..2 * feet]));
         // Of each foot along each coordinate, the rate of the determinant as a part of it.
-        let mut stretch = [[0.0; 2]; FEET];
-        for (k, stretch) in stretch.as_flattened_mut().iter_mut().enumerate() {
-            let [by_a, by_b] =
-                [1, 2].map(|at| apart(&triangle[at].by.as_flattened()[k], &first.by.as_flattened()[k]));
-            *stretch = (cross(&by_a, &b) + cross(&a, &by_b)) / determinant;
+        let mut stretch = [0.0; 2 * FEET];
+        for k in 0..2 * feet {
+            let [by_a, by_b] = [1, 2].map(|of| apart(&by[of][k], &by[0][k]));
+            stretch[k] = (cross(&by_a, &b) + cross(&a, &by_b)) / determinant;
         }
-        if determinant == LEAST && stretch == [[0.0; 2]; FEET] {
+        if determinant == LEAST && stretch == [0.0; 2 * FEET] {
             continue;
         }
         for ([s, t], weight) in rule.points.iter().zip(&rule.weights) {
             let parts = [1.0 - s - t, *s, *t];
-            let mean = |of: [f64; 3]| parts[0] * of[0] + parts[1] * of[1] + parts[2] * of[2];
-            let mut shares = Shares::default();
-            for (k, share) in shares.as_flattened_mut().iter_mut().enumerate() {
-                let by = triangle.map(|corner| corner.by.as_flattened()[k]);
-                let [x, y] = [0, 1].map(|axis| mean(by.map(|by| by[axis])));
-                *share = [x, y, stretch.as_flattened()[k]];
+            let mean = |of: [&Point; 3]| {
+                [0, 1].map(|axis| parts[0] * of[0][axis] + parts[1] * of[1][axis] + parts[2] * of[2][axis])
+            };
+            for k in 0..2 * feet {
+                let [x, y] = mean([&by[0][k], &by[1][k], &by[2][k]]);
+                shares.extend_from_slice(&[x, y, stretch[k]]);
             }
-            let s = [0, 1].map(|axis| mean(triangle.map(|corner| corner.s[axis])));
-            points.push(PartPoint { s, weight: weight * determinant, shares });
+            points.push(PartPoint { s: mean(at), weight: weight * determinant });
         }
     }
-}
-
-/// The polygon of an opposite facet's feet, in the order of the own outline, and the feet in that of its nodes; none where a node has no foot.
-fn find_feet<const D: usize>(
-    own: &SurfaceFacet<D>,
-    opposite: &SurfaceFacet<D>,
-    polygon: &mut Vec<Corner>,
-) -> Option<[Point; FEET]> {
-    let mut feet = [[0.0; 2]; FEET];
-    polygon.clear();
-    let (nodes, corners) = (opposite.outline(), opposite.parameters().len());
-    for (k, at) in nodes.iter().enumerate() {
-        let s = foot_of(own, &opposite.at(at).position)?;
-        feet[k] = s;
-        let mut by = <[[Point; 2]; FEET]>::default();
-        by[k] = [[1.0, 0.0], [0.0, 1.0]];
-        polygon.push(Corner { s, by, is_middle: nodes.len() > corners && k % 2 == 1 });
-    }
-    // Surfaces that face each other turn opposite ways.
-    polygon.reverse();
-    Some(feet)
 }
 
 impl<const D: usize> Search<'_, '_, D> {
@@ -112,59 +118,64 @@ impl<const D: usize> Search<'_, '_, D> {
         (own, candidates): (&SurfaceFacet<D>, &[usize]),
         rule: &QuadratureRule<2>,
         found: &mut Found<D>,
-        (points, polygons): (&mut Vec<PartPoint>, &mut Polygons),
+        (points, polygons): (&mut PartPoints, &mut Polygons),
     ) -> Result<(), PairError> {
-        let corner = |s: &Point| Corner { s: *s, by: Default::default(), is_middle: false };
-        let outline = own.parameters().iter().map(corner);
         points.clear();
-        add_points(&outline.collect::<Vec<_>>(), rule, points);
-        found.counts().measure = points.iter().map(|point| point.weight * own.at(&point.s).element()).sum();
-        self.find_parts((own, candidates), points, found, polygons)?;
+        polygons.polygon.clear();
+        polygons.polygon.extend(own.parameters().iter().map(Corner::of_own_facet));
+        add_points(&polygons.polygon, (&[], 0), rule, points);
+        let measures = points.points.iter().map(|point| point.weight * own.at(&point.s).element());
+        found.counts().measure = measures.sum();
+        self.find_parts::<L>((own, candidates), &points.points, found, polygons)?;
         self.drop_hidden(own, found, polygons)?;
-        found.counts().segments += polygons.parts.len();
-        for part in &polygons.parts {
+        let Polygons { parts, corners, rates, .. } = polygons;
+        found.counts().segments += parts.len();
+        for part in parts.iter() {
+            let (corners, opposite) = (&corners[part.corners.clone()], &self.opposite[part.facet]);
+            let nodes = opposite.outline().len();
+            rates.clear();
+            rates.extend(corners.iter().map(|corner| corner.rates(&part.feet[..nodes], lines_of(own))));
             points.clear();
-            add_points(&part.corners, rule, points);
-            let opposite = &self.opposite[part.facet];
-            let nodes = 0..opposite.outline().len();
-            let feet = nodes.map(|k| Some(foot((own, &part.feet[k]), (opposite, k))));
-            self.add_part::<L>((own, part.facet), self.reach(own), points, feet, found);
+            add_points(corners, (rates, nodes), rule, points);
+            let first_foot = found.feet.len();
+            add_feet::<L, D>(own, &part.feet[..nodes], opposite, &mut found.feet);
+            self.add_part::<L>((own, part.facet), self.reach(own), points, first_foot, found);
         }
         Ok(())
     }
 
     /// The parts that see the candidates, each without the others. `points` are some of the own facet.
-    fn find_parts(
+    #[inline(always)]
+    fn find_parts<L: SimdLane>(
         &self,
         (own, candidates): (&SurfaceFacet<D>, &[usize]),
         points: &[PartPoint],
         found: &mut Found<D>,
         polygons: &mut Polygons,
     ) -> Result<(), PairError> {
-        let Polygons { polygon, clipped, parts } = polygons;
+        let Polygons { polygon, clipped, corners, parts, .. } = polygons;
         parts.clear();
-        let normal = own.at(&own.middle()).normal();
-        let lines = if own.parameters().len() == 3 { &TRIANGLE[..] } else { &SQUARE[..] };
+        corners.clear();
+        let (from, lines) = (MiddleOfFacet::of(own), lines_of(own));
         for &facet in candidates {
             let opposite = &self.opposite[facet];
             // Facets that the own one sees from the side may fold; no ray counts that meets them.
-            if dot(&normal, &opposite.at(&opposite.middle()).normal()) >= FACING {
+            if !faces(&from.normal, opposite) {
                 continue;
             }
-            let Some(feet) = find_feet(own, opposite, polygon) else {
+            let Some(feet) = feet_of::<L, D>(own, &from, opposite) else {
                 self.leave_out((own, facet), points, found)?;
                 continue;
             };
-            let beside = |(constant, slope): &Line| {
-                let value = |corner: &Corner| constant + slope[0] * corner.s[0] + slope[1] * corner.s[1];
-                polygon.iter().all(|corner| value(corner) <= ON_OUTLINE)
-            };
-            if lines.iter().any(beside) {
+            let nodes = &feet[..opposite.outline().len()];
+            if lines.iter().any(|line| nodes.iter().all(|s| value(line, s) <= ON_OUTLINE)) {
                 continue;
             }
+            polygon.clear();
+            polygon.extend(Corner::of_feet(nodes, nodes.len() > opposite.parameters().len()));
             // Far from the own facet a polygon may fold; what is inside of the outline counts.
-            for line in lines {
-                clip(polygon, line, clipped);
+            for (number, line) in (0..).zip(lines) {
+                clip(polygon, (number, line), clipped);
                 std::mem::swap(polygon, clipped);
             }
             if polygon.len() < 3 || area(polygon) <= SMALLEST {
@@ -175,7 +186,12 @@ impl<const D: usize> Search<'_, '_, D> {
                 continue;
             }
             match self.seen_from(own, &middle(polygon), facet, continued_by(own, opposite)) {
-                Some(gap) => parts.push(Part { facet, corners: polygon.clone(), feet, gap }),
+                Some(gap) => {
+                    let first = corners.len();
+                    corners.extend_from_slice(polygon);
+                    let (corners, extent) = (first..corners.len(), extent(polygon));
+                    parts.push(Part { facet, corners, extent, feet, gap });
+                }
                 None => found.counts().dropped += 1,
             }
         }
@@ -201,7 +217,7 @@ impl<const D: usize> Search<'_, '_, D> {
             let Some(gap) = self.seen_from(own, s, facet, INSIDE) else { continue };
             is_met = true;
             let off = own.at(s).normal().map(|component| 2.0 * gap * component);
-            if is_positive(&foot_matrix(own, s, &off)) {
+            if is_positive(&foot_matrix(&own.at(s).tangents, &own.second(s), &off)) {
                 return Err(PairError::SegmentsFolded { position: own.centre.to_vec() });
             }
         }
@@ -224,14 +240,10 @@ impl<const D: usize> Search<'_, '_, D> {
         found: &mut Found<D>,
         polygons: &mut Polygons,
     ) -> Result<(), PairError> {
-        let Polygons { polygon, clipped, parts } = polygons;
+        let Polygons { polygon, clipped, corners, parts, .. } = polygons;
         let mut common = |a: &Part, b: &Part| {
-            let extent = |part: &Part, axis: usize| {
-                let values = part.corners.iter().map(|corner| corner.s[axis]);
-                values.fold([f64::INFINITY, -f64::INFINITY], |[low, high], s| [low.min(s), high.max(s)])
-            };
             let separate = |axis: usize| {
-                let ([a, b], [c, d]) = (extent(a, axis), extent(b, axis));
+                let ([a, b], [c, d]) = (a.extent[axis], b.extent[axis]);
                 b.min(d) - a.max(c) <= 0.0
             };
             let [first, second] = [a, b].map(|part| &self.opposite[part.facet]);
@@ -239,16 +251,16 @@ impl<const D: usize> Search<'_, '_, D> {
             {
                 return 0.0;
             }
-            let mut sum = 0.0;
-            for [first, second, third] in
-                triangles(&b.corners).map(|triangle| triangle.map(|corner| &corner.s))
-            {
+            let (mut sum, of_second) = (0.0, &corners[b.corners.clone()]);
+            for triangle in triangles(of_second) {
+                let [first, second, third] = triangle.map(|k| &of_second[k].s);
                 let sign = cross(&apart(second, first), &apart(third, first)).signum();
-                polygon.clone_from(&a.corners);
+                polygon.clear();
+                polygon.extend_from_slice(&corners[a.corners.clone()]);
                 for (from, to) in [(first, second), (second, third), (third, first)] {
                     let along = apart(to, from);
                     let slope = [-sign * along[1], sign * along[0]];
-                    clip(polygon, &(-slope[0] * from[0] - slope[1] * from[1], slope), clipped);
+                    clip(polygon, (0, &(-slope[0] * from[0] - slope[1] * from[1], slope)), clipped);
                     std::mem::swap(polygon, clipped);
                 }
                 sum += sign * area(polygon);
@@ -266,11 +278,11 @@ impl<const D: usize> Search<'_, '_, D> {
             let hidden: f64 = kept.iter().map(|nearer| common(&part, nearer)).sum();
             if hidden <= OVERLAP {
                 kept.push(part);
-            } else if area(&part.corners) - hidden <= OVERLAP {
+            } else if area(&corners[part.corners.clone()]) - hidden <= OVERLAP {
                 found.counts().dropped += 1;
             } else {
                 return Err(PairError::SegmentsHidden {
-                    position: own.at(&middle(&part.corners)).position.to_vec(),
+                    position: own.at(&middle(&corners[part.corners.clone()])).position.to_vec(),
                 });
             }
         }

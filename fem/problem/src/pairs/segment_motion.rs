@@ -14,19 +14,21 @@
 //! ```
 //!
 //! with the opposite normal m, dual tangents b^γ and coordinates η. In the plane there is one coordinate. Points are linear functions of the
-//! feet, with factors that are found with the cut ([`Shares`]); corners of the own facet do not move.
+//! feet, with factors that are found with the cut ([`GroupMotion::shares`]); corners of the own facet do not move.
+
+// Closures and iterator adaptors do not inherit a caller's target features: loops over lanes are plain.
+#![allow(clippy::needless_range_loop)]
+
+use forms_core::contract::Lane;
 
 use super::PairGroup;
 use super::curvature::FootCurve;
-use super::surface::{SurfaceFacet, dot, minus};
+use super::surface::{SurfaceFacet, SurfacePoint, dot, minus};
+use crate::lanes::{SimdLane, WIDEST};
 use crate::mesh::Facet;
 
 /// Nodes of the outline of an opposite facet, at most.
 pub(super) const FEET: usize = 8;
-
-/// The derivatives of a point by the feet: of the coordinate α by the coordinate β of the k-th foot \[k]\[β]\[α], and those of the
-/// weight as parts of it \[k]\[β]\[D − 1].
-pub(super) type Shares = [[[f64; 3]; 2]; FEET];
 
 /// The motion of the points of a group's units.
 #[derive(Clone, Debug)]
@@ -36,7 +38,8 @@ pub(crate) struct GroupMotion<const D: usize> {
     pub slopes: [Vec<f64>; 2],
     /// Their second derivatives, in the plane.
     pub bends: Vec<f64>,
-    /// The [`Shares`] of each point: of each foot and coordinate D numbers.
+    /// Of each point the derivatives by the coordinates of its unit's feet: by each one those of its own coordinates, and that of its weight as a part of
+    /// it.
     pub shares: Vec<f64>,
     /// The feet of each unit, as many of each one; none is an end of the own facet in the plane.
     pub feet: Vec<Option<Foot<D>>>,
@@ -49,6 +52,19 @@ impl<const D: usize> Default for GroupMotion<D> {
 }
 
 impl<const D: usize> GroupMotion<D> {
+    /// Lists with room for some feet in all, of units with the given number of points each.
+    pub(super) fn with_room(feet: usize, units: usize, points: usize) -> Self {
+        let all = if feet == 0 { 0 } else { units * points };
+        let numbers = all * PairGroup::<D>::STRIDE;
+        let room = |is_there: bool| Vec::with_capacity(if is_there { numbers } else { 0 });
+        GroupMotion {
+            slopes: [room(true), room(D == 3)],
+            bends: room(D == 2),
+            shares: Vec::with_capacity(feet * points * (D - 1) * D),
+            feet: Vec::with_capacity(feet),
+        }
+    }
+
     /// Numbers that move each of some units: those of their feet.
     pub fn coordinates(&self, units: usize) -> usize {
         self.feet.len() / units.max(1) * (D - 1)
@@ -78,56 +94,109 @@ pub(crate) struct Foot<const D: usize> {
     pub curve: Option<FootCurve<D>>,
 }
 
+/// Second derivatives of positions along the coordinates of a facet.
+type Bends<const D: usize, L> = [[[L; D]; 2]; 2];
+
 /// The inverse of a symmetric matrix; in the plane of its first entry.
-fn inverse<const D: usize>([[a, b], [_, c]]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+#[inline(always)]
+fn inverse<L: Lane, const D: usize>([[a, b], [_, c]]: [[L; 2]; 2]) -> [[L; 2]; 2] {
+    let (zero, one) = (L::splat(0.0), L::splat(1.0));
     if D == 2 {
-        return [[1.0 / a, 0.0], [0.0; 2]];
+        return [[one / a, zero], [zero; 2]];
     }
     let determinant = a * c - b * b;
     [[c / determinant, -b / determinant], [-b / determinant, a / determinant]]
 }
 
-/// M at a point of an own facet for a node that is `off` it.
-pub(super) fn foot_matrix<const D: usize>(
-    own: &SurfaceFacet<D>,
-    s: &[f64; 2],
-    off: &[f64; D],
-) -> [[f64; 2]; 2] {
-    let (tangents, bend) = (own.at(s).tangents, own.second(s));
-    let entry = |a: usize, b: usize| dot(&tangents[a], &tangents[b]) - dot(off, &bend[a][b]);
-    inverse::<D>([[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]])
+/// M by the first and second derivatives of the own facet, for a node that is `off` it.
+#[inline(always)]
+pub(super) fn foot_matrix<L: Lane, const D: usize>(
+    tangents: &[[L; D]; 2],
+    bend: &Bends<D, L>,
+    off: &[L; D],
+) -> [[L; 2]; 2] {
+    let mut matrix = [[L::splat(0.0); 2]; 2];
+    for a in 0..D - 1 {
+        for b in 0..=a {
+            matrix[a][b] = dot(&tangents[a], &tangents[b]) - dot(off, &bend[a][b]);
+            matrix[b][a] = matrix[a][b];
+        }
+    }
+    inverse::<L, D>(matrix)
 }
 
-/// The derivatives of a point's numbers along the own facet's coordinates, added to the lists of a search.
-#[inline]
-pub(super) fn add_slopes<const D: usize>(
-    (own, s): (&SurfaceFacet<D>, &[f64; 2]),
-    (opposite, met): (&SurfaceFacet<D>, &[f64; 2]),
-    gap: f64,
-    slopes: &mut [Vec<f64>; 2],
-) {
-    let (here, there) = (own.at(s), opposite.at(met));
-    let (bend, n) = (own.second(s), here.normal());
+/// The derivatives of points along an own coordinate: of the opposite coordinates, the gap and the own normal.
+#[derive(Clone, Copy)]
+pub(super) struct PointSlopes<const D: usize, L> {
+    pub met: [L; 2],
+    pub gap: L,
+    pub normal: [L; D],
+}
+
+/// The derivatives of points along the own coordinates, from the own facet's points and unit normals there, and from the opposite points.
+#[inline(always)]
+pub(super) fn slopes_of<L: Lane, const D: usize>(
+    (here, n, bend): (&SurfacePoint<D, L>, &[L; D], &Bends<D, L>),
+    there: &SurfacePoint<D, L>,
+    gap: L,
+) -> [PointSlopes<D, L>; 2] {
+    let zero = L::splat(0.0);
+    let mut slopes = [PointSlopes { met: [zero; 2], gap: zero, normal: [zero; D] }; 2];
     let (dual, across) = (here.frame().dual, there.frame());
+    let closing = -dot(&across.normal, n);
     for along in 0..D - 1 {
-        let mut turned = [0.0; D];
+        let PointSlopes { met, gap: opening, normal: turned } = &mut slopes[along];
         for other in 0..D - 1 {
-            let turning = -dot(&n, &bend[other][along]);
-            (0..D).for_each(|k| turned[k] += turning * dual[other][k]);
+            let turning = -dot(n, &bend[other][along]);
+            for k in 0..D {
+                turned[k] += turning * dual[other][k];
+            }
         }
-        let r: [f64; D] = std::array::from_fn(|k| here.tangents[along][k] + gap * turned[k]);
-        let opening = -dot(&across.normal, &r) / dot(&across.normal, &n);
-        let passed: [f64; D] = std::array::from_fn(|k| r[k] + opening * n[k]);
-        let met = across.dual.map(|dual| dot(&dual, &passed));
-        let first = slopes[along].len();
-        slopes[along].resize(first + PairGroup::<D>::STRIDE, 0.0);
-        let numbers = &mut slopes[along][first..];
+        let mut passed = here.tangents[along];
         for k in 0..D {
-            numbers[k] = own.tangents[along][k];
-            numbers[D + k] = met[0] * opposite.tangents[0][k] + met[1] * opposite.tangents[1][k];
-            numbers[2 * D + 2 + k] = turned[k];
+            passed[k] += gap * turned[k];
         }
-        numbers[2 * D + 1] = opening;
+        *opening = dot(&across.normal, &passed) / closing;
+        for k in 0..D {
+            passed[k] += *opening * n[k];
+        }
+        for other in 0..D - 1 {
+            met[other] = dot(&across.dual[other], &passed);
+        }
+    }
+    slopes
+}
+
+/// Derivatives of feet by displacements, several side by side.
+struct FeetInLanes<const D: usize, L> {
+    /// From a foot to its node.
+    off: [L; D],
+    tangents: [[L; D]; 2],
+    bend: Bends<D, L>,
+    normal: [L; D],
+    matrix: [[L; 2]; 2],
+    /// M and M times the gap in the directions of the own tangents, deformed and in the own cell's reference coordinates.
+    apart: [[L; D]; 2],
+    turning: [[L; D]; 2],
+}
+
+impl<L: Lane, const D: usize> FeetInLanes<D, L> {
+    #[inline(always)]
+    fn new(own: &SurfaceFacet<D>, s: &[L; 2], y: &[L; D]) -> Self {
+        let (here, bend) = (own.at(s), own.second(s));
+        let (tangents, normal, off) = (here.tangents, here.normal(), minus(y, &here.position));
+        let (matrix, gap) = (foot_matrix(&tangents, &bend, &off), dot(&normal, &off));
+        let [mut apart, mut turning] = [[[L::splat(0.0); D]; 2]; 2];
+        for row in 0..2 {
+            for k in 0..D {
+                for other in 0..D - 1 {
+                    let entry = matrix[row][other];
+                    apart[row][k] += entry * tangents[other][k];
+                    turning[row][k] += gap * entry * L::splat(own.tangents[other][k]);
+                }
+            }
+        }
+        FeetInLanes { off, tangents, bend, normal, matrix, apart, turning }
     }
 }
 
@@ -136,26 +205,63 @@ pub(super) fn foot<const D: usize>(
     (own, s): (&SurfaceFacet<D>, &[f64; 2]),
     (opposite, node): (&SurfaceFacet<D>, usize),
 ) -> Foot<D> {
-    let (here, at) = (own.at(s), opposite.outline()[node]);
-    let (tangents, normal) = (here.tangents, here.normal());
-    let off = minus(&opposite.at(&at).position, &here.position);
-    let (inverse, gap) = (foot_matrix(own, s, &off), dot(&normal, &off));
-    let sum = |[a, b]: [f64; 2], [first, second]: &[[f64; D]; 2]| -> [f64; D] {
-        std::array::from_fn(|k| a * first[k] + b * second[k])
+    let at = opposite.outline()[node];
+    let FeetInLanes { off, tangents, bend, normal, matrix, apart, turning } =
+        FeetInLanes::new(own, s, &opposite.at(&at).position);
+    let curve = FootCurve {
+        along: own.tangents[0],
+        tangent: tangents[0],
+        bend: bend[0][0],
+        off,
+        factor: matrix[0][0],
     };
-    Foot {
-        own: own.reference(s),
-        facet: opposite.facet,
-        node: opposite.reference(&at),
-        apart: inverse.map(|row| sum(row, &tangents)),
-        turning: inverse.map(|row| sum(row.map(|entry| gap * entry), &own.tangents)),
-        normal,
-        curve: (D == 2).then(|| FootCurve {
-            along: own.tangents[0],
-            tangent: tangents[0],
-            bend: own.second(s)[0][0],
-            off,
-            factor: inverse[0][0],
-        }),
+    let (own, node) = (own.reference(s), opposite.reference(&at));
+    Foot { own, facet: opposite.facet, node, apart, turning, normal, curve: (D == 2).then_some(curve) }
+}
+
+/// The feet of all nodes of the outline of an opposite facet in space, added to a list.
+#[inline(always)]
+pub(super) fn add_feet<L: SimdLane, const D: usize>(
+    own: &SurfaceFacet<D>,
+    feet: &[[f64; 2]],
+    opposite: &SurfaceFacet<D>,
+    list: &mut Vec<Option<Foot<D>>>,
+) {
+    let nodes = opposite.outline();
+    for first in (0..nodes.len()).step_by(L::WIDTH) {
+        let filled = L::WIDTH.min(nodes.len() - first);
+        let mut places = [[0.0; WIDEST]; 4];
+        for lane in 0..L::WIDTH {
+            let node = first + lane.min(filled - 1);
+            for k in 0..2 {
+                (places[k][lane], places[2 + k][lane]) = (feet[node][k], nodes[node][k]);
+            }
+        }
+        let s = [L::load(&places[0]), L::load(&places[1])];
+        let at = [L::load(&places[2]), L::load(&places[3])];
+        let found = FeetInLanes::new(own, &s, &opposite.at(&at).position);
+        let [mut apart, mut turning] = [[[[0.0; WIDEST]; D]; 2]; 2];
+        let mut normal = [[0.0; WIDEST]; D];
+        for k in 0..D {
+            for row in 0..2 {
+                found.apart[row][k].store(&mut apart[row][k]);
+                found.turning[row][k].store(&mut turning[row][k]);
+            }
+            found.normal[k].store(&mut normal[k]);
+        }
+        for lane in 0..filled {
+            let (s, at) = (&feet[first + lane], &nodes[first + lane]);
+            let of_lane =
+                |rows: &[[[f64; WIDEST]; D]; 2]| [0, 1].map(|row: usize| rows[row].map(|of| of[lane]));
+            list.push(Some(Foot {
+                own: own.reference(s),
+                facet: opposite.facet,
+                node: opposite.reference(at),
+                apart: of_lane(&apart),
+                turning: of_lane(&turning),
+                normal: normal.map(|of| of[lane]),
+                curve: None,
+            }));
+        }
     }
 }

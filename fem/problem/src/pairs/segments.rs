@@ -10,11 +10,11 @@ use super::PairError;
 use super::candidates::RayBundle;
 use super::cuts::normals_through;
 use super::found::Found;
-use super::parts::PartPoint;
+use super::parts::{PartPoint, PartPoints};
 use super::polygons::Polygons;
 use super::rays::Rays;
 use super::search::Search;
-use super::segment_motion::{Shares, foot};
+use super::segment_motion::foot;
 use super::surface::SurfaceFacet;
 use super::tolerances::INSIDE;
 use crate::lanes::{SimdLane, WIDEST};
@@ -45,7 +45,7 @@ pub(super) struct SegmentRoom {
     nodes: Vec<u32>,
     ends: Vec<SegmentEnd>,
     segments: Vec<Segment>,
-    points: Vec<PartPoint>,
+    points: PartPoints,
     polygons: Polygons,
 }
 
@@ -84,11 +84,9 @@ impl<const D: usize> Search<'_, '_, D> {
             let length = last - first;
             points.clear();
             for ([part, _], weight) in rule.points.iter().zip(&rule.weights) {
-                let mut shares = Shares::default();
-                shares[0][0] = [1.0 - part, -1.0 / length, 0.0];
-                shares[1][0] = [*part, 1.0 / length, 0.0];
+                points.shares.extend_from_slice(&[1.0 - part, -1.0 / length, *part, 1.0 / length]);
                 let s = [first * (1.0 - part) + last * part, 0.0];
-                points.push(PartPoint { s, weight: weight * length, shares });
+                points.points.push(PartPoint { s, weight: weight * length });
             }
             let feet = ends.map(|end| {
                 let [holder, corner] = end.node?.map(|number| number as usize);
@@ -100,7 +98,9 @@ impl<const D: usize> Search<'_, '_, D> {
                 };
                 Some(foot((own, &[end.s, 0.0]), opposite))
             });
-            self.add_part::<L>((own, *facet), reach, points, feet, found);
+            let first_foot = found.feet.len();
+            found.feet.extend(feet);
+            self.add_part::<L>((own, *facet), reach, points, first_foot, found);
         }
         Ok(())
     }

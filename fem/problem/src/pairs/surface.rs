@@ -352,18 +352,26 @@ impl<'m, const D: usize> SurfaceFacet<'m, D> {
 
     /// Second derivatives of the position along the facet's own coordinates; those of facets that are displaced by fields of
     /// higher degree than two are not known, and not read.
-    pub fn second(&self, &[s, t]: &[f64; 2]) -> [[[f64; D]; 2]; 2] {
-        let mut second = [[[0.0; D]; 2]; 2];
+    #[inline(always)]
+    pub fn second<L: Lane>(&self, &[s, t]: &[L; 2]) -> [[[L; D]; 2]; 2] {
+        let mut second = [[[L::splat(0.0); D]; 2]; 2];
         let Some(polynomial) = &self.polynomial else { return second };
+        let two = L::splat(2.0);
         for k in 0..D {
-            let c = |i: usize, j: usize| polynomial.of(i, j)[k];
+            let c = |i: usize, j: usize| L::splat(polynomial.of(i, j)[k]);
             if D == 2 {
-                second[0][0][k] = 2.0 * c(2, 0);
+                second[0][0][k] = two * c(2, 0);
                 continue;
             }
-            second[0][0][k] = 2.0 * (c(2, 0) + t * (c(2, 1) + t * c(2, 2)));
-            second[1][1][k] = 2.0 * (c(0, 2) + s * (c(1, 2) + s * c(2, 2)));
-            second[0][1][k] = c(1, 1) + 2.0 * (s * c(2, 1) + t * c(1, 2)) + 4.0 * s * t * c(2, 2);
+            if self.triangle {
+                (second[0][0][k], second[1][1][k]) = (two * c(2, 0), two * c(0, 2));
+                second[0][1][k] = c(1, 1);
+            } else {
+                second[0][0][k] = two * (c(2, 0) + t * (c(2, 1) + t * c(2, 2)));
+                second[1][1][k] = two * (c(0, 2) + s * (c(1, 2) + s * c(2, 2)));
+                second[0][1][k] =
+                    c(1, 1) + two * (s * c(2, 1) + t * c(1, 2)) + L::splat(4.0) * s * t * c(2, 2);
+            }
             second[1][0][k] = second[0][1][k];
         }
         second

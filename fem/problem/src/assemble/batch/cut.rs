@@ -27,7 +27,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
             places[lane] = (entity * cut.count + q) * stride;
         }
         let mut reference = L::gather::<D>(&cut.points, &places);
-        if L::CARRIES_SLOPES && self.direction < D {
+        if L::DIRECTIONS > 0 && self.direction < D {
             reference[self.direction] = reference[self.direction].with_slope(L::splat(1.0));
         }
         for lane in 0..L::WIDTH {
@@ -52,7 +52,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                     places[lane] += 1;
                 }
                 let mut normal = L::gather::<D>(&cut.points, &places);
-                if L::CARRIES_SLOPES && self.direction > D {
+                if L::DIRECTIONS > 0 && self.direction > D {
                     let axis = self.direction - D - 1;
                     normal[axis] = normal[axis].with_slope(L::splat(1.0));
                 }

@@ -133,16 +133,15 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                         self.buffers.fields[slot.offset + component] = L::load(lanes);
                     }
                     // Where points move, a function moves by its gradient.
-                    if let (true, Order::Value, Some(gradient)) = (L::CARRIES_SLOPES, slot.order, gradient) {
+                    if let (true, Order::Value, Some(gradient)) = (L::DIRECTIONS > 0, slot.order, gradient) {
                         let lanes = self.function(&slot, count * D, gradient, &components)?;
                         for component in 0..count {
-                            let mut slope = L::splat(0.0);
+                            let mut along = [L::splat(0.0); D];
                             for axis in 0..D {
-                                let along = L::load(&lanes[component * D + axis]);
-                                slope += along * position[axis].slope();
+                                along[axis] = L::load(&lanes[component * D + axis]);
                             }
                             let field = &mut self.buffers.fields[slot.offset + component];
-                            *field = field.with_slope(slope);
+                            *field = field.moved_by(&along, position);
                         }
                     }
                 }
@@ -228,7 +227,7 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         }
     }
 
-    /// Σ over the nodes of coefficient × basis function, or its derivatives.
+    /// Σ over the nodes of coefficient × basis function, or its derivatives. Coefficients are gathered: they do not move with points.
     #[inline(always)]
     fn interpolate(&mut self, slot: &FieldSlot, index: usize, element: usize, nodes: usize) {
         let side = &self.buffers.sides[side_index(slot.side)];
@@ -241,8 +240,8 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                 Order::Value => {
                     let mut sum = L::splat(0.0);
                     for node in 0..nodes {
-                        sum =
-                            basis[node].value.multiply_add(coefficients[node * components + component], sum);
+                        let coefficient = coefficients[node * components + component];
+                        sum = basis[node].value.multiply_add_constant(coefficient, sum);
                     }
                     self.buffers.fields[slot.offset + component] = sum;
                 }
@@ -251,7 +250,8 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                     for node in 0..nodes {
                         let coefficient = coefficients[node * components + component];
                         for axis in 0..D {
-                            sums[axis] = basis[node].gradient[axis].multiply_add(coefficient, sums[axis]);
+                            sums[axis] =
+                                basis[node].gradient[axis].multiply_add_constant(coefficient, sums[axis]);
                         }
                     }
                     let start = slot.offset + component * D;
@@ -266,8 +266,8 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
                         let coefficient = coefficients[node * components + component];
                         for i in 0..D {
                             for j in 0..D {
-                                sums[i][j] =
-                                    further[node].hessian[i][j].multiply_add(coefficient, sums[i][j]);
+                                sums[i][j] = further[node].hessian[i][j]
+                                    .multiply_add_constant(coefficient, sums[i][j]);
                             }
                         }
                     }

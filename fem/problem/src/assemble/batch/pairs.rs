@@ -5,7 +5,7 @@
 // loops over lane values are plain.
 #![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
 
-use forms_core::contract::{OppositePoint, PointGeometry, Requirements};
+use forms_core::contract::{PointGeometry, Requirements};
 
 use super::Batch;
 use super::cell_map::{curvature, inverse_transposed, shape_operator, surface, tangential};
@@ -52,7 +52,10 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         pairs: &PairTables<D>,
     ) -> Result<(), AssemblyError> {
         let (stride, points, motion) = (PairGroup::<D>::STRIDE, &pairs.group.points, &pairs.group.motion);
-        let slopes = [&motion.slopes[self.direction][..], &motion.bends];
+        let slopes = match L::DIRECTIONS {
+            2 => motion.slopes.each_ref().map(|slopes| &slopes[..]),
+            _ => [&motion.slopes[self.direction][..], &motion.bends],
+        };
         let mut places = [0; WIDEST];
         for lane in 0..L::WIDTH {
             let unit = self.start + lane.min(self.filled - 1);
@@ -84,19 +87,16 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         let lanes = [0, 1].map(|side: usize| (&pairs.geometry[side], &pairs.elements[side][..]));
         let this = self.facet_point(requirements, 0, &own, lanes[0], None, &pairs.dual);
         let other = self.facet_point(requirements, 1, &opposite, lanes[1], rigid, &[]);
-        self.buffers.geometry = PointGeometry {
-            weight: weight * this.element,
-            position: this.position,
-            normal: this.normal,
-            curvature: this.curvature,
-            opposite: OppositePoint {
-                gap,
-                toward,
-                position: other.position,
-                normal: other.normal,
-                shape_operator: other.shape_operator,
-            },
-        };
+        // Part by part: the whole is long, and would be copied.
+        let PointGeometry { weight: measure, position, normal, curvature, opposite } =
+            &mut self.buffers.geometry;
+        *measure = weight * this.element;
+        (*position, *normal, *curvature) = (this.position, this.normal, this.curvature);
+        (opposite.gap, opposite.toward) = (gap, toward);
+        (opposite.position, opposite.normal) = (other.position, other.normal);
+        if requirements.opposite_shape_operator {
+            opposite.shape_operator = other.shape_operator;
+        }
         self.evaluate_fields(requirements, q, &this.position, &other.position)
     }
 
@@ -163,7 +163,12 @@ impl<L: SimdLane, const D: usize> Batch<'_, L, D> {
         if let Some(normal) = rigid_normal {
             point.normal = normal;
         } else if let Some((_, tangents)) = &tables.group.facet {
-            (point.element, point.normal) = surface(&buffers.jacobian, tangents);
+            (point.element, point.normal) = match (&self.affine, side) {
+                (Some(affine), 0) => (affine.measure, affine.normal),
+                // The other side's element counts nowhere.
+                (Some(affine), _) => (zero, affine.opposite_normal),
+                (None, _) => surface(&buffers.jacobian, tangents),
+            };
             if bent || turning {
                 let mut along = [zero; 3];
                 for node in 0..geometry.hessian.len() {
@@ -281,6 +286,12 @@ fn take_basis<L: SimdLane, const D: usize>(
         let slopes = &basis.gradient[node];
         let mut gradient = [L::splat(0.0); D];
         for i in 0..D {
+            if tables.affine {
+                for j in 0..D {
+                    gradient[i] = slopes[j].multiply_add_constant(inverse[i][j], gradient[i]);
+                }
+                continue;
+            }
             gradient[i] = inverse[i][0] * slopes[0];
             for j in 1..D {
                 gradient[i] = inverse[i][j].multiply_add(slopes[j], gradient[i]);

@@ -62,6 +62,16 @@ pub(in crate::assemble) enum Slots {
 }
 
 impl Slots {
+    /// One of the slots.
+    #[inline]
+    pub fn at(&self, place: usize) -> usize {
+        match self {
+            Slots::Bytes(places) => places[place].index(),
+            Slots::Words(places) => places[place].index(),
+            Slots::Long(places) => places[place].index(),
+        }
+    }
+
     /// A run of the slots, added to a list.
     pub fn copy(&self, run: Range<usize>, to: &mut Vec<u32>) {
         match self {
