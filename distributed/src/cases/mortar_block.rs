@@ -68,6 +68,8 @@ pub struct MortarBlock {
     space: Arc<Space<2>>,
     assembler: Assembler<2>,
     surfaces: [&'static str; 2],
+    /// Nothing else determines multipliers that nothing faces.
+    uncovered: f64,
 }
 
 impl MortarBlock {
@@ -81,12 +83,12 @@ impl MortarBlock {
         let block = rectangle([0.3, 0.6], [1.3, 1.2], [cells, cells.div_ceil(2)], shape, 1)?;
         let mesh = Mesh::of_bodies(&[("slab", &slab), ("block", &block)])?;
         let assembler = Assembler::new(&mesh).with_quadrature(Quadrature::Degree(2 * degree + 1));
-        let surfaces = match is_on_slab {
-            true => ["slab top", "block bottom"],
-            false => ["block bottom", "slab top"],
+        let (surfaces, uncovered) = match is_on_slab {
+            true => (["slab top", "block bottom"], 1e-15),
+            false => (["block bottom", "slab top"], 1e-18),
         };
         let space = Space::vector(&mesh, degree)?;
-        Ok(MortarBlock { space, assembler: assembler.with_threads(Threads::new(1)), surfaces })
+        Ok(MortarBlock { space, assembler: assembler.with_threads(Threads::new(1)), surfaces, uncovered })
     }
 
     /// With the displacement's degree that goes with multipliers of a name.
@@ -145,7 +147,8 @@ impl MortarBlock {
     /// A step that was not solved.
     pub fn by_multipliers(&self, traces: &Arc<Space<2>>, on: On<'_>) -> Result<Drawn, Box<dyn Error>> {
         let model = |before: &Field<2>| {
-            let data = data().lambda(15.0).mu(10.0).gamma0(300.0).friction(FRICTION);
+            let data =
+                data().lambda(15.0).mu(10.0).gamma0(300.0).friction(FRICTION).uncovered(self.uncovered);
             let data = data.displacement_before(Given::field(before)).force_direction([1.0, 0.0]);
             let regions =
                 mortar::Regions::default().touch(self.touch()).own(self.surfaces[0]).gamma_n("block right");
@@ -220,7 +223,7 @@ impl MortarBlock {
     /// The history of all steps, with the coefficient of friction as the control.
     pub fn history<'a>(&'a self, traces: &'a Arc<Space<2>>) -> LoadHistory<'a, 2> {
         let model = |at: &ControlValues<2>, before: Given<[f64; 2], 2>| {
-            let data = data().lambda(15.0).mu(10.0).gamma0(300.0);
+            let data = data().lambda(15.0).mu(10.0).gamma0(300.0).uncovered(self.uncovered);
             let data = data.friction(at.number("friction")?).displacement_before(before);
             let data = data.criterion_force(|x: &[f64; 2]| [0.3 + x[0], 0.5 * x[1]]);
             let regions =

@@ -106,7 +106,8 @@ impl<'m, const D: usize> Partition<'m, D> {
     fn described(&self, copies: &Copies, part: &PartOfMesh<D>, numbers: &mut Vec<u64>) -> GhostCells<D> {
         let mesh = self.mesh;
         let mut places: HashMap<u32, u32> = part.nodes.iter().copied().zip(0..).collect();
-        let (mut nodes, mut blocks): (Vec<[f64; D]>, Vec<(CellShape, Vec<u32>)>) = (vec![], vec![]);
+        let mut nodes: Vec<[f64; D]> = vec![];
+        let mut blocks: Vec<(CellShape, Vec<u32>)> = vec![];
         for cell in &copies.cells {
             let place = |node: &u32| {
                 *places.entry(*node).or_insert_with(|| {

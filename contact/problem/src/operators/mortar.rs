@@ -87,16 +87,12 @@ pub mod multipliers {
     }
 
     /// The means that contact and friction allow, gap and slip in one vector: d − m/γ where the surfaces do not press, 0 where they stick, and
-    /// (Π_b(t − γ s) − (t − γ s))/γ where they slip, with the bound b of |t|; the last two less what δ adds. A node without tractions and means has the
-    /// mean of the first two, m = −γ d: it is held by a spring for a Newton step. If it stuck, a function that has come to be faced by a sliver would bear any force.
+    /// (Π_b(t − γ s) − (t − γ s))/γ where they slip, with the bound b of |t|; the last two less what δ adds. Without tractions they stick.
     pub fn allowed_means(m: Vector, d: Vector, gamma: Scalar) -> Vector {
         let pressure = pressure_of(m) - gamma * pressure_of(d);
         let trial = across(m) - gamma * across(d);
         let bound = slip_limit(pressure);
-        // What is left of tractions that have vanished is rounding of a stress.
-        if norm(m - gamma * d) <= 1e-16 * gamma * h {
-            (d - m / gamma) / 2
-        } else if pressure < 0 {
+        if pressure < 0 {
             d - m / gamma
         } else if norm(trial) <= bound {
             -held(m) / gamma

@@ -3,7 +3,7 @@
 use super::line_search::{Taken, Way};
 use super::{FreeEquations, NewtonFailure};
 
-/// Most whole steps after the first one that raised the norm, until it is below the value before that one.
+/// Number of whole steps after the first one that raised the norm. One of them has to bring it below the value before that one; the last is taken only if it does.
 const PATIENCE: usize = 3;
 
 /// The state of the watchdog.
@@ -12,9 +12,9 @@ pub(super) enum Watchdog {
     /// A whole step may raise the norm.
     #[default]
     Ready,
-    /// One did. This is where it began.
+    /// One did, from this place.
     Watching(Reference),
-    /// The steps after it did not lower the norm: it has to fall with each step, until it does with a whole one.
+    /// The steps after it did not lower the norm enough. It has to fall with each step now, until a whole one lowers it.
     Resting,
 }
 
