@@ -15,6 +15,7 @@ use self::partition::Partition;
 use crate::assemble::block_pattern::block_index::{Slot, Slots};
 use crate::lanes::{InstructionSet, LaneWork, SimdLane};
 use crate::linear_algebra::BlockRows;
+use crate::linear_algebra::large_pages::hand_over;
 use crate::threads::Threads;
 
 /// The least number of values that are set to zero at once, a quarter of a megabyte: small enough that they are still in the second
@@ -49,6 +50,7 @@ impl MatrixScatter<'_> {
         written: bool,
     ) -> Vec<(Range<usize>, OwnRows<'v>)> {
         let values = self.of_rows(&partition.rows, values);
+        let is_dense = self.tests.cells.len() * self.nodes[0] >= zeros.len();
         let mut parts = Vec::new();
         for ((entities, rows), values) in partition.entities.iter().zip(&partition.rows).zip(values) {
             let (own, later) = std::mem::take(&mut zeros).split_at_mut(rows.len());
@@ -58,7 +60,7 @@ impl MatrixScatter<'_> {
             // Most matrices have no row of zeros, and nothing to look up.
             let own = if own.contains(&true) { own } else { &mut [] };
             let known = CopiedPlaces::default();
-            let part = OwnRows { rows: rows.clone(), values, zeros: own, written, known, deferred };
+            let part = OwnRows { rows: rows.clone(), values, zeros: own, written, is_dense, known, deferred };
             parts.push((entities.clone(), part));
         }
         parts
@@ -193,7 +195,12 @@ impl MatrixScatter<'_> {
     fn clear_from(&self, part: &mut OwnRows, row: usize) {
         let starts = &self.blocks.pointers()[row + 1..=part.rows.end];
         let far = starts[0] + CLEARED_AT_ONCE / self.block.max(1);
-        self.clear_to(part, row + starts.partition_point(|start| *start <= far));
+        let end = row + starts.partition_point(|start| *start <= far);
+        self.clear_to(part, end);
+        if part.is_dense && !part.zeros.is_empty() {
+            let entries = self.entries(part.rows.start..row).len()..self.entries(part.rows.start..end).len();
+            hand_over(&mut part.values[entries]);
+        }
     }
 
     /// Sets the rows up to an end to zero, except for those that are known to be.
@@ -357,7 +364,15 @@ impl VectorScatter<'_> {
             rest = later;
             let deferred = Deferred::default();
             let (zeros, known) = (&mut [], CopiedPlaces::default());
-            let part = OwnRows { rows: rows.clone(), values: own, zeros, written: rows.end, known, deferred };
+            let part = OwnRows {
+                rows: rows.clone(),
+                values: own,
+                zeros,
+                written: rows.end,
+                is_dense: false,
+                known,
+                deferred,
+            };
             parts.push((entities.clone(), part));
         }
         parts

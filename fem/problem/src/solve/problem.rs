@@ -197,14 +197,15 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
 
     /// The quadrature rule, in place of one of the degree that the compiler estimates.
     pub fn quadrature(mut self, quadrature: Quadrature<D>) -> Self {
-        self.system.assembler = Cow::Owned(self.system.assembler.into_owned().with_quadrature(quadrature));
+        self.system.assembler =
+            Cow::Owned(self.system.assembler.as_ref().clone().with_quadrature(quadrature));
         self
     }
 
     /// The number of threads in place of all: of assembly, and of the problem's own linear solver with its ordering. A solver that is given
     /// has its own.
     pub fn threads(mut self, threads: Threads) -> Self {
-        self.system.assembler = Cow::Owned(self.system.assembler.into_owned().with_threads(threads));
+        self.system.assembler = Cow::Owned(self.system.assembler.as_ref().clone().with_threads(threads));
         if let Solver::Own(solver) = &mut self.solver {
             **solver = LocalUnknowns::on(threads);
         }
@@ -450,7 +451,7 @@ fn solve_on<const D: usize, const N: usize>(
     let solved = problem.solve();
     let pattern = problem.system.pattern.take();
     let matrix = problem.assembled.take().map(|assembled| assembled.matrix);
-    *memory = StepMemory { matrix, ..problem.memory };
+    *memory = StepMemory { matrix, ..std::mem::take(&mut problem.memory) };
     let Solved { fields, residual, history, .. } = solved?;
     Ok(SolvedForm { fields: fields.into(), pattern, residual, history })
 }

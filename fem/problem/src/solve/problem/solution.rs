@@ -129,6 +129,8 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
             self.leave_memory_to(solver);
             return found;
         }
+        self.take_memory_of(solver);
+        elimination = elimination.with_restriction(self.memory.restriction.take());
         let before = self.state_before_prediction();
         let again = before.map(|_| elimination.again());
         let found = self.iterate(elimination, constraints, self.start, solver);
@@ -229,6 +231,18 @@ impl<'a, const D: usize, const N: usize> Problem<'a, D, N> {
             }
         };
         Ok((&self.system, self.assembled.insert(assembled)))
+    }
+}
+
+/// A nonlinear problem may be solved for further loads with what it has assembled. Its solver gets the memory at the end.
+impl<const D: usize, const N: usize> Drop for Problem<'_, D, N> {
+    fn drop(&mut self) {
+        if let (Solver::Lent(solver), Some(assembled)) = (&mut self.solver, self.assembled.take())
+            && let Some(memory) = solver.memory()
+            && memory.matrix.is_none()
+        {
+            memory.matrix = Some(assembled.matrix);
+        }
     }
 }
 
