@@ -24,6 +24,7 @@ use super::error::LinearAlgebraError;
 use super::singularity::singular_ratio;
 use super::threads::Threads;
 use super::vector::largest;
+use crate::wide_registers::cleared;
 pub use signed::Remainder;
 pub use solve::Refined;
 pub use unpivoted_lu::UnpivotedLu;
@@ -151,17 +152,20 @@ impl SymmetricFactor {
             forward: (0..size as u32).collect(),
             backward: (0..size as u32).collect(),
         };
-        supernodal::factorize_supernodal_numeric_intranode_lblt(
-            &mut values,
-            &mut pivoting.below_diagonal,
-            &mut pivoting.forward,
-            &mut pivoting.backward,
-            lower_matrix(size, lower, &lower_values),
-            supernodes,
-            Par::Seq,
-            MemStack::new(&mut memory),
-            params,
-        );
+        let factorise = || {
+            supernodal::factorize_supernodal_numeric_intranode_lblt(
+                &mut values,
+                &mut pivoting.below_diagonal,
+                &mut pivoting.forward,
+                &mut pivoting.backward,
+                lower_matrix(size, lower, &lower_values),
+                supernodes,
+                Par::Seq,
+                MemStack::new(&mut memory),
+                params,
+            )
+        };
+        cleared(factorise);
         let mut smallest = SmallestPivot::new(analysis.size());
         let permutation = PermRef::new_checked(&pivoting.forward, &pivoting.backward, size);
         let factor =

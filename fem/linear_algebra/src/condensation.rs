@@ -17,6 +17,7 @@ use crate::error::LinearAlgebraError;
 use crate::partial_solves::lower_times_transposed;
 use crate::threads::Threads;
 use crate::transpose::Transpose;
+use crate::wide_registers::cleared;
 
 /// The factor of K and its Schur complement.
 #[derive(Debug)]
@@ -63,7 +64,8 @@ impl DenseFactor {
         };
         let rows = PermRef::new_checked(&self.rows, &self.places, size);
         let column = MatMut::from_column_major_slice_mut(b, size, 1);
-        solve(triangles, triangles, rows, Conj::No, column, parallel, MemStack::new(&mut memory));
+        let stack = MemStack::new(&mut memory);
+        cleared(|| solve(triangles, triangles, rows, Conj::No, column, parallel, stack));
     }
 }
 
@@ -144,12 +146,12 @@ impl Condensation {
     pub fn condensed_load(&self, y: &[f64]) -> Vec<f64> {
         let last = y[y.len() - self.unknowns.len()..].iter().zip(&self.signs);
         let last: Vec<f64> = last.map(|(value, sign)| value * sign).collect();
-        column(&(&self.lower * as_column(&last)))
+        cleared(|| column(&(&self.lower * as_column(&last))))
     }
 
     /// L_cᵀ x_c, which back-substitution reads in place of y_c.
     pub fn shifted(&self, x: &[f64]) -> Vec<f64> {
-        column(&(self.lower.transpose() * as_column(x)))
+        cleared(|| column(&(self.lower.transpose() * as_column(x))))
     }
 
     /// (S + B)⁻¹ r with the dense factor of S + B; none where B = 0.
@@ -159,11 +161,11 @@ impl Condensation {
             Some(dense) => dense.solve(&mut x, Transpose::No),
             None => {
                 let mut column = MatMut::from_column_major_slice_mut(&mut x, r.len(), 1);
-                solve_lower_triangular_in_place(self.lower.as_ref(), column.as_mut(), Par::Seq);
+                cleared(|| solve_lower_triangular_in_place(self.lower.as_ref(), column.as_mut(), Par::Seq));
                 for (place, sign) in self.signs.iter().enumerate() {
                     column[(place, 0)] *= sign;
                 }
-                solve_upper_triangular_in_place(self.lower.transpose(), column, Par::Seq);
+                cleared(|| solve_upper_triangular_in_place(self.lower.transpose(), column, Par::Seq));
             }
         }
         x

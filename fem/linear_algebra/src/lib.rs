@@ -59,6 +59,7 @@ mod task_graph;
 pub mod threads;
 pub mod transpose;
 pub mod vector;
+mod wide_registers;
 
 pub use analysis::Analysis;
 pub use back_substitution::PartialBackSubstitution;

@@ -18,6 +18,7 @@ use super::csr::CsrMatrix;
 use super::error::{LinearAlgebraError, check_finite, check_size};
 use super::transpose::Transpose;
 use super::vector::norm;
+use crate::wide_registers::cleared;
 
 /// Rounds of scaling; each takes the square root of what is left.
 const SCALINGS: usize = 4;
@@ -65,13 +66,14 @@ impl LuFactor {
             Some(earlier) => earlier.symbolic.clone(),
             None => SymbolicLu::try_new(pattern).map_err(memory)?,
         };
-        let factor =
-            Lu::try_new_with_symbolic(symbolic.clone(), transposed).map_err(|error| match error {
+        let factor = cleared(|| Lu::try_new_with_symbolic(symbolic.clone(), transposed)).map_err(
+            |error| match error {
                 LuError::SymbolicSingular { index } => {
                     LinearAlgebraError::Singular { unknown: index.min(size.saturating_sub(1)), ratio: 0.0 }
                 }
                 LuError::Generic(error) => memory(error),
-            })?;
+            },
+        )?;
         let mut factored = LuFactor {
             symbolic,
             factor,
@@ -150,9 +152,9 @@ impl LuFactor {
         let size = b.len();
         let column = MatMut::from_column_major_slice_mut(b, size, 1);
         if transpose == Transpose::Yes {
-            self.factor.solve_in_place_with_conj(Conj::No, column);
+            cleared(|| self.factor.solve_in_place_with_conj(Conj::No, column));
         } else {
-            self.factor.solve_transpose_in_place_with_conj(Conj::No, column);
+            cleared(|| self.factor.solve_transpose_in_place_with_conj(Conj::No, column));
         }
     }
 

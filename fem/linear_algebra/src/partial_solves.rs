@@ -8,6 +8,7 @@ use faer::{Accum, Mat, MatMut, Par};
 use super::cholesky::SymmetricFactor;
 use super::error::{LinearAlgebraError, check_size};
 use super::threads::Threads;
+use super::wide_registers::cleared;
 
 impl SymmetricFactor {
     /// L⁻¹ P b in place of b, in elimination order, for a factor LLᵀ or LSLᵀ of P A Pᵀ.
@@ -109,7 +110,8 @@ pub(crate) fn lower_times_transposed(threads: Threads, lower: &Mat<f64>, signs: 
         let end = first + tile.ncols();
         let left = signed.get(first.., ..end);
         let right = lower.get(first..end, ..end).transpose();
-        matmul(tile.subrows_mut(first, size - first), Accum::Replace, left, right, 1.0, Par::Seq);
+        let below = tile.subrows_mut(first, size - first);
+        cleared(|| matmul(below, Accum::Replace, left, right, 1.0, Par::Seq));
     });
     for j in 0..size {
         for i in 0..j {

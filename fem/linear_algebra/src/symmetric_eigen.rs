@@ -1,5 +1,6 @@
 //! Eigenvalues and eigenvectors of small dense symmetric matrices.
 
+use crate::wide_registers::cleared;
 use faer::{Mat, Side};
 
 /// Eigenvalues, and the eigenvector of each.
@@ -22,7 +23,7 @@ impl SymmetricEigen {
             return Some(SymmetricEigen { values: vec![], vectors: vec![] });
         }
         let matrix = Mat::from_fn(size, size, |row, column| entries[row * size + column]);
-        let found = matrix.self_adjoint_eigen(Side::Lower).ok()?;
+        let found = cleared(|| matrix.self_adjoint_eigen(Side::Lower)).ok()?;
         Some(SymmetricEigen {
             values: found.S().column_vector().iter().copied().collect(),
             vectors: found.U().col_iter().map(|vector| vector.iter().copied().collect()).collect(),

@@ -28,6 +28,7 @@ use crate::csr::CsrMatrix;
 use crate::elimination::{Elimination, PANEL};
 use crate::error::LinearAlgebraError;
 use crate::large_pages::PrefaultedArray;
+use crate::wide_registers::cleared;
 
 /// Least number of multiplications for which a product of wide factors uses faer's kernels.
 const LARGE: usize = 1 << 17;
@@ -282,7 +283,8 @@ impl Products {
                     });
                     let others = with_signs(factors.subrows(above, count), signs, signed).transpose();
                     let sums = MatMut::from_column_major_slice_mut(products, tile, count);
-                    matmul(sums, accumulate, block.subrows(above + done, tile), others, 1.0, Par::Seq);
+                    let own = block.subrows(above + done, tile);
+                    cleared(|| matmul(sums, accumulate, own, others, 1.0, Par::Seq));
                     accumulate = Accum::Add;
                 }
                 for (k, products) in products.chunks_exact(tile).enumerate() {

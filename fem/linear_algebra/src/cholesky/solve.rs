@@ -13,6 +13,7 @@ use crate::error::{LinearAlgebraError, check_finite, check_size};
 use crate::operator::{OperatorError, Preconditioner};
 use crate::threads::Threads;
 use crate::vector::{largest, norm};
+use crate::wide_registers::cleared;
 
 /// Backward error at which refinement has nothing left to gain.
 const ROUNDING: f64 = 2e-16;
@@ -64,18 +65,11 @@ impl SymmetricFactor {
                 }
                 let column = MatMut::from_column_major_slice_mut(&mut x, size, 1);
                 let permutation = PermRef::new_checked(&pivoting.forward, &pivoting.backward, size);
-                SupernodalIntranodeLbltRef::new(
-                    supernodes,
-                    &self.values,
-                    &pivoting.below_diagonal,
-                    permutation,
-                )
-                .solve_in_place_no_numeric_permute_with_conj(
-                    Conj::No,
-                    column,
-                    Par::Seq,
-                    stack,
-                );
+                let below = &pivoting.below_diagonal;
+                let factor = SupernodalIntranodeLbltRef::new(supernodes, &self.values, below, permutation);
+                cleared(|| {
+                    factor.solve_in_place_no_numeric_permute_with_conj(Conj::No, column, Par::Seq, stack);
+                });
                 for (value, place) in x.iter().zip(&pivoting.forward) {
                     b[unknown_at(place)] = *value;
                 }

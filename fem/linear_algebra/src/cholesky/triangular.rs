@@ -38,6 +38,13 @@ impl<'a> Supernode<'a> {
         std::array::from_fn(|k| &self.block[(before + k) * height..][..height])
     }
 
+    /// Asks for the columns that are taken at once from a first one on.
+    fn ask_for_columns(&self, from: usize) {
+        if from + AT_ONCE <= self.width {
+            self.columns::<AT_ONCE>(from).iter().for_each(|column| ask_for(&column[from..]));
+        }
+    }
+
     /// Solves with some columns, and takes them out of the rows that follow: those of the triangle in `own`, those below in `below`.
     fn forward<const N: usize>(&self, from: usize, own: &mut [f64], below: &mut [f64]) {
         let columns = self.columns::<N>(from);
@@ -139,6 +146,7 @@ impl Triangle<'_> {
             }
             let fours = node.width / AT_ONCE * AT_ONCE;
             for from in (0..fours).step_by(AT_ONCE).chain(fours..node.width) {
+                node.ask_for_columns(from + AT_ONCE);
                 for (side, memory) in sides.iter_mut().zip(&mut *memory).filter(|(_, memory)| !memory.rests) {
                     let (own, below) = (&mut side[own.clone()], &mut memory.below[..]);
                     match from < fours {
@@ -185,6 +193,9 @@ impl Triangle<'_> {
             let own = node.first - start..node.first - start + node.width;
             let fours = node.width / AT_ONCE * AT_ONCE;
             for from in (fours..node.width).rev().chain((0..fours).step_by(AT_ONCE).rev()) {
+                if let Some(from) = from.checked_sub(AT_ONCE) {
+                    node.ask_for_columns(from);
+                }
                 for (side, Outside { below, .. }) in sides.iter_mut().zip(&*memory) {
                     let own = &mut side[own.clone()];
                     match from < fours {

@@ -9,6 +9,7 @@ use faer::reborrow::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, MatRef, Par, Spec};
 
 use crate::threads::Threads;
+use crate::wide_registers::cleared;
 
 /// Columns of a panel.
 const PANEL: usize = 64;
@@ -69,7 +70,9 @@ fn factor_panel(panel: MatMut<'_, f64>, rows: &mut [u32], places: &mut [u32]) {
     let (parallel, params) = (Par::Seq, Spec::default());
     let scratch = factor::lu_in_place_scratch::<u32, f64>(panel.nrows(), panel.ncols(), parallel, params);
     let mut memory = MemBuffer::new(scratch);
-    factor::lu_in_place(panel, rows, places, parallel, MemStack::new(&mut memory), params);
+    cleared(|| {
+        factor::lu_in_place(panel, rows, places, parallel, MemStack::new(&mut memory), params);
+    });
 }
 
 /// Brings rows into an order.
@@ -85,8 +88,10 @@ fn exchange(tile: MatMut<'_, f64>, order: &[u32]) {
 fn eliminate(tile: MatMut<'_, f64>, panel: MatRef<'_, f64>) {
     let (mut above, below) = tile.split_at_row_mut(panel.ncols());
     let (triangle, left) = panel.split_at_row(panel.ncols());
-    solve_unit_lower_triangular_in_place(triangle, above.rb_mut(), Par::Seq);
-    matmul(below, Accum::Add, left, above.rb(), -1.0, Par::Seq);
+    cleared(|| {
+        solve_unit_lower_triangular_in_place(triangle, above.rb_mut(), Par::Seq);
+        matmul(below, Accum::Add, left, above.rb(), -1.0, Par::Seq);
+    });
 }
 
 fn tiles(matrix: MatMut<'_, f64>) -> Vec<MatMut<'_, f64>> {

@@ -7,6 +7,7 @@ use faer::{Accum, MatMut, MatRef, Par};
 
 use super::triangles::{Columns, Triangles};
 use super::{Panel, with_signs};
+use crate::wide_registers::cleared;
 
 /// Rows of a tile.
 const TILE: usize = 256;
@@ -30,7 +31,8 @@ pub(super) fn factor<P: Triangles>(
         // Rows of L are solved with U, and those of Uᵀ with L.
         let triangle = above[P::COUNT - 1 - number].as_ref().subrows(first, width);
         for mut tile in tiles(below) {
-            solve_lower_triangular_in_place(triangle, tile.rb_mut().transpose_mut(), Par::Seq);
+            let rows = tile.rb_mut().transpose_mut();
+            cleared(|| solve_lower_triangular_in_place(triangle, rows, Par::Seq));
             for (column, sign) in tile.col_iter_mut().zip(&scratch.signs).filter(|(_, sign)| **sign < 0.0) {
                 column.iter_mut().for_each(|value| *value *= sign);
             }
@@ -58,7 +60,7 @@ pub(super) fn take<P: Triangles>(
         let matrix = MatMut::from_column_major_slice_mut(part, height, width);
         for tile in tiles(matrix.split_at_row_mut(first).1) {
             let count = tile.nrows();
-            matmul(tile, Accum::Add, known.subrows(row, count), others, -1.0, Par::Seq);
+            cleared(|| matmul(tile, Accum::Add, known.subrows(row, count), others, -1.0, Par::Seq));
             row += count;
         }
     }
