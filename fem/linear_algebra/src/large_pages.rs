@@ -33,7 +33,7 @@ pub fn room<T>(count: usize) -> Vec<T> {
     values
 }
 
-/// Hands over the memory of numbers that are about to be added to, which nothing was written to yet.
+/// Memory that is about to be added to, handed over before anything was written to it.
 ///
 /// Addition reads first. The system then shows a page of zeros that all share, and takes it away from every processor when the sum is
 /// written. On several threads these interruptions take longer than the additions.

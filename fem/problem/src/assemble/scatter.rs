@@ -357,6 +357,7 @@ impl VectorScatter<'_> {
         partition: &Partition,
         values: &'v mut [f64],
     ) -> Vec<(Range<usize>, OwnRows<'v>)> {
+        let is_dense = self.tests.cells.len() * self.nodes * self.components >= values.len();
         let mut rest = values;
         let mut parts = Vec::new();
         for (entities, rows) in partition.entities.iter().zip(&partition.rows) {
@@ -369,7 +370,7 @@ impl VectorScatter<'_> {
                 values: own,
                 zeros,
                 written: rows.end,
-                is_dense: false,
+                is_dense,
                 known,
                 deferred,
             };
@@ -380,6 +381,9 @@ impl VectorScatter<'_> {
 
     /// The vectors of the entities from `first` on, added.
     pub fn add(&self, first: usize, vectors: &[f64], part: &mut OwnRows) {
+        if std::mem::take(&mut part.is_dense) {
+            hand_over(part.values);
+        }
         let components = self.components;
         for (number, vector) in vectors.chunks_exact(self.nodes * components).enumerate() {
             let rows = self.tests.of(first + number).iter().zip(vector.chunks_exact(components));
