@@ -160,7 +160,7 @@ pub fn form_of<const D: usize>(direct: impl Into<Form<D>>) -> Form<D> {
 /// Nitsche's method ([`WithTheta`](crate::law::WithTheta)), and `threshold: product(elasticity, gamma0)` with it
 /// ([`WithThreshold`](crate::law::WithThreshold)), or `threshold_by: function` of the model, an assembler and a space for
 /// [`ContactLaw::threshold`](crate::law::ContactLaw::threshold); `positive: parameter`, a member of the data
-/// that has to be positive, `non_negative: parameter` and `rotation: parameter` ([`ParameterRanges`]); `coefficient: parameter`, that of
+/// that has to be positive, `non_negative: parameter`, `rotation: parameter` and `unit: vector` ([`ParameterRanges`]); `coefficient: parameter`, that of
 /// friction; `line_search: OnResidual`, a [`LineSearch`], or `line_search_by: function` of the model. A function that the module does not have is an error at its name here.
 #[macro_export]
 macro_rules! contact_law {
@@ -176,6 +176,7 @@ macro_rules! contact_law {
         $(, positive: $($positive:ident).+)*
         $(, non_negative: $($non_negative:ident).+)*
         $(, rotation: $($rotation:ident).+)*
+        $(, unit: $($unit:ident).+)*
         $(, coefficient: $($coefficient:ident).+)?
         $(, line_search: $line_search:ident)?
         $(, line_search_by: $line_search_by:ident)?
@@ -230,6 +231,7 @@ macro_rules! contact_law {
             $(positive: $($positive).+,)*
             $(non_negative: $($non_negative).+,)*
             $(rotation: $($rotation).+,)*
+            $(unit: $($unit).+,)*
         });
         $(
             impl<const D: usize> $crate::law::WithFriction<D> for $module::Model<D>

@@ -17,6 +17,7 @@ contact_law!(forms {
     theta: theta,
     threshold: normal_stress_product(elasticity, gamma0),
     positive: gamma0,
+    unit: obstacle_normal,
     line_search_by: shortened_where_nearly_incompressible,
 });
 

@@ -1,4 +1,4 @@
-//! Ranges of a law's parameters: which have to be positive, which may be zero too.
+//! Ranges of a law's parameters: which have to be positive, which may be zero too, which have the length 1.
 
 use forms_fem::contract::Source;
 use forms_fem::prelude::*;
@@ -104,7 +104,24 @@ pub fn check_rotation<const D: usize>(
     Err(AssemblyError::NoRotation { form, parameter, deviation })
 }
 
-/// Says which members of a forms module's `Data` have to be positive, which may be zero too, and which are rotations.
+/// The check that a constant vector has the length 1, up to 10⁻⁹. Members that vary in space are not checked.
+///
+/// # Errors
+/// [`AssemblyError::NoUnitVector`].
+pub fn check_unit<const D: usize>(
+    form: &'static str,
+    parameter: &'static str,
+    vector: &Given<[f64; D], D>,
+) -> Result<(), AssemblyError> {
+    let Source::Constant(values) = vector.source() else { return Ok(()) };
+    let length = values.iter().map(|value| value * value).sum::<f64>().sqrt();
+    match (length - 1.0).abs() > ROTATION {
+        true => Err(AssemblyError::NoUnitVector { form, parameter, length }),
+        false => Ok(()),
+    }
+}
+
+/// Says which members of a forms module's `Data` have to be positive, which may be zero too, and which are rotations and unit vectors.
 /// A constant coefficient is looked at as a parameter is.
 ///
 /// ```
@@ -138,6 +155,7 @@ macro_rules! parameter_ranges {
         $(positive: $($positive:ident).+,)*
         $(non_negative: $($non_negative:ident).+,)*
         $(rotation: $($rotation:ident).+,)*
+        $(unit: $($unit:ident).+,)*
     }) => {
         impl<const D: usize> $crate::parameter_ranges::ParameterRanges for $module::Model<D>
         where
@@ -159,6 +177,11 @@ macro_rules! parameter_ranges {
                     form,
                     stringify!($($rotation).+),
                     &self.data.$($rotation).+,
+                )?;)*
+                $($crate::parameter_ranges::check_unit(
+                    form,
+                    stringify!($($unit).+),
+                    &self.data.$($unit).+,
                 )?;)*
                 Ok(())
             }

@@ -46,6 +46,7 @@ parameter_ranges!(augmented_lagrangian {
     positive: gamma0,
     non_negative: slip_stress,
     non_negative: friction,
+    unit: obstacle_normal,
 });
 
 /// The direct problem on the spaces of displacements and multipliers, with a line search on the residual unless it is given other

@@ -78,6 +78,7 @@ contact_law!(averaged_nitsche {
     positive: gamma0,
     non_negative: slip_stress,
     non_negative: friction,
+    unit: obstacle_normal,
     coefficient: friction,
     line_search: OnResidual,
 });

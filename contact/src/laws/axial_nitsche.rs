@@ -94,6 +94,7 @@ parameter_ranges!(axial_nitsche {
     positive: gamma0,
     non_negative: slip_stress,
     non_negative: friction,
+    unit: obstacle_normal,
 });
 
 // `contact_law!` writes laws for both dimensions.

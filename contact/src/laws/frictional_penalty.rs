@@ -45,6 +45,7 @@ contact_law!(frictional_penalty {
     positive: gamma0,
     non_negative: slip_stress,
     non_negative: friction,
+    unit: obstacle_normal,
     coefficient: friction,
     line_search: OnResidual,
 });

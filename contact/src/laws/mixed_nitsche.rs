@@ -144,6 +144,7 @@ parameter_ranges!(mixed_nitsche {
     positive: gamma0,
     non_negative: slip_stress,
     non_negative: friction,
+    unit: obstacle_normal,
 });
 
 /// γ₀ = 20 μ \[stress\] of a law that reads the field p, for any bulk modulus. The element must be stable for incompressible bodies: with MINI,

@@ -6,7 +6,7 @@ use forms_fem::prelude::*;
 
 use crate::multiplier_nodes::{MultiplierError, check_axis, check_multipliers, note_on_sharp_edges};
 use crate::parameter_ranges;
-use crate::parameter_ranges::ParameterRanges;
+use crate::parameter_ranges::{ParameterRanges, check_unit};
 
 #[doc(inline)]
 pub use self::mortar_bodies::*;
@@ -135,7 +135,7 @@ where
 /// options: whole steps may repeat themselves where nodes begin to stick.
 ///
 /// # Errors
-/// As [`mortar_problem`]; in space an own surface whose normal is near −a.
+/// As [`mortar_problem`]; an axis whose length is not 1; in space an own surface whose normal is near −a.
 pub fn frictional_mortar_problem<'a, const D: usize>(
     model: &mortar_bodies_with_friction::Model<D>,
     spaces: [&Arc<Space<D>>; 2],
@@ -146,6 +146,10 @@ where
 {
     let form = model.direct();
     model.check(form.name())?;
+    // Zero is the first axis.
+    if model.data.axis != [0.0; D] {
+        check_unit(form.name(), "axis", &Given::constant(model.data.axis))?;
+    }
     let note = check_pairs(&model.regions.touch.0, spaces[1], held)?;
     if D > 2 {
         check_axis(&model.axis_cosine(), spaces[1])?;

@@ -47,6 +47,7 @@ contact_law!(uzawa {
     positive: gamma0,
     non_negative: slip_stress,
     non_negative: friction,
+    unit: obstacle_normal,
     coefficient: friction,
     line_search: OnResidual,
 });

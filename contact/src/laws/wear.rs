@@ -101,6 +101,7 @@ contact_law!(wear {
     non_negative: slip_stress,
     non_negative: friction,
     non_negative: wear_rate,
+    unit: obstacle_normal,
     coefficient: friction,
     line_search: OnResidual,
 });

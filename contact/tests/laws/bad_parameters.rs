@@ -57,6 +57,9 @@ fn laws_on_a_flat() {
                     wrong("`gamma0` is 0; it must be positive", |m| m.data.gamma0 = 0.0),
                     wrong("`slip_stress` is -1; it must be zero or positive", |m| m.data.slip_stress = -1.0),
                     wrong("`friction` is -0.1; it must be zero or positive", |m| m.data.friction = -0.1),
+                    wrong("`obstacle_normal` has the length 2; it must be 1", |m| {
+                        m.data.obstacle_normal = Given::constant([0.0, -2.0])
+                    }),
                 ],
             );
         };
@@ -77,6 +80,9 @@ fn laws_on_a_flat() {
             wrong("`gamma0` is -1; it must be positive", |m| m.data.gamma0 = -1.0),
             wrong("`slip_stress` is -1; it must be zero or positive", |m| m.data.slip_stress = -1.0),
             wrong("`friction` is -0.1; it must be zero or positive", |m| m.data.friction = -0.1),
+            wrong("`obstacle_normal` has the length 2; it must be 1", |m| {
+                m.data.obstacle_normal = Given::constant([0.0, -2.0])
+            }),
             wrong("`wear_rate` is -1; it must be zero or positive", |m| m.data.wear_rate = -1.0),
         ],
     );
@@ -92,6 +98,9 @@ fn laws_on_a_flat() {
             wrong("`gamma0` is -1; it must be positive", |m| m.data.gamma0 = -1.0),
             wrong("`slip_stress` is -1; it must be zero or positive", |m| m.data.slip_stress = -1.0),
             wrong("`friction` is -0.1; it must be zero or positive", |m| m.data.friction = -0.1),
+            wrong("`obstacle_normal` has the length 2; it must be 1", |m| {
+                m.data.obstacle_normal = Given::constant([0.0, -2.0])
+            }),
         ],
     );
 }

@@ -195,6 +195,24 @@ fn from_no_tractions_at_nodes_that_nothing_faces() {
 }
 
 #[test]
+fn an_axis_has_the_length_one() {
+    let mesh = mesh();
+    let space = Space::vector(&mesh, 1).unwrap();
+    let traces = multipliers(&mesh, "block bottom", 1, &[2]);
+    let told = |axis: [f64; 2]| {
+        let regions = law::Regions::default().touch(Pairing::onto("block bottom", "slab top"));
+        let regions = regions.own("block bottom").gamma_n("block right");
+        let model = law::Model { data: data().lambda(15.0).mu(10.0).gamma0(350.0).axis(axis), regions };
+        let held = held(&space, 0.0);
+        let refused = frictional_mortar_problem(&model, [&space, &traces], &held).err();
+        refused.map(|error| error.to_string())
+    };
+    let expected = "form `direct`: the parameter `axis` has the length 2; it must be 1";
+    assert_eq!(told([0.0, -2.0]).as_deref(), Some(expected));
+    assert_eq!([[0.6, -0.8], [0.0; 2]].map(told), [None, None]);
+}
+
+#[test]
 fn tangents_with_friction() {
     let mesh = mesh();
     for degree in [1, 2] {

@@ -222,6 +222,16 @@ pub enum AssemblyError {
         /// Its deviation from a rotation, in words.
         deviation: String,
     },
+    /// A direction whose length is not 1.
+    #[error("form `{form}`: the parameter `{parameter}` has the length {length}; it must be 1")]
+    NoUnitVector {
+        /// The form.
+        form: &'static str,
+        /// Name of the data member.
+        parameter: &'static str,
+        /// Its length.
+        length: f64,
+    },
     /// A region of cells that ought to hold each cell with a facet of another region.
     #[error(
         "form `{form}`: the cells \"{cells}\" lack the one at {position:?}, of which a facet belongs to \"{facets}\" \
