@@ -94,7 +94,7 @@ fn run(world: &World) -> Outcome {
         "mixed" => mixed(&cube(CellShape::Hexahedron)?, method),
         "softening" => softening(world, given(5).as_deref()),
         "drawn" | "one sided" | "segments" | "blocks" | "ring" | "springs" | "material" | "unnamed"
-        | "drawn trees" | "blocks trees" => {
+        | "blocks trees" => {
             divided_contact::run(world, &name, divisions)?;
             tell(world, "megabytes", &[largest(world, peak())?]);
             Ok(())

@@ -235,8 +235,7 @@ fn tell_pairs<const D: usize>(world: &World, part: &MeshPart<'_, D>, solved: &So
 }
 
 fn run_drawn(world: &World, name: &str) -> Outcome {
-    let (name, mesh) = of_name(name)?;
-    let mut part = world.divide(&mesh)?;
+    let mut part = world.divide(&DrawnBlock::mesh(4)?)?;
     if name != "unnamed" {
         part = part.with_surfaces(&SURFACES[..1])?.with_surfaces(&SURFACES[1..])?;
     }
