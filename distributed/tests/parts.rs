@@ -356,13 +356,14 @@ fn histories_are_the_same_with_gradient_and_hessian() {
 }
 
 /// Vibrations and buckling, by Lanczos' method on divided vectors, and a count by MUMPS that none is missing: prescribed values, a body that
-/// moves freely, with its three zeros, and unknowns that others give.
+/// moves freely, with its three zeros, unknowns that others give, and hanging nodes.
 #[test]
 fn eigenmodes_are_the_same() {
     let (upper, cells) = eigenmodes::SIZE;
     let mesh = rectangle([0.0; 2], upper, cells, CellShape::Quadrilateral, 1).unwrap();
-    for name in ["vibrates", "floats", "closed", "buckles"] {
-        let modes = Eigenmodes::new(name, &mesh).unwrap();
+    let trees = eigenmodes::trees().unwrap();
+    for name in ["vibrates", "floats", "closed", "buckles", "vibrates trees"] {
+        let modes = Eigenmodes::new(name, if name == "vibrates trees" { &trees } else { &mesh }).unwrap();
         let (shift, count) = Eigenmodes::ASKED;
         let found = modes.problem().above(shift, count).unwrap();
         let values = eigenmodes::values(&found);
@@ -397,7 +398,6 @@ fn what_is_not_divided_is_refused() {
         ("uncounted", "3", "does not tell how many eigenvalues of a matrix are negative"),
         ("heavy", "3", "4294967296 weights of cells, added up, are more than PETSc's indices can count"),
         ("functional", "3", "and `part.functional(..)` for a functional"),
-        ("trees with surfaces", "3", "a part without `.with_interior_facets()` and without hanging nodes"),
         ("loose", "3", "continuity at hanging nodes of a mesh that is given by its cells is not available"),
         ("late", "3", "continuity after prescribed values is not available"),
         ("diffusion", "1", "2 processes cannot each have cells of a mesh of 1"),

@@ -198,6 +198,11 @@ fn bodies_that_touch_stay_apart() {
     };
     assert!(mesh.hanging_facets().unwrap().len() > alone.hanging_facets().unwrap().len());
     assert_eq!(relations(&mesh), relations(&alone));
+    // One that is below two of them in part.
+    let slab = square([0.6, -0.5], [1.4, 0.0], [1, 1]);
+    let mesh = Mesh::of_bodies(&[("block", &alone), ("slab", &slab)]).unwrap();
+    assert!(matches!(mesh.hanging_facets(), Err(MeshError::NotNested { .. })));
+    assert_eq!(relations(&mesh), relations(&alone));
 }
 
 /// In space, small edges lie on the boundary, too: their nodes interpolate what is prescribed on the large ones, by one

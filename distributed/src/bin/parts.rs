@@ -8,6 +8,7 @@ use std::time::Instant;
 
 use forms_contact::ContactProblem;
 use forms_contact::threshold::of_law;
+use forms_distributed::cases::adaptive_contact;
 use forms_distributed::cases::ball_on_flat::{is_near, place, pressed, refined_quarter};
 use forms_distributed::cases::divided_contact;
 use forms_distributed::cases::eigenmodes::{self, Eigenmodes};
@@ -19,7 +20,7 @@ use forms_distributed::cases::motions::Motion;
 use forms_distributed::cases::pair_histories;
 use forms_distributed::cases::part_adaptivity;
 use forms_distributed::cases::part_steps::{FACTORS, HALF, Softening, softening};
-use forms_distributed::cases::parts::{Case, trees, whole};
+use forms_distributed::cases::parts::{Case, even_trees, trees, whole};
 use forms_distributed::cases::report::{largest, peak, tell, tell_steps};
 use forms_distributed::cases::whole_body;
 use forms_distributed::{MeshPart, Method, PartCheckpoint, PetscSolver, World};
@@ -51,9 +52,13 @@ fn run(world: &World) -> Outcome {
             solve(&world.scatter(|| trees(divisions))?, &name, degree, method, start)
         }
         "hanging trees" => solve(&world.divide(&trees(divisions)?)?, &name, degree, method, start),
-        "trees with surfaces" => {
-            let part = world.scatter(|| trees(divisions))?;
-            Ok(part.with_surfaces(&["top"]).map(drop)?)
+        "rigid trees" => {
+            let part = world.scatter(|| trees(divisions))?.with_surfaces(&["top"])?;
+            solve(&part, &name, degree, method, start)
+        }
+        "periodic trees" => {
+            let part = world.scatter(|| even_trees(divisions))?.with_surfaces(&["left", "right"])?;
+            solve(&part, &name, degree, method, start)
         }
         "loose" | "late" => continuity(world, &name),
         "periodic" => {
@@ -88,21 +93,26 @@ fn run(world: &World) -> Outcome {
         "missing" => world.read_gmsh::<3>("no/such.msh").map(drop).map_err(Into::into),
         "mixed" => mixed(&cube(CellShape::Hexahedron)?, method),
         "softening" => softening(world, given(5).as_deref()),
-        "drawn" | "one sided" | "segments" | "blocks" | "ring" | "springs" | "material" | "unnamed" => {
+        "drawn" | "one sided" | "segments" | "blocks" | "ring" | "springs" | "material" | "unnamed"
+        | "blocks trees" => {
             divided_contact::run(world, &name, divisions)?;
             tell(world, "megabytes", &[largest(world, peak())?]);
             Ok(())
         }
-        "slid" | "uncompleted" | "thrown" | "sprung" | "means" | "means on segments" => {
+        "slid" | "uncompleted" | "thrown" | "sprung" | "means" | "means on segments" | "thrown trees" => {
             pair_histories::run(world, &name, given(5).as_deref())
         }
         "fields" | "cell fields" | "minima" | "order" | "far" => field_controls::run(world, &name),
         "adapted" => part_adaptivity::run(world, (CellShape::Triangle, 2)),
         "adapted trees" => part_adaptivity::run(world, (CellShape::Quadrilateral, degree)),
+        "adapted contact" => adaptive_contact::run(world, CellShape::Triangle),
+        "adapted contact of trees" => adaptive_contact::run(world, CellShape::Quadrilateral),
         "multiplier" | "pinned" => whole_body::run(world, &name),
         "penalty" | "smooth" | "penalty trees" | "smooth trees" => facets_between::run(world, &name),
         "creep" | "swing" => history(world, &name),
-        "vibrates" | "floats" | "closed" | "buckles" | "shared" | "uncounted" => eigenmodes(world, &name),
+        "vibrates" | "floats" | "closed" | "buckles" | "shared" | "uncounted" | "vibrates trees" => {
+            eigenmodes(world, &name)
+        }
         "heavy" => {
             let mesh = rectangle([0.0; 2], [1.0; 2], [2; 2], CellShape::Quadrilateral, 1)?;
             world.divide_weighted(&mesh, |_| 1 << 30).map(drop).map_err(Into::into)
@@ -257,10 +267,12 @@ fn eigenmodes(world: &World, name: &str) -> Outcome {
         tell(world, "values", &eigenmodes::values(&found));
         return Ok(());
     }
-    let mut part = world.rectangle([0.0; 2], upper, cells, CellShape::Quadrilateral, 1)?;
-    if name == "closed" {
-        part = part.with_surfaces(&["left", "right"])?;
-    }
+    let rectangle = || world.rectangle([0.0; 2], upper, cells, CellShape::Quadrilateral, 1);
+    let part = match name {
+        "closed" => rectangle()?.with_surfaces(&["left", "right"])?,
+        "vibrates trees" => world.scatter(eigenmodes::trees)?,
+        _ => rectangle()?,
+    };
     let modes = Eigenmodes::new(name, &part)?;
     let method = if name == "uncounted" { Method::Direct } else { Method::Symmetric };
     let mut solver = PetscSolver::for_part(&part, &[&modes.held], method)?;

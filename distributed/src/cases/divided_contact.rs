@@ -1,5 +1,5 @@
 //! Contact between bodies on parts of a mesh: blocks in space at small sliding, a block that is drawn along a slab, a ring that closes on
-//! itself, friction with a memory.
+//! itself, friction with a memory. Nodes of blocks and slab may hang.
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -14,7 +14,7 @@ use forms_fem::output::VtuFile;
 use forms_fem::prelude::*;
 
 use super::drawn_block::{DrawnBlock, SURFACES};
-use super::parts::whole;
+use super::parts::{refined, whole};
 use super::report::{tell, tell_steps};
 use crate::Method;
 use crate::part::{MeshPart, PartCheckpoint};
@@ -38,6 +38,15 @@ pub fn blocks_mesh(times: usize) -> Result<Mesh<3>, Box<dyn Error>> {
     let slab = cuboid([0.0; 3], [2.0, 2.0, 1.0], many([4, 3, 2]), CellShape::Hexahedron, 1)?;
     let block = cuboid([0.3, 0.4, 1.0], [1.5, 1.6, 2.0], many([3, 2, 2]), CellShape::Hexahedron, 1)?;
     Ok(Mesh::of_bodies(&[("slab", &slab), ("block", &block)])?)
+}
+
+/// The blocks with cells that are divided where they touch, some of them twice: nodes hang inside of both and on the surfaces, whose facets do not
+/// match.
+///
+/// # Errors
+/// None.
+pub fn blocks_trees() -> Result<Mesh<3>, Box<dyn Error>> {
+    Ok(refined(blocks_mesh(1)?, &[1.0, 1.1, 1.0], &[0.7, 0.4])?)
 }
 
 /// A stiffness of each cell. Copies of cells are in no region.
@@ -71,6 +80,9 @@ pub fn blocks(
     let touch = Pairing::between("slab top", "block bottom");
     let regions = two_bodies::Regions::default().touch(touch).gamma_n("block right");
     let mut held = Constraints::new(space);
+    if mesh.facet_parts().next().is_some() {
+        held.join_hanging_nodes()?;
+    }
     held.fix("slab bottom", |_| [0.0; 3])?;
     held.fix("block top", move |x| [0.05 * factor, 0.02 * factor * x[0], -0.06])?;
     let assembler = Assembler::new(mesh).with_threads(Threads::new(1));
@@ -188,7 +200,7 @@ impl Remembering {
 pub fn run(world: &World, name: &str, times: usize) -> Outcome {
     match name {
         "ring" => run_ring(world),
-        "blocks" | "material" => run_blocks(world, name, times),
+        "blocks" | "material" | "blocks trees" => run_blocks(world, name, times),
         "springs" => run_memory(world),
         _ => run_drawn(world, name),
     }
@@ -204,6 +216,17 @@ pub fn drawn_pairs(name: &str) -> Pairing {
     }
 }
 
+/// A case's name, and the mesh of the drawn block that it asks for.
+///
+/// # Errors
+/// None.
+pub fn of_name(name: &str) -> Result<(&str, Mesh<2>), Box<dyn Error>> {
+    Ok(match name.strip_suffix(" trees") {
+        Some(name) => (name, DrawnBlock::trees(4)?),
+        None => (name, DrawnBlock::mesh(4)?),
+    })
+}
+
 fn tell_pairs<const D: usize>(world: &World, part: &MeshPart<'_, D>, solved: &Solved<D>) {
     let paired = solved.pairs.iter().map(|pairs| pairs.report.paired_measure);
     tell(world, "paired", &paired.collect::<Vec<_>>());
@@ -212,8 +235,10 @@ fn tell_pairs<const D: usize>(world: &World, part: &MeshPart<'_, D>, solved: &So
 }
 
 fn run_drawn(world: &World, name: &str) -> Outcome {
-    let part = world.divide(&DrawnBlock::mesh(4)?)?;
-    let part = if name == "unnamed" { part } else { part.with_surfaces(&SURFACES)? };
+    let mut part = world.divide(&DrawnBlock::mesh(4)?)?;
+    if name != "unnamed" {
+        part = part.with_surfaces(&SURFACES[..1])?.with_surfaces(&SURFACES[1..])?;
+    }
     let block = DrawnBlock::on(&part, drawn_pairs(name))?;
     let mut solver = PetscSolver::for_part(&part, &[&block.held(1.0)?], Method::Direct)?;
     let (mut steps, mut before, mut last) = (vec![], None, None);
@@ -241,9 +266,12 @@ fn run_drawn(world: &World, name: &str) -> Outcome {
 }
 
 fn run_blocks(world: &World, name: &str, times: usize) -> Outcome {
-    let part = world.scatter(|| blocks_mesh(times).map_err(|error| error.to_string()))?;
+    // Where nodes hang, the number is the degree.
+    let (times, degree) = if name == "blocks trees" { (1, times) } else { (times, 1) };
+    let mesh = || if name == "blocks trees" { blocks_trees() } else { blocks_mesh(times) };
+    let part = world.scatter(|| mesh().map_err(|error| error.to_string()))?;
     let part = part.with_surfaces(&SURFACES)?;
-    let space = Space::vector(&part, 1)?;
+    let space = Space::vector(&part, degree)?;
     // A checkpoint with a file of the parts next to it: one that is there has the state.
     let path = std::env::args().nth(5);
     if let Some(stored) = path.as_ref().map(|path| PartCheckpoint::read(&part, path)).transpose()?.flatten() {

@@ -6,6 +6,7 @@ use std::error::Error;
 use forms_contact::ContactProblem;
 use forms_contact::laws::sliding_bodies;
 use forms_contact::laws::two_bodies;
+use forms_fem::mesh::OctreeMesh;
 use forms_fem::prelude::*;
 use forms_fem::solve::LoadPath;
 
@@ -42,9 +43,31 @@ impl DrawnBlock {
     /// # Errors
     /// Too many cells, or none.
     pub fn mesh(cells: usize) -> Result<Mesh<2>, Box<dyn Error>> {
-        let slab = rectangle([0.0; 2], [3.0, 0.6], [4 * cells - 1, cells], CellShape::Quadrilateral, 1)?;
+        Self::with_slab(&Self::slab(cells)?, cells)
+    }
+
+    /// The mesh with cells of the slab that are divided where the block slides, some of them twice: nodes hang below its top.
+    ///
+    /// # Errors
+    /// Too many cells, or none.
+    pub fn trees(cells: usize) -> Result<Mesh<2>, Box<dyn Error>> {
+        let mut slab = OctreeMesh::new(Self::slab(cells)?)?;
+        for [left, right, lower] in [[0.6, 2.1, 0.3], [1.0, 1.7, 0.45]] {
+            let is_near = |x: [f64; 2]| x[0] > left && x[0] < right && x[1] > lower;
+            let mesh = slab.mesh();
+            let near = (0..mesh.cell_count() as u32).filter(|cell| is_near(mesh.cell_centre(*cell as usize)));
+            slab = slab.refined(&near.collect::<Vec<_>>())?.0;
+        }
+        Self::with_slab(slab.mesh(), cells)
+    }
+
+    fn slab(cells: usize) -> Result<Mesh<2>, Box<dyn Error>> {
+        Ok(rectangle([0.0; 2], [3.0, 0.6], [4 * cells - 1, cells], CellShape::Quadrilateral, 1)?)
+    }
+
+    fn with_slab(slab: &Mesh<2>, cells: usize) -> Result<Mesh<2>, Box<dyn Error>> {
         let block = rectangle([0.3, 0.61], [1.3, 1.21], [cells, cells], CellShape::Triangle, 1)?;
-        Ok(Mesh::of_bodies(&[("slab", &slab), ("block", &block)])?)
+        Ok(Mesh::of_bodies(&[("slab", slab), ("block", &block)])?)
     }
 
     /// Both bodies on their mesh, or a part of it, with the pairs of their surfaces.
@@ -64,6 +87,7 @@ impl DrawnBlock {
     pub fn held(&self, part: f64) -> Result<Constraints<2>, Box<dyn Error>> {
         let [along, down] = [(2.0 * part - 1.0).max(0.0) * WAY[0], (2.0 * part).min(1.0) * WAY[1]];
         let mut held = Constraints::new(&self.space);
+        held.join_hanging_nodes()?;
         held.fix("slab bottom", |_| [0.0; 2])?;
         held.fix("block top", |_| [along, down])?;
         Ok(held)

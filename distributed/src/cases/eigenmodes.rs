@@ -3,6 +3,7 @@
 use std::error::Error;
 
 use forms_fem::constraints::RigidMap;
+use forms_fem::mesh::{MeshError, OctreeMesh};
 use forms_fem::prelude::*;
 use forms_fem::solve::{Eigenmode, Eigenproblem};
 
@@ -39,6 +40,17 @@ pub mod forms {
 /// The upper corner of the plate, and its cells.
 pub const SIZE: ([f64; 2], [usize; 2]) = ([4.0, 1.0], [12, 3]);
 
+/// The plate with cells that are divided at its left side, so that nodes hang.
+///
+/// # Errors
+/// None.
+pub fn trees() -> Result<Mesh<2>, MeshError> {
+    let plate = OctreeMesh::new(rectangle([0.0; 2], SIZE.0, SIZE.1, CellShape::Quadrilateral, 1)?)?;
+    let near = |cell: &u32| plate.mesh().cell_centre(*cell as usize)[0] < 0.7;
+    let near: Vec<u32> = (0..plate.mesh().cell_count() as u32).filter(near).collect();
+    Ok(plate.refined(&near)?.0.mesh().clone())
+}
+
 /// An eigenproblem of the plate, and what is asked of it.
 pub struct Eigenmodes {
     stiffness: Form<2>,
@@ -64,6 +76,7 @@ impl Eigenmodes {
         let model = forms::Model::new(forms::data().lambda(1.5).mu(1.0));
         let space = Space::vector(mesh, 2)?;
         let mut held = Constraints::new(&space);
+        held.join_hanging_nodes()?;
         match name {
             "floats" => {}
             "closed" => held.periodic("right", "left", &RigidMap::translation([-SIZE.0[0], 0.0]))?,

@@ -1,6 +1,7 @@
 //! Problems on which several processes are compared with one.
 
 pub mod adaptive;
+pub mod adaptive_contact;
 pub mod ball_on_flat;
 pub mod divided_contact;
 pub mod drawn_block;

@@ -12,7 +12,7 @@ use forms_fem::inverse::{
 use forms_fem::prelude::*;
 use forms_fem::time::{GeneralisedAlpha, State, Step, TimeLoop};
 
-use super::divided_contact::drawn_pairs;
+use super::divided_contact::{drawn_pairs, of_name};
 use super::drawn_block::{DrawnBlock, Law, SURFACES};
 use super::parts::whole;
 use super::report::tell;
@@ -172,6 +172,7 @@ pub const STEPS: usize = 16;
 /// Regions that do not exist.
 pub fn slab_held(block: &DrawnBlock) -> Outcome<Constraints<2>> {
     let mut held = Constraints::new(block.space());
+    held.join_hanging_nodes()?;
     held.fix("slab bottom", |_| [0.0; 2])?;
     Ok(held)
 }
@@ -242,12 +243,13 @@ pub fn by_means(problem: &ContactProblem<2, Law>, touch: Pairing) -> ContactProb
     all.assembler(problem.assembler.clone())
 }
 
-/// One of these on the processes that started this.
+/// One of these on the processes that started this; with "trees" at the end of its name on a mesh in which nodes hang.
 ///
 /// # Errors
 /// One of a process.
 pub fn run(world: &World, name: &str, path: Option<&str>) -> Outcome<()> {
-    let part = world.divide(&DrawnBlock::mesh(4)?)?.with_surfaces(&SURFACES)?;
+    let (name, mesh) = of_name(name)?;
+    let part = world.divide(&mesh)?.with_surfaces(&SURFACES)?;
     let block = DrawnBlock::on(&part, drawn_pairs(name))?;
     let held = if ["thrown", "sprung"].contains(&name) { slab_held(&block)? } else { block.held(1.0)? };
     let mut solver = PetscSolver::for_part(&part, &[&held], Method::Direct)?;

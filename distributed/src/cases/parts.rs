@@ -60,18 +60,19 @@ impl Case {
     /// Diffusion with u = x at the top and 0 at the left; `rubber`, a cube that is stretched and sheared by half of its length; `hanging`,
     /// an elastic one under its weight. Relations between unknowns have `periodic`, rubber that is sheared and goes on beyond two sides;
     /// `slides`, rubber whose top and right side slide along oblique planes; and `rigid`, the elastic block with a rigid top. With hanging nodes
-    /// there are `trees`, diffusion with another u at the top, `strip trees` with this u on a part of it that ends at hanging nodes, `rubber trees` and `hanging trees`.
+    /// there are `trees`, diffusion with another u at the top, `strip trees` with this u on a part of it that ends at hanging nodes, `rubber trees`, `hanging trees`, `rigid trees` and `periodic trees`.
     ///
     /// # Errors
     /// A degree that does not exist, a mesh without these sides.
     pub fn new(name: &str, mesh: &Mesh<3>, degree: usize) -> Result<Self, Box<dyn Error>> {
         let regions = forms::Regions::default().side("right");
         let model = forms::Model { data: forms::data().mu(1.0).lambda(3.0), regions };
-        if ["hanging", "rigid", "hanging trees"].contains(&name) {
+        if ["hanging", "rigid", "hanging trees", "rigid trees"].contains(&name) {
             let block = HangingBlock::on(mesh, Given::constant([0.0, 0.0, -1.0]))?;
             let mut held = block.constraints;
-            if name == "rigid" {
+            if name.starts_with("rigid") {
                 held = Constraints::new(&block.space);
+                held.join_hanging_nodes()?;
                 held.fix("left", |_| [0.0; 3])?;
                 held.rigid_body("top")?;
             }
@@ -82,7 +83,7 @@ impl Case {
             }
             return Ok(Case { form: block.form, space: block.space, held });
         }
-        let is_rubber = ["rubber", "periodic", "slides", "rubber trees"].contains(&name);
+        let is_rubber = ["rubber", "periodic", "slides", "rubber trees", "periodic trees"].contains(&name);
         let space = if is_rubber { Space::vector(mesh, degree)? } else { Space::scalar(mesh, degree)? };
         let mut held = Constraints::new(&space);
         if name.ends_with("trees") {
@@ -93,7 +94,7 @@ impl Case {
                 held.fix("left", |_| [0.0; 3])?;
                 held.fix("right", |_| [0.5, 0.25, 0.0])?;
             }
-            "periodic" => {
+            "periodic" | "periodic trees" => {
                 held.fix("bottom", |_| [0.0; 3])?;
                 held.fix_component("top", 1, |x| 0.2 + 0.1 * (std::f64::consts::TAU * x[0]).sin())?;
                 held.periodic("left", "right", &RigidMap::translation([1.0, 0.0, 0.0]))?;
@@ -139,6 +140,14 @@ pub fn trees(divisions: usize) -> Result<Mesh<3>, MeshError> {
     let mut mesh = refined(cube, &[0.4, 0.0, 1.0], &[0.6, 0.3])?;
     mesh.name_facets("strip", "top", |x| x[1] < 0.48)?;
     Ok(mesh)
+}
+
+/// The unit cube with cells that are divided at the middle of an edge of its top: nodes hang on two sides at the same places.
+///
+/// # Errors
+/// Too many cells, or none.
+pub fn even_trees(divisions: usize) -> Result<Mesh<3>, MeshError> {
+    refined(cuboid([0.0; 3], [1.0; 3], [divisions; 3], CellShape::Hexahedron, 1)?, &[0.5, 0.0, 1.0], &[0.7])
 }
 
 /// A mesh of hexahedra whose cells near a point are divided, once for each distance of their centres.

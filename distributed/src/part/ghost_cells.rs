@@ -1,6 +1,6 @@
 //! Surfaces that each process has whole, as contact between bodies needs them: every process gets copies of the cells at them.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use forms_fem::element::CellShape;
 use forms_fem::mesh::{Facet, GhostCells, Mesh, MeshError};
@@ -8,6 +8,7 @@ use forms_fem::prelude::*;
 use forms_fem::solve::communicator::Fingerprint;
 
 use super::MeshPart;
+use super::hanging_cells::HangingFacets;
 use super::shared_nodes::Vertices;
 use super::words::{Words, add, facet_of, word_of};
 use crate::error::PetscError;
@@ -26,6 +27,8 @@ impl<const D: usize> MeshPart<'_, D> {
     /// This part with some surfaces whole on each process, for contact pairs between them, periodic conditions and rigid bodies: a [`Pairing`]
     /// or a relation between unknowns may have these surfaces, and facets that are named within them. Each process has copies of all cells at the surfaces ([`MeshPart::ghost_cells`]) with their unknowns.
     /// All else is of the process's own cells: integrals over cells, facets and own facets of pairs, regions, files. Spaces come afterwards.
+    /// Where nodes hang, all processes have the cells on both sides of those at the surfaces, too. [`MeshPart::with_interior_facets`] may come
+    /// before or afterwards, and surfaces may be named in several calls.
     ///
     /// ```no_run
     /// # use forms_distributed::World;
@@ -41,36 +44,53 @@ impl<const D: usize> MeshPart<'_, D> {
     /// ```
     ///
     /// # Errors
-    /// [`PetscError::Unfit`] of a name that does not exist, of surfaces without facets, of other names on other processes, or of a part that has
-    /// copies of cells: for such surfaces, for interior facets, or where nodes hang.
+    /// [`PetscError::Unfit`] of a name that does not exist, of surfaces without facets, or of other names on other processes.
     pub fn with_surfaces(self, names: &[&str]) -> Result<Self, PetscError> {
         let world = self.world;
         let texts = names.iter().fold(Fingerprint::default(), |all, name| all.text(name));
         world.check_same("surfaces", texts.finish())?;
-        let own = world.agree(self.cells_at(names))?;
+        let hanging = HangingFacets::of(&self.mesh);
+        let (mut sent, mut own) = world.agree(self.cells_at(names, hanging.as_ref()))?;
         for (name, facets) in names.iter().zip(&own.surfaces) {
             if world.gather(facets.len() as u64)?.iter().all(|count| *count == 0) {
                 return Err(unfit(MeshError::EmptyRegion { name: (*name).to_owned(), entity: "facet" }));
             }
         }
         let shapes = self.shapes_of_all()?;
-        let others = cells_of_others(world, &own)?;
         let mut merged = Merged::new(&self, names);
-        let joined = others.iter().try_for_each(|cells| merged.add(cells).ok_or_else(lost));
-        world.agree(joined)?;
-        let Merged { nodes, blocks, surfaces, numbers, at_surfaces, .. } = merged;
+        // Cells that all processes have, and their vertices.
+        let (mut cells, mut vertices) = (BTreeSet::new(), BTreeSet::new());
+        loop {
+            let mut new: Vec<u32> =
+                sent.iter().flat_map(|cell| self.mesh.cell_vertices(*cell as usize)).copied().collect();
+            cells.extend(sent);
+            let others = cells_of_others(world, &own)?;
+            let joined: Result<(), PetscError> = others.iter().try_for_each(|others| {
+                cells.extend(merged.add(others).ok_or_else(lost)?);
+                new.extend(others.vertices(&merged.places).ok_or_else(lost)?);
+                Ok(())
+            });
+            world.agree(joined)?;
+            new.retain(|vertex| vertices.insert(*vertex));
+            // A vertex may hang on cells that only those know who have it in cells of their own.
+            let mut larger = BTreeSet::new();
+            if let Some(facets) = &hanging {
+                larger.extend(new.iter().flat_map(|vertex| facets.larger_cells(*vertex)));
+            }
+            sent = larger.difference(&cells).copied().collect();
+            if world.gather(sent.len() as u64)?.iter().all(|count| *count == 0) {
+                break;
+            }
+            own = self.described(&sent);
+        }
+        let Merged { nodes, blocks, surfaces, numbers, .. } = merged;
         let (behind_facets, facet_parts) = (None, vec![]);
         let ghosts = GhostCells { nodes, blocks, surfaces, behind_facets, facet_parts, shapes };
-        let mesh = self.mesh.with_ghost_cells(ghosts);
-        let mesh = world.agree(mesh.map_err(unfit))?;
+        let mesh = world.agree(self.mesh.with_ghost_cells(ghosts).map_err(unfit))?;
         let all: Vec<usize> = (0..world.size()).filter(|rank| *rank != world.rank()).collect();
         let mut sharers = self.vertices.sharers;
         if !all.is_empty() {
-            for cell in at_surfaces.into_iter().chain(mesh.ghost_cells().map(|cell| cell as u32)) {
-                for vertex in mesh.cell_vertices(cell as usize) {
-                    sharers.insert(*vertex, all.clone());
-                }
-            }
+            sharers.extend(vertices.into_iter().map(|vertex| (vertex, all.clone())));
         }
         Ok(MeshPart::new(world, mesh, Vertices { numbers, sharers }))
     }
@@ -103,19 +123,26 @@ impl<const D: usize> MeshPart<'_, D> {
         Ok(self.world.agree(Field::from_values(field.space(), values).map_err(unfit))?)
     }
 
-    fn cells_at(&self, names: &[&str]) -> Result<CellsAtSurfaces<D>, PetscError> {
-        if self.mesh.has_copies() {
-            return Err(unfit(
-                "name all surfaces in one call of `part.with_surfaces(..)`, on a part without `.with_interior_facets()` and without hanging nodes",
-            ));
-        }
+    /// The cells at surfaces, as other processes get them. Where nodes hang, there are those on which unknowns at these cells depend, or which
+    /// depend on them: with a relation across surfaces an owner of unknowns elsewhere needs the latter.
+    fn cells_at(
+        &self,
+        names: &[&str],
+        hanging: Option<&HangingFacets<'_, D>>,
+    ) -> Result<(Vec<u32>, CellsAtSurfaces<D>), PetscError> {
         let facets = names.iter().map(|name| self.mesh.facet_region(name).map_err(unfit));
         let facets: Vec<&[Facet]> = facets.collect::<Result<_, _>>()?;
-        let cells = cells_of(&facets);
+        let own: BTreeSet<u32> = facets.concat().iter().map(|facet| facet.cell).collect();
+        let mut near = own.clone();
+        if let Some(hanging) = hanging {
+            hanging.add_near(&own.into_iter().collect::<Vec<_>>(), &mut near);
+        }
+        let cells: Vec<u32> = near.into_iter().collect();
         let place = |cell: u32| cells.binary_search(&cell).map_or(0, |place| place as u32);
         let placed = |facet: &Facet| Facet { cell: place(facet.cell), local: facet.local };
         let surfaces = facets.iter().map(|facets| facets.iter().map(placed).collect()).collect();
-        Ok(CellsAtSurfaces { surfaces, ..self.described(&cells) })
+        let described = CellsAtSurfaces { surfaces, ..self.described(&cells) };
+        Ok((cells, described))
     }
 
     /// Some cells, as other processes get them.
@@ -130,14 +157,6 @@ impl<const D: usize> MeshPart<'_, D> {
         }
         CellsAtSurfaces { cells: found, nodes: nodes.into_iter().collect(), surfaces: vec![] }
     }
-}
-
-/// The cells of some facets, ascending.
-fn cells_of(facets: &[&[Facet]]) -> Vec<u32> {
-    let mut cells: Vec<u32> = facets.concat().iter().map(|facet| facet.cell).collect();
-    cells.sort_unstable();
-    cells.dedup();
-    cells
 }
 
 /// Cells that all other processes have at the surfaces, in the order of their ranks.
@@ -157,6 +176,13 @@ fn cells_of_others<const D: usize>(
 }
 
 impl<const D: usize> CellsAtSurfaces<D> {
+    /// The places of the cells' vertices here; none of one that is not known.
+    fn vertices(&self, places: &HashMap<u64, u32>) -> Option<Vec<u32>> {
+        let numbers =
+            self.cells.iter().flat_map(|(shape, nodes)| &nodes[..shape.vertices().min(nodes.len())]);
+        numbers.map(|number| places.get(number).copied()).collect()
+    }
+
     pub fn to_words(&self) -> Vec<u64> {
         let mut words = vec![self.cells.len() as u64];
         for (shape, nodes) in &self.cells {
@@ -190,16 +216,16 @@ impl<const D: usize> CellsAtSurfaces<D> {
     }
 }
 
-/// A part with what other processes have at its surfaces.
+/// A part with copies of other processes' cells.
 pub(super) struct Merged<'n, const D: usize> {
     names: &'n [&'n str],
+    /// The cells here that others may have, too, by the numbers of their nodes in the whole mesh.
+    known: HashMap<Vec<u64>, u32>,
     /// Number of cells so far.
-    pub cells: usize,
+    cells: u32,
     /// Nodes of the part here, by their numbers in the whole mesh.
     pub places: HashMap<u64, u32>,
     pub numbers: Vec<u64>,
-    /// Own cells at the surfaces.
-    at_surfaces: Vec<u32>,
     pub nodes: Vec<[f64; D]>,
     pub blocks: Vec<(CellShape, Vec<u32>)>,
     surfaces: BTreeMap<String, Vec<Facet>>,
@@ -209,15 +235,21 @@ impl<'n, const D: usize> Merged<'n, D> {
     pub fn new(part: &MeshPart<'_, D>, names: &'n [&'n str]) -> Self {
         let (mesh, numbers): (&Mesh<D>, _) = (&part.mesh, part.vertices.numbers.clone());
         let places = numbers.iter().zip(0..).map(|(number, node)| (*number, node)).collect();
-        let own = |name: &&str| mesh.facet_region(name).unwrap_or_default();
-        let at_surfaces = cells_of(&names.iter().map(own).collect::<Vec<_>>());
-        let surfaces = names.iter().map(|name| ((*name).to_owned(), own(name).to_vec())).collect();
-        let (nodes, blocks, cells) = (vec![], vec![], mesh.cell_count());
-        Merged { names, cells, places, numbers, at_surfaces, nodes, blocks, surfaces }
+        let own = |name: &&str| mesh.facet_region(name).unwrap_or_default().to_vec();
+        let surfaces = names.iter().map(|name| ((*name).to_owned(), own(name))).collect();
+        let is_shared = |cell: &usize| {
+            let mut vertices = mesh.cell_vertices(*cell).iter();
+            vertices.all(|vertex| part.vertices.sharers.contains_key(vertex))
+        };
+        let key = |cell: usize| mesh.cell(cell).iter().map(|node| numbers[*node as usize]).collect();
+        let shared = (0..mesh.cell_count()).filter(is_shared);
+        let known = shared.map(|cell| (key(cell), cell as u32)).collect();
+        let (nodes, blocks, cells) = (vec![], vec![], mesh.cell_count() as u32);
+        Merged { names, known, cells, places, numbers, nodes, blocks, surfaces }
     }
 
-    /// Adds the cells of another process; none where they name a node that has no position.
-    pub fn add(&mut self, others: &CellsAtSurfaces<D>) -> Option<()> {
+    /// Adds those of another process's cells that are not here, and gives the places of all; none where they name a node that has no position.
+    pub fn add(&mut self, others: &CellsAtSurfaces<D>) -> Option<Vec<u32>> {
         for (number, position) in &others.nodes {
             let next = self.numbers.len() as u32;
             if *self.places.entry(*number).or_insert(next) == next {
@@ -225,7 +257,14 @@ impl<'n, const D: usize> Merged<'n, D> {
                 self.nodes.push(*position);
             }
         }
+        let mut found = Vec::with_capacity(others.cells.len());
         for (shape, numbers) in &others.cells {
+            let place = *self.known.entry(numbers.clone()).or_insert(self.cells);
+            found.push(place);
+            if place < self.cells {
+                continue;
+            }
+            self.cells += 1;
             let nodes = numbers.iter().map(|number| self.places.get(number).copied());
             let nodes: Vec<u32> = nodes.collect::<Option<_>>()?;
             match self.blocks.last_mut() {
@@ -234,12 +273,11 @@ impl<'n, const D: usize> Merged<'n, D> {
             }
         }
         for (name, facets) in self.names.iter().zip(&others.surfaces) {
-            let first = self.cells as u32;
-            let here = facets.iter().map(|facet| Facet { cell: first + facet.cell, local: facet.local });
+            let here = |facet: &Facet| Some(Facet { cell: *found.get(facet.cell as usize)?, ..*facet });
+            let here: Vec<Facet> = facets.iter().map(here).collect::<Option<_>>()?;
             self.surfaces.entry((*name).to_owned()).or_default().extend(here);
         }
-        self.cells += others.cells.len();
-        Some(())
+        Some(found)
     }
 }
 

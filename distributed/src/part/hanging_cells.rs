@@ -14,7 +14,7 @@ pub(super) struct Copies {
 }
 
 /// The places where nodes hang: small facets that are parts of larger ones.
-struct HangingFacets<'m, const D: usize> {
+pub(super) struct HangingFacets<'m, const D: usize> {
     mesh: &'m Mesh<D>,
     /// Each small facet, and the larger one.
     pairs: Vec<[Facet; 2]>,
@@ -51,7 +51,8 @@ pub(super) fn copies<const D: usize>(mesh: &Mesh<D>, cells: &[Vec<u32>]) -> Opti
 }
 
 impl<'m, const D: usize> HangingFacets<'m, D> {
-    fn of(mesh: &'m Mesh<D>) -> Option<Self> {
+    /// Those of a mesh, or of a part of one, if there are any.
+    pub fn of(mesh: &'m Mesh<D>) -> Option<Self> {
         let pairs: Vec<[Facet; 2]> = mesh.facet_parts().map(|(small, large, _)| [small, large]).collect();
         if pairs.is_empty() {
             return None;
@@ -82,9 +83,14 @@ impl<'m, const D: usize> HangingFacets<'m, D> {
         places.get(&vertex).into_iter().flatten().copied()
     }
 
+    /// The larger cells on which a vertex hangs.
+    pub fn larger_cells(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
+        Self::pairs_at(&self.hanging, vertex).map(|number| self.pairs[number][1].cell)
+    }
+
     /// Adds the cells that a process with these ones needs: where its own vertices hang, all cells of the relation; those whose unknowns
     /// depend on its own ones, because the owner of a row adds up; and with each of all these cells the larger ones on which its vertices hang.
-    fn add_near(&self, own: &[u32], near: &mut BTreeSet<u32>) {
+    pub fn add_near(&self, own: &[u32], near: &mut BTreeSet<u32>) {
         let vertices = own.iter().flat_map(|cell| self.mesh.cell_vertices(*cell as usize)).copied();
         let mut known: BTreeSet<u32> = vertices.collect();
         for number in known.iter().flat_map(|vertex| Self::pairs_at(&self.hanging, *vertex)) {
@@ -103,12 +109,7 @@ impl<'m, const D: usize> HangingFacets<'m, D> {
         let mut left: Vec<u32> = near.iter().copied().collect();
         while let Some(cell) = left.pop() {
             for vertex in self.mesh.cell_vertices(cell as usize) {
-                for number in Self::pairs_at(&self.hanging, *vertex) {
-                    let large = self.pairs[number][1].cell;
-                    if near.insert(large) {
-                        left.push(large);
-                    }
-                }
+                left.extend(self.larger_cells(*vertex).filter(|large| near.insert(*large)));
             }
         }
     }

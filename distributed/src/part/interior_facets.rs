@@ -35,17 +35,15 @@ impl<const D: usize> MeshPart<'_, D> {
     /// # }
     /// ```
     ///
-    /// Parts of a mesh with hanging nodes have them from the start.
+    /// Parts of a mesh with hanging nodes have them from the start. [`MeshPart::with_surfaces`] may come before or afterwards.
     ///
     /// # Errors
-    /// [`PetscError::Unfit`] of a part with copies of cells at surfaces.
+    /// A failed exchange.
     pub fn with_interior_facets(self) -> Result<Self, PetscError> {
         let world = self.world();
         if self.mesh.has_facets_between_pieces() {
             return Ok(self);
         }
-        let has_copies = unfit("a part has copies of cells for surfaces, and takes no others");
-        world.agree(if self.mesh.has_copies() { Err(has_copies) } else { Ok(()) })?;
         let shapes = self.shapes_of_all()?;
         let met = self.facets_met()?;
         let own_rank = world.rank();
@@ -54,16 +52,18 @@ impl<const D: usize> MeshPart<'_, D> {
             met.iter().map(|(rank, cells)| (*rank, behind(*rank, cells))).collect();
         let cells = sent.iter().map(|(rank, cells)| (*rank, self.described(cells).to_words())).collect();
         let found = exchanged(world, "cells behind facets", cells)?;
-        let mut merged = Merged::new(&self, &[]);
-        let joined = found.iter().filter(|(rank, _)| *rank > own_rank).try_for_each(|(_, words)| {
-            let cells = CellsAtSurfaces::of_words(words).ok_or_else(lost)?;
-            merged.add(&cells).ok_or_else(lost)
-        });
+        let (mut merged, mut behind) = (Merged::new(&self, &[]), vec![]);
+        let joined: Result<(), PetscError> =
+            found.iter().filter(|(rank, _)| *rank > own_rank).try_for_each(|(_, words)| {
+                let cells = CellsAtSurfaces::of_words(words).ok_or_else(lost)?;
+                behind.extend(merged.add(&cells).ok_or_else(lost)?);
+                Ok(())
+            });
         world.agree(joined)?;
         let sharers = self.sharers_with_copies(&sent, &merged.places)?;
-        let behind_facets = Some(merged.cells - self.mesh.cell_count());
+        behind.sort_unstable();
         let Merged { nodes, blocks, numbers, .. } = merged;
-        let surfaces = BTreeMap::new();
+        let (surfaces, behind_facets) = (BTreeMap::new(), Some(behind));
         let ghosts = GhostCells { nodes, blocks, surfaces, behind_facets, facet_parts: vec![], shapes };
         let mesh = world.agree(self.mesh.with_ghost_cells(ghosts).map_err(unfit))?;
         Ok(MeshPart::new(world, mesh, Vertices { numbers, sharers }))

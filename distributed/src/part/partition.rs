@@ -73,9 +73,9 @@ impl<'m, const D: usize> Partition<'m, D> {
                 }
             }
         }
-        // Those of trees are interior ones.
+        // Those of trees are interior ones. Bodies that touch may lie on each other in whatever way.
         let of_trees = mesh.facet_parts().count();
-        let hangs_outside = !mesh.hanging_facets().is_ok_and(|all| all.len() == of_trees);
+        let hangs_outside = !mesh.hanging_facets_of_bodies().is_ok_and(|all| all.len() == of_trees);
         Partition { mesh, cells, copies, hangs_outside, sharers }
     }
 
@@ -127,11 +127,12 @@ impl<'m, const D: usize> Partition<'m, D> {
         let here = |facet: Facet| Some(Facet { cell: *cells.get(&facet.cell)?, ..facet });
         let parts =
             mesh.facet_parts().filter_map(|(small, large, at)| Some((here(small)?, here(large)?, *at)));
+        let own = part.cells.len() as u32;
         GhostCells {
             nodes,
             blocks,
             surfaces: BTreeMap::new(),
-            behind_facets: Some(copies.behind),
+            behind_facets: Some((own..own + copies.behind as u32).collect()),
             facet_parts: parts.collect(),
             shapes: mesh.shapes(),
         }
@@ -222,7 +223,7 @@ fn add_copies<const D: usize>(words: &mut Vec<u64>, copies: &GhostCells<D>) {
     add(words, copies.nodes.iter().flatten().map(|coordinate| coordinate.to_bits()));
     words.push(copies.blocks.len() as u64);
     copies.blocks.iter().for_each(|(shape, nodes)| add_block(words, *shape, nodes.iter()));
-    words.push(copies.behind_facets.unwrap_or(0) as u64);
+    add(words, copies.behind_facets.iter().flatten().map(|cell| u64::from(*cell)));
     let parts = &copies.facet_parts;
     add(words, parts.iter().flat_map(|(small, large, _)| [word_of(small), word_of(large)]));
     add(words, parts.iter().flat_map(|(.., at)| at.as_flattened()).map(|coordinate| coordinate.to_bits()));
@@ -258,7 +259,7 @@ impl Words<'_> {
 
     fn copies<const D: usize>(&mut self) -> Option<GhostCells<D>> {
         let nodes = self.list(|bits| f64::from_bits(*bits))?.as_chunks().0.to_vec();
-        let (blocks, behind) = (self.blocks()?, self.number()?);
+        let (blocks, behind) = (self.blocks()?, self.list(|cell| *cell as u32)?);
         let (facets, at) = (self.list(facet_of)?, self.list(|bits| f64::from_bits(*bits))?);
         let corners = at.as_chunks::<D>().0.as_chunks::<3>().0;
         let pairs = facets.as_chunks::<2>().0.iter().zip(corners);
@@ -315,7 +316,7 @@ mod tests {
             nodes: vec![[1.5, 0.5], [1.5, 1.0]],
             blocks: vec![(CellShape::Quadrilateral, vec![5, 9, 10, 8])],
             surfaces: BTreeMap::new(),
-            behind_facets: Some(1),
+            behind_facets: Some(vec![12]),
             facet_parts: vec![(Facet { cell: 4, local: 3 }, mesh.boundary_facets()[1], [[0.5, 1.0]; 3])],
             shapes: mesh.shapes(),
         });

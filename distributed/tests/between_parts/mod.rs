@@ -6,7 +6,7 @@ use forms_distributed::cases::ball_on_flat::{pressed, refined_quarter};
 use forms_distributed::cases::facets_between::{self, Jumps, is_in_middle};
 use forms_distributed::cases::field_controls::{self, FieldControls, Means};
 use forms_distributed::cases::part_adaptivity;
-use forms_distributed::cases::parts::{Case, trees};
+use forms_distributed::cases::parts::{Case, even_trees, trees};
 use forms_distributed::cases::report::read;
 use forms_distributed::cases::whole_body::{self, MEAN, WithMean};
 use forms_fem::prelude::*;
@@ -150,6 +150,11 @@ fn problems_with_hanging_nodes_are_the_same() {
     for (method, processes) in [("cg", &PROCESSES[..]), ("gmres", &[3])] {
         check(processes, &["hanging trees", "3", "2", method], &expected);
     }
+    // Relations across surfaces whose cells all processes have.
+    let expected = solution("rigid trees", &mesh, 2);
+    check_to(DIGITS, &PROCESSES, &["rigid trees", "3", "2", "direct"], &expected);
+    let expected = solution("periodic trees", &even_trees(3).unwrap(), 1);
+    check_to(DIGITS, &PROCESSES, &["periodic trees", "3", "1", "direct"], &expected);
     let problem = pressed(&refined_quarter(4).unwrap(), -1.0).unwrap();
     check_to(DIGITS, &PROCESSES, &["ball trees", "4", "2", "direct"], &pressed_ball(&problem));
 }

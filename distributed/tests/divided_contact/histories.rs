@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use forms_distributed::cases::divided_contact::drawn_pairs;
+use forms_distributed::cases::divided_contact::{drawn_pairs, of_name};
 use forms_distributed::cases::drawn_block::DrawnBlock;
 use forms_distributed::cases::pair_histories::{STEP, STEPS, by_means, fallen, slid, switches, thrown_block};
 use forms_fem::inverse::ReducedProblem;
@@ -12,7 +12,8 @@ use crate::{DIGITS, Directory, Numbers, check_to, refused, told, vertices};
 const PROCESSES: [usize; 3] = [1, 2, 3];
 
 fn drawn_block(name: &str) -> DrawnBlock {
-    DrawnBlock::on(&DrawnBlock::mesh(4).unwrap(), drawn_pairs(name)).unwrap()
+    let (name, mesh) = of_name(name).unwrap();
+    DrawnBlock::on(&mesh, drawn_pairs(name)).unwrap()
 }
 
 /// The gradient by friction, a modulus and loads of steps; opposite cells read the modulus in the criterion.
@@ -36,7 +37,17 @@ fn gradients_of_sliding_steps_are_the_same_on_parts() {
 /// A block that strikes the slab, slides and rebounds; and the same where a run stops and goes on with other processes.
 #[test]
 fn a_thrown_block_is_the_same_on_parts() {
-    let block = drawn_block("");
+    thrown("thrown", &PROCESSES);
+}
+
+/// The same where nodes of the slab hang.
+#[test]
+fn a_thrown_block_is_the_same_where_nodes_hang() {
+    thrown("thrown trees", &[1, 3, 4]);
+}
+
+fn thrown(name: &str, processes: &[usize]) {
+    let block = drawn_block(name);
     let mut motion = thrown_block(&block).unwrap();
     let mut down = vec![];
     for _ in 0..STEPS {
@@ -48,9 +59,9 @@ fn a_thrown_block_is_the_same_on_parts() {
     let state = motion.state();
     let expected: Numbers =
         BTreeMap::from([("value", vertices(&state.value)), ("rate", vertices(&state.rate))]);
-    check_to(DIGITS, &PROCESSES, &["thrown"], &expected);
-    let directory = Directory::new("thrown");
-    let arguments = ["thrown", "0", "0", "direct", &directory.file("run.checkpoint")];
+    check_to(DIGITS, processes, &[name], &expected);
+    let directory = Directory::new(name);
+    let arguments = [name, "0", "0", "direct", &directory.file("run.checkpoint")];
     told(3, &arguments);
     check_to(DIGITS, &[2], &arguments, &expected);
 }

@@ -4,12 +4,14 @@ use std::collections::BTreeMap;
 
 use forms_contact::ContactProblem;
 use forms_contact::laws::sliding_bodies;
+use forms_distributed::cases::adaptive_contact;
 use forms_distributed::cases::divided_contact::{
-    FACTORS, RING, Remembering, blocks, blocks_mesh, drawn_pairs, force_on_block, is_skin, place, ring,
+    FACTORS, RING, Remembering, blocks, blocks_mesh, blocks_trees, drawn_pairs, force_on_block, is_skin,
+    place, ring,
 };
 use forms_distributed::cases::drawn_block::DrawnBlock;
 use forms_distributed::cases::report::read;
-use forms_fem::mesh::structured;
+use forms_fem::mesh::{Facet, structured};
 use forms_fem::prelude::*;
 
 use super::{DIGITS, Directory, Numbers, PROCESSES, check_to, refused, told, vertices};
@@ -74,12 +76,10 @@ fn a_block_that_is_drawn_along_a_slab_is_the_same_on_parts() {
 }
 
 /// Fixed pairs with friction, and a stiffness of each cell that the opposite side reads.
-#[test]
-fn blocks_in_space_are_the_same_on_parts() {
-    let space = Space::vector(&blocks_mesh(1).unwrap(), 1).unwrap();
-    let (mut u, mut all_steps, mut expected) = (Field::zero(&space), vec![], BTreeMap::new());
+fn pressed_blocks(space: &Arc<Space<3>>) -> Numbers {
+    let (mut u, mut all_steps, mut expected) = (Field::zero(space), vec![], BTreeMap::new());
     for factor in FACTORS {
-        let problem = blocks(&space, factor, &u, &Ok).unwrap();
+        let problem = blocks(space, factor, &u, &Ok).unwrap();
         let solved = problem.direct().unwrap().solve().unwrap();
         all_steps.push(solved.iterations() as f64);
         let force = problem.assembler.functional(&force_on_block(&problem.law, solved.field())).unwrap();
@@ -99,6 +99,12 @@ fn blocks_in_space_are_the_same_on_parts() {
         u = solved.into_field();
     }
     expected.extend([("all_steps", all_steps), ("u", vertices(&u))]);
+    expected
+}
+
+#[test]
+fn blocks_in_space_are_the_same_on_parts() {
+    let expected = pressed_blocks(&Space::vector(&blocks_mesh(1).unwrap(), 1).unwrap());
     check_to(DIGITS, &PROCESSES, &["blocks", "1"], &expected);
     // Files have each cell once, and another number of processes goes on from them with copies of its own.
     let directory = Directory::new("blocks");
@@ -111,6 +117,47 @@ fn blocks_in_space_are_the_same_on_parts() {
     assert_eq!((0..3).map(cells).sum::<usize>(), blocks_mesh(1).unwrap().cell_count());
     let stored = BTreeMap::from([("u", expected["u"].clone()), ("stiffness", vec![5.0])]);
     check_to(DIGITS, &[2], &arguments, &stored);
+}
+
+/// Nodes that hang on both surfaces, whose cells all processes have, and inside of both bodies, which touch at rest.
+#[test]
+fn contact_where_nodes_hang_is_the_same_on_parts() {
+    let mesh = blocks_trees().unwrap();
+    let hanging: Vec<u32> = {
+        let small = mesh.hanging_facets_of_bodies().unwrap();
+        let vertices = |facet: Facet| mesh.facet_vertices(facet).collect::<Vec<_>>();
+        let ends = |[small, large]: &[Facet; 2]| [vertices(*small), vertices(*large)];
+        let of = |[small, large]: [Vec<u32>; 2]| small.into_iter().filter(move |one| !large.contains(one));
+        small.iter().map(ends).flat_map(of).collect()
+    };
+    for surface in ["slab top", "block bottom"] {
+        let on_surface = |node: &u32| {
+            let facets = mesh.facet_region(surface).unwrap();
+            facets.iter().any(|facet| mesh.facet_vertices(*facet).any(|vertex| vertex == *node))
+        };
+        let count = hanging.iter().filter(|node| on_surface(node)).count();
+        assert!(count > 4 && hanging.len() > 2 * count, "{count} of {} on the {surface}", hanging.len());
+    }
+    for (degree, processes) in [(1, &PROCESSES[..]), (2, &[3])] {
+        let mut expected = pressed_blocks(&Space::vector(&mesh, degree).unwrap());
+        // Rounding decides whether the first load step ends one step earlier.
+        expected.remove("all_steps");
+        check_to(DIGITS, processes, &["blocks trees", &degree.to_string()], &expected);
+    }
+}
+
+/// Jumps across interior facets and pressures of pairs: of triangles, and of quadrilaterals with hanging nodes.
+#[test]
+fn a_cycle_of_adaptivity_with_contact_is_the_same_on_parts() {
+    let cases =
+        [("adapted contact", CellShape::Triangle), ("adapted contact of trees", CellShape::Quadrilateral)];
+    for (name, shape) in cases {
+        let found = adaptive_contact::on_one(shape, vertices).unwrap();
+        assert!(found.cells.is_sorted() && found.cells[4] > 2.0 * found.cells[0], "{:?}", found.cells);
+        let expected =
+            BTreeMap::from([("cells", found.cells), ("estimates", found.estimates), ("u", found.values)]);
+        check_to(DIGITS, &PROCESSES, &[name], &expected);
+    }
 }
 
 /// One surface that may touch itself, on a grid whose other parts no process builds.

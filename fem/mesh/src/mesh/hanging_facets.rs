@@ -15,8 +15,26 @@ impl<const D: usize> Mesh<D> {
     /// # Errors
     /// [`MeshError::NotNested`] for facets that lie on each other in part; [`MeshError::Piece`] where a mesh with the latter is divided among
     /// processes.
-    #[inline(never)]
     pub fn hanging_facets(&self) -> Result<Vec<[Facet; 2]>, MeshError> {
+        self.hanging_facets_if(&|_, _| true)
+    }
+
+    /// Pairs of [`Mesh::hanging_facets`] whose cells are of one body: cells that share a vertex are. Bodies may touch in whatever way.
+    ///
+    /// # Errors
+    /// As there.
+    #[doc(hidden)]
+    pub fn hanging_facets_of_bodies(&self) -> Result<Vec<[Facet; 2]>, MeshError> {
+        let bodies = self.bodies();
+        self.hanging_facets_if(&|one, other| bodies[one.cell as usize] == bodies[other.cell as usize])
+    }
+
+    /// The pairs for which something holds.
+    #[inline(never)]
+    fn hanging_facets_if(
+        &self,
+        is_asked: &dyn Fn(Facet, Facet) -> bool,
+    ) -> Result<Vec<[Facet; 2]>, MeshError> {
         self.without_hanging_outside()?;
         let hanging = if self.is_piece() { vec![] } else { self.touching().hanging_nodes };
         let mut facets_at: BTreeMap<u32, Vec<Facet>> =
@@ -31,7 +49,7 @@ impl<const D: usize> Mesh<D> {
         let mut pairs: BTreeSet<[Facet; 2]> = BTreeSet::new();
         for hanging in hanging {
             let large = hanging.facet;
-            for &small in &facets_at[&hanging.node] {
+            for &small in facets_at[&hanging.node].iter().filter(|small| is_asked(**small, large)) {
                 let beside = self.point_beside(hanging.node, small);
                 if small == large || self.reference_on_facet(large, &beside).is_none() {
                     continue;
@@ -46,8 +64,31 @@ impl<const D: usize> Mesh<D> {
                 pairs.insert([large, small]);
             }
         }
-        pairs.extend(self.facet_parts().map(|(small, large, _)| [large, small]));
+        let of_trees = self.facet_parts().filter(|(small, large, _)| is_asked(*small, *large));
+        pairs.extend(of_trees.map(|(small, large, _)| [large, small]));
         Ok(pairs.into_iter().map(|[large, small]| [small, large]).collect())
+    }
+
+    /// The body of each cell, by a number that its cells have in common: cells that share a vertex are of one body.
+    fn bodies(&self) -> Vec<u32> {
+        fn root(of: &mut [u32], mut vertex: u32) -> u32 {
+            while of[vertex as usize] != vertex {
+                let above = of[of[vertex as usize] as usize];
+                of[vertex as usize] = above;
+                vertex = above;
+            }
+            vertex
+        }
+        let mut of: Vec<u32> = (0..self.nodes().len() as u32).collect();
+        for cell in 0..self.cell_count() {
+            let vertices = self.cell_vertices(cell);
+            let first = root(&mut of, vertices[0]);
+            for vertex in &vertices[1..] {
+                let other = root(&mut of, *vertex);
+                of[other as usize] = first;
+            }
+        }
+        (0..self.cell_count()).map(|cell| root(&mut of, self.cell_vertices(cell)[0])).collect()
     }
 
     /// A point of a facet near one of its vertices, on the way to its centre: it tells facets that run along another one from
@@ -74,7 +115,7 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-instantiate!(hanging_facets: Mesh::<D>::hanging_facets, Mesh::<D>::reference_on_facet);
+instantiate!(hanging_facets: Mesh::<D>::hanging_facets_if, Mesh::<D>::reference_on_facet);
 
 #[cfg(test)]
 mod tests {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use super::facet_parts::FacetParts;
+use super::facet_parts::{FacetParts, PartCorners};
 use super::{BOUNDARY, EVERYWHERE, Facet, INTERIOR, Mesh, MeshError};
 use crate::element::CellShape;
 
@@ -44,10 +44,10 @@ pub struct GhostCells<const D: usize> {
     pub blocks: Vec<(CellShape, Vec<u32>)>,
     /// All facets of each surface: of the piece's own cells, and of the copies.
     pub surfaces: BTreeMap<String, Vec<Facet>>,
-    /// The number of the first copies whose facets to this piece's cells this process integrates over: facets between pieces are interior ones
-    /// then.
-    pub behind_facets: Option<usize>,
-    /// Facets that are parts of larger ones, of the piece's own cells, too, as [`Mesh::facet_parts`] has them.
+    /// The copies, ascending, whose facets to this piece's cells this process integrates over: facets between pieces are interior ones then.
+    /// They may be among earlier copies. Without them interior facets stay as they are.
+    pub behind_facets: Option<Vec<u32>>,
+    /// Facets that are parts of larger ones, of the piece's own cells, too, as [`Mesh::facet_parts`] has them: in addition to the known ones.
     pub facet_parts: Vec<(Facet, Facet, [[f64; D]; 3])>,
     /// The shapes of all processes' cells.
     pub shapes: Vec<CellShape>,
@@ -92,46 +92,59 @@ impl<const D: usize> Mesh<D> {
     }
 
     /// This piece with copies of other processes' cells, so that each process has some surfaces whole, or one of two the cells on both sides of
-    /// a facet. The copies come last, and are in no region: integrals over cells, conditions and files are those of the piece's own cells.
+    /// a facet. The copies come last, behind those that it has already, and are in no region: integrals over cells, conditions and files are those
+    /// of the piece's own cells.
     ///
     /// # Errors
     /// Cells that do not fit each other.
     #[doc(hidden)]
     pub fn with_ghost_cells(&self, ghosts: GhostCells<D>) -> Result<Self, MeshError> {
-        let GhostCells { nodes, blocks, mut surfaces, behind_facets, facet_parts, shapes } = ghosts;
+        let GhostCells { nodes, blocks, surfaces, behind_facets, facet_parts, shapes } = ghosts;
+        let known = self.replicas().cloned().unwrap_or_default();
+        let own = self.ghost_cells().start;
         let of_block = |block: &super::CellBlock| {
             let cells = block.cells.clone().flat_map(|cell| self.cell(cell));
             (block.shape, cells.copied().collect())
         };
-        let ghost_nodes = nodes.len();
+        let ghost_nodes = known.ghost_nodes + nodes.len();
         let all_nodes = self.nodes.iter().copied().chain(nodes).collect();
         let all_blocks = self.blocks().iter().map(of_block).chain(blocks).collect();
         // Each was looked at where it is a process's own, and may have hanging nodes there.
         let mut mesh = Mesh::of_sound_cells(self.degree, all_nodes, all_blocks)?;
-        let ghost_cells = mesh.cell_count() - self.cell_count();
-        for facets in surfaces.values_mut() {
+        let ghost_cells = mesh.cell_count() - own;
+        let mut all_surfaces = known.surfaces;
+        for (name, mut facets) in surfaces {
             facets.sort_unstable();
             facets.dedup();
+            all_surfaces.insert(name, facets);
         }
+        let mut parts: BTreeMap<Facet, (Facet, PartCorners<D>)> = BTreeMap::new();
+        parts.extend(facet_parts.into_iter().map(|(small, large, at)| (small, (large, at))));
+        parts.extend(self.facet_parts().map(|(small, large, at)| (small, (large, *at))));
         let data = mesh.data_mut();
         data.facet_regions.clone_from(&self.facet_regions);
         data.cell_regions.clone_from(&self.cell_regions);
         let mut interior = data.interior_regions.remove(INTERIOR).unwrap_or_default();
-        data.interior_regions.clear();
-        if let Some(behind) = behind_facets {
+        data.interior_regions.clone_from(&self.interior_regions);
+        if let Some(behind) = &behind_facets {
+            interior.extend(parts.iter().map(|(small, (large, _))| [*small.min(large), *small.max(large)]));
             // The first side is of the cell with the lower number; copies come last.
-            let (own, end) = (self.cell_count() as u32, (self.cell_count() + behind) as u32);
-            interior
-                .extend(facet_parts.iter().map(|(small, large, _)| [*small.min(large), *small.max(large)]));
-            interior.retain(|[first, second]| first.cell < own && second.cell < end);
+            let is_own = |facet: &Facet| (facet.cell as usize) < own;
+            let is_behind = |facet: &Facet| is_own(facet) || behind.binary_search(&facet.cell).is_ok();
+            interior.retain(|[first, second]| is_own(first) && is_behind(second));
             interior.sort_unstable();
             data.interior_regions.insert(INTERIOR.to_owned(), interior);
         }
-        data.parts = FacetParts::new(facet_parts);
-        let hangs_outside = self.replicas().is_some_and(|replicas| replicas.hangs_outside);
-        let behind_facets = behind_facets.is_some();
-        let replicas = Replicas { ghost_cells, ghost_nodes, surfaces, behind_facets, shapes, hangs_outside };
-        data.extent = Extent::Piece(Box::new(replicas));
+        data.parts =
+            FacetParts::new(parts.into_iter().map(|(small, (large, at))| (small, large, at)).collect());
+        data.extent = Extent::Piece(Box::new(Replicas {
+            ghost_cells,
+            ghost_nodes,
+            surfaces: all_surfaces,
+            behind_facets: known.behind_facets || behind_facets.is_some(),
+            shapes,
+            hangs_outside: known.hangs_outside,
+        }));
         Ok(mesh)
     }
 
@@ -275,12 +288,12 @@ mod tests {
     fn facets_to_copies_are_interior() -> Result<(), MeshError> {
         let half = rectangle([0.0; 2], [1.0; 2], [2, 2], CellShape::Quadrilateral, 1)?;
         let cut = half.facet_region("right")?.to_vec();
-        let piece = half.into_piece(&cut, RegionNames { cells: &[], facets: &[] });
+        let piece = half.into_piece(&cut, RegionNames { cells: &[], facets: &["bottom".to_owned()] });
         let part = piece.with_ghost_cells(GhostCells {
             nodes: vec![[1.5, 0.0], [1.5, 0.5], [1.5, 1.0]],
             blocks: vec![(CellShape::Quadrilateral, vec![2, 9, 10, 5, 5, 10, 11, 8])],
             surfaces: BTreeMap::new(),
-            behind_facets: Some(2),
+            behind_facets: Some(vec![4, 5]),
             facet_parts: vec![],
             shapes: vec![CellShape::Quadrilateral],
         })?;
@@ -289,6 +302,19 @@ mod tests {
         let found: Vec<[u32; 2]> = part.interior_facets().iter().map(cells).collect();
         assert_eq!(found, [[0, 1], [0, 2], [1, 4], [1, 3], [2, 3], [3, 5]]);
         assert!(part.has_copies() && !piece.has_copies() && part.boundary_facets().len() == 6);
+        // Further copies come behind those, and change no interior facets.
+        let bottom = [Facet { cell: 0, local: 0 }, Facet { cell: 6, local: 0 }];
+        let more = part.with_ghost_cells(GhostCells {
+            nodes: vec![[2.0, 0.0], [2.0, 0.5]],
+            blocks: vec![(CellShape::Quadrilateral, vec![9, 12, 13, 10])],
+            surfaces: BTreeMap::from([("bottom".to_owned(), bottom.to_vec())]),
+            behind_facets: None,
+            facet_parts: vec![],
+            shapes: vec![CellShape::Quadrilateral],
+        })?;
+        assert_eq!(more.interior_facets(), part.interior_facets());
+        assert_eq!((more.body_cells(), more.ghost_cells(), more.body_nodes()), (0..4, 4..7, (9, 16)));
+        assert!(more.has_facets_between_pieces() && more.facets_of_surface("bottom")?.len() == 2);
         Ok(())
     }
 

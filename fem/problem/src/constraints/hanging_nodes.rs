@@ -4,33 +4,11 @@ use std::sync::Arc;
 
 use super::{Constraints, ConstraintsError};
 use crate::instantiate::instantiate;
-use crate::mesh::{Facet, Mesh, MeshError};
+use crate::mesh::{Facet, MeshError};
 use crate::space::{Scope, Space};
 
 /// Basis functions below this are zero except for rounding.
 const NOTHING: f64 = 1e-13;
-
-/// The body of each cell, by a number that its cells have in common: cells that share a vertex are of one body.
-fn bodies<const D: usize>(mesh: &Mesh<D>) -> Vec<u32> {
-    fn root(of: &mut [u32], mut vertex: u32) -> u32 {
-        while of[vertex as usize] != vertex {
-            let above = of[of[vertex as usize] as usize];
-            of[vertex as usize] = above;
-            vertex = above;
-        }
-        vertex
-    }
-    let mut of: Vec<u32> = (0..mesh.nodes().len() as u32).collect();
-    for cell in 0..mesh.cell_count() {
-        let vertices = mesh.cell_vertices(cell);
-        let first = root(&mut of, vertices[0]);
-        for vertex in &vertices[1..] {
-            let other = root(&mut of, *vertex);
-            of[other as usize] = first;
-        }
-    }
-    (0..mesh.cell_count()).map(|cell| root(&mut of, mesh.cell_vertices(cell)[0])).collect()
-}
 
 impl<const D: usize> Constraints<D> {
     /// Continuity of fields where coarse cells meet fine ones, in meshes of
@@ -42,14 +20,14 @@ impl<const D: usize> Constraints<D> {
     /// Conditions that prescribe values come afterwards. Where they prescribe all that an unknown on a small facet depends on, it
     /// interpolates these values, whatever is prescribed for itself.
     ///
-    /// Facets of bodies that share no vertex are not joined: such bodies touch and may part, as those of [`Mesh::of_bodies`].
+    /// Facets of bodies that share no vertex are not joined: such bodies touch and may part, as those of [`Mesh::of_bodies`](crate::mesh::Mesh::of_bodies).
     ///
     /// Such facets remain exterior ones: regions that shall not be integrated over on them, or prescribed, are named
     /// without them.
     ///
     /// # Errors
     /// [`ConstraintsError::NotContinuous`] for other than continuous spaces;
-    /// [`MeshError::NotNested`] for facets that lie on each other in part; [`MeshError::Piece`] on a part of a mesh after conditions that prescribe
+    /// [`MeshError::NotNested`] for facets of one body that lie on each other in part; [`MeshError::Piece`] on a part of a mesh after conditions that prescribe
     /// values, or of a mesh of other than trees;
     /// [`ConstraintsError::SeparateBodies`] where all that could be joined belongs to bodies that share no vertex;
     /// [`ConstraintsError::AlreadyGiven`] and [`ConstraintsError::Contradiction`] where earlier conditions say otherwise.
@@ -67,17 +45,15 @@ impl<const D: usize> Constraints<D> {
                 "call `join_hanging_nodes()` before them",
             )?;
         }
-        let (all, bodies) = (mesh.hanging_facets()?, bodies(mesh));
-        let is_of_one =
-            |[small, large]: &[Facet; 2]| bodies[small.cell as usize] == bodies[large.cell as usize];
-        if let Some(&facets) = all.first()
-            && !all.iter().any(is_of_one)
+        let facets = mesh.hanging_facets_of_bodies()?;
+        if facets.is_empty()
+            && let Some(&facets) = mesh.hanging_facets()?.first()
         {
             let position = mesh.cell_centre(facets[0].cell as usize).to_vec();
             return Err(ConstraintsError::SeparateBodies { facets, position });
         }
         let mut changed = self.clone();
-        for [small, large] in all.into_iter().filter(is_of_one) {
+        for [small, large] in facets {
             let place = format!("continuity at facet {} of cell {}", large.local, large.cell);
             changed.join(&place, small, large)?;
         }
