@@ -297,7 +297,7 @@ impl<const D: usize> UnitColumns<'_, D> {
         self.rates.columns.iter().map(|column| (column.node, column.of_cell))
     }
 
-    /// Makes the products, while blocks of some values, by their places and lengths, come from memory.
+    /// The products, made while blocks of some values, by their places and lengths, come from memory.
     pub fn multiply(&mut self, values: &[f64], blocks: &[[usize; 2]]) {
         let UnitColumns { rates, vectors, first, entries, instructions } = self;
         rates.multiply((vectors, *first, *entries), (values, blocks), *instructions);

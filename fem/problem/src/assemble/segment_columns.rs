@@ -61,7 +61,7 @@ pub(super) type ReceiveUnit<'r, const D: usize> =
     dyn FnMut(usize, &mut UnitColumns<D>) -> Result<(), AssemblyError> + 'r;
 
 impl<const D: usize> Motion<'_, D> {
-    /// What all integrals read together.
+    /// The inputs of all integrals together.
     pub fn requirements(&self) -> Requirements {
         let mut all = *self.terms[0].term.kernel.constants().requirements;
         for MovingTerm { term, .. } in self.terms {
@@ -93,7 +93,7 @@ impl<const D: usize> Motion<'_, D> {
         })
     }
 
-    /// The same unit by unit.
+    /// [`Motion::each_column`] unit by unit, with the products left to the receiver.
     ///
     /// # Errors
     /// As [`Motion::each_column`].

@@ -80,7 +80,7 @@ impl MovingTest<'_> {
 pub(in crate::assemble) struct MovingVectors<'a, const D: usize> {
     pub binding: &'a Binding<'a, D>,
     pub group: &'a Group<D>,
-    /// What all kernels read together.
+    /// The inputs of all kernels together.
     pub requirements: Requirements,
     pub tests: &'a [MovingTest<'a>],
 }
