@@ -140,6 +140,12 @@ impl<'a, L: SimdLane, const D: usize> Batch<'a, L, D> {
         &self.buffers.sides[side].further[element]
     }
 
+    /// The first functions of an element at the current point, with their second derivatives and means.
+    #[inline(always)]
+    pub fn functions(&self, side: usize, element: usize, count: usize) -> (&[Basis<L, D>], &[Further<L, D>]) {
+        (&self.basis(side, element)[..count], &self.further(side, element)[..count])
+    }
+
     /// The fields at the current point, as the kernel wants them.
     #[inline(always)]
     pub fn fields(&self) -> &[L] {

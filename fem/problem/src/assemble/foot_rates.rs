@@ -248,8 +248,13 @@ impl<const D: usize> Rates<D> {
     }
 
     /// Σ over the feet's coordinates c of ∂R/∂c ∂c/∂u, node after node, from ∂R/∂c of an element vector with a number of entries. They begin at a
-    /// place of a list, where as many numbers follow the last one as lanes may have.
-    pub fn multiply(&mut self, (vectors, place, entries): (&[f64], usize, usize), set: InstructionSet) {
+    /// place of a list, where as many numbers follow the last one as lanes may have. Meanwhile places of some values come from memory.
+    fn multiply(
+        &mut self,
+        (vectors, place, entries): (&[f64], usize, usize),
+        wanted: (&[f64], &[[usize; 2]]),
+        set: InstructionSet,
+    ) {
         let stride = entries.next_multiple_of(WIDEST);
         self.products.resize(self.columns.len() * D * stride, 0.0);
         let Rates { columns, rates, coordinates, products, .. } = self;
@@ -263,27 +268,50 @@ impl<const D: usize> Rates<D> {
             coordinates,
             products,
             stride,
+            wanted,
         });
     }
 
     /// The derivatives by the displacement of each node.
-    pub fn products(&self, entries: usize) -> impl Iterator<Item = MotionColumn<'_, D>> {
+    fn products(&self, entries: usize) -> impl Iterator<Item = MotionColumn<'_, D>> {
         let stride = entries.next_multiple_of(WIDEST);
         let of_columns = self.products.chunks_exact((D * stride).max(1));
-        self.columns.iter().zip(of_columns).map(move |(Column { node, of_cell, .. }, entries)| MotionColumn {
-            node: *node,
-            of_cell: *of_cell,
-            entries,
-            stride,
-        })
+        let of_node = move |(node, entries)| MotionColumn { node, entries, stride };
+        self.columns.iter().map(|column| column.node).zip(of_columns).map(of_node)
+    }
+}
+
+/// The columns of a unit: the nodes that move its feet, with the derivatives of its element vectors by their displacements.
+pub(super) struct UnitColumns<'a, const D: usize> {
+    pub rates: Rates<D>,
+    /// The derivatives of element vectors by feet, where those of the unit begin, and their number of entries.
+    pub vectors: &'a [f64],
+    pub first: usize,
+    pub entries: usize,
+    pub instructions: InstructionSet,
+}
+
+impl<const D: usize> UnitColumns<'_, D> {
+    /// Each node, and if it is one of the unit's two cells, the side and its place there.
+    pub fn nodes(&self) -> impl Iterator<Item = (u32, Option<[usize; 2]>)> {
+        self.rates.columns.iter().map(|column| (column.node, column.of_cell))
+    }
+
+    /// The products, made while blocks of some values, by their places and lengths, come from memory.
+    pub fn multiply(&mut self, values: &[f64], blocks: &[[usize; 2]]) {
+        let UnitColumns { rates, vectors, first, entries, instructions } = self;
+        rates.multiply((vectors, *first, *entries), (values, blocks), *instructions);
+    }
+
+    /// The products, in the order of the nodes.
+    pub fn products(&self) -> impl Iterator<Item = MotionColumn<'_, D>> {
+        self.rates.products(self.entries)
     }
 }
 
 /// The derivatives of an element vector by a node's displacement.
 pub(super) struct MotionColumn<'a, const D: usize> {
     pub node: u32,
-    /// Of a node of one of the unit's two cells, the side and its place there.
-    pub of_cell: Option<[usize; 2]>,
     /// Of each component all entries.
     entries: &'a [f64],
     stride: usize,
@@ -305,6 +333,8 @@ struct Products<'a, const D: usize> {
     coordinates: usize,
     products: &'a mut [f64],
     stride: usize,
+    /// Values that will be added to, and the places and lengths of their blocks.
+    wanted: (&'a [f64], &'a [[usize; 2]]),
 }
 
 impl<const D: usize> LaneWork for Products<'_, D> {
@@ -312,7 +342,13 @@ impl<const D: usize> LaneWork for Products<'_, D> {
 
     #[inline(always)]
     fn run<L: SimdLane>(self) {
-        let Products { by_feet, entries, columns, rates, coordinates, products, stride } = self;
+        let Products { by_feet, entries, columns, rates, coordinates, products, stride, wanted } = self;
+        let (values, blocks) = wanted;
+        for block in 0..blocks.len() {
+            let [first, length] = blocks[block];
+            L::prefetch(values, first);
+            L::prefetch(values, first + length - 1);
+        }
         for number in 0..columns.len() {
             let (start, end) = (columns[number].feet.start, columns[number].feet.end);
             let rates = &rates[number * coordinates..][..coordinates];

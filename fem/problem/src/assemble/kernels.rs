@@ -3,6 +3,7 @@
 //!
 //! A program compiles the loops of `element_loops` once, and of each of its forms only what is below these calls.
 
+use std::any::Any;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -14,15 +15,15 @@ use forms_core::contract::{
 use super::AssemblyError;
 use super::binding::Binding;
 use super::element_loops::matrices::{self, ElementMatrices, block_order};
-use super::element_loops::moving_points::{self, PointMotion};
+use super::element_loops::moving_points::{self, MovingVectors};
 use super::element_loops::piece_slopes;
 use super::element_loops::point_values::{self, ExpressionCalls, PointBuffers, PointValues, ReceivePoint};
 use super::element_loops::second_motion::{self, Twice};
 use super::element_loops::sink::{Buffered, Deliver, Sink};
 use super::element_loops::vectors::{self, ElementVectors};
-use super::element_loops::{BilinearCalls, Factors, LinearCalls};
+use super::element_loops::{BilinearCalls, Factors, LinearCalls, MovingCalls};
 use super::groups::Group;
-use crate::lanes::{Both, Moving, Order, SimdLane, with_lanes};
+use crate::lanes::{Both, Checked, Moving, Order, SimdLane, SimdSlope, with_lanes};
 
 /// This backend: kernels run in the lanes of the machine's instruction set.
 #[derive(Clone, Copy, Debug)]
@@ -118,27 +119,6 @@ impl<const D: usize> VectorKernel<D> {
         self.kernel.compute(task, &self.constants, entities, &mut Buffered::new(self.factor, deliver))
     }
 
-    /// The derivatives of the element vectors of a group whose points move, handed over in the same way.
-    ///
-    /// # Errors
-    /// Errors of the form's data, or of `deliver`.
-    pub(in crate::assemble) fn compute_moving(
-        &self,
-        task: &ElementVectors<D>,
-        moving: (PointMotion, Range<usize>),
-        deliver: Deliver,
-    ) -> Result<(), AssemblyError> {
-        if self.factor == 1.0 {
-            return self.kernel.compute_moving(task, &self.constants, moving, deliver);
-        }
-        let mut scaled = Vec::new();
-        self.kernel.compute_moving(task, &self.constants, moving, &mut |first, values| {
-            scaled.clear();
-            scaled.extend(values.iter().map(|value| self.factor * value));
-            deliver(first, &scaled)
-        })
-    }
-
     /// The first and second derivatives of the energies of a group's units by their feet, handed over in the same way.
     ///
     /// # Errors
@@ -174,6 +154,38 @@ impl<const D: usize> VectorKernel<D> {
     pub(in crate::assemble) fn factor(&self) -> f64 {
         self.factor
     }
+}
+
+/// The derivatives of the element vectors of a group whose points move, one kernel per test function, handed over as [`VectorKernel::compute`] does; nothing
+/// of kernels that do not slide.
+///
+/// # Errors
+/// Errors of the form's data, or of `deliver`.
+pub(in crate::assemble) fn compute_moving<const D: usize>(
+    kernels: &[&VectorKernel<D>],
+    task: &MovingVectors<D>,
+    range: Range<usize>,
+    deliver: Deliver,
+) -> Result<(), AssemblyError> {
+    with_lanes!(task.binding.instructions.checked(), L => match D {
+        2 => moving_in_lanes::<L, L, D>(kernels, task, range, deliver),
+        _ => moving_in_lanes::<L, Both<L>, D>(kernels, task, range, deliver),
+    })
+}
+
+fn moving_in_lanes<L: SimdLane, S: SimdSlope<L>, const D: usize>(
+    kernels: &[&VectorKernel<D>],
+    task: &MovingVectors<D>,
+    range: Range<usize>,
+    deliver: Deliver,
+) -> Result<(), AssemblyError> {
+    let set = task.binding.instructions.checked();
+    let calls_of = |kernel: &&VectorKernel<D>| {
+        let calls = Arc::clone(&kernel.kernel).moving_calls(set)?;
+        calls.downcast::<MovingCalls<L, S, D>>().ok().map(|calls| *calls)
+    };
+    let Some(mut calls) = kernels.iter().map(calls_of).collect::<Option<Vec<_>>>() else { return Ok(()) };
+    L::call(moving_points::Loops { task, calls: &mut calls, range, deliver })
 }
 
 impl<const D: usize> MatrixKernel<D> {
@@ -251,13 +263,9 @@ trait AnyLinearKernel<const D: usize>: Send + Sync {
         sink: &mut dyn Sink,
     ) -> Result<(), AssemblyError>;
 
-    fn compute_moving(
-        &self,
-        task: &ElementVectors<D>,
-        constants: &LinearConstants,
-        moving: (PointMotion, Range<usize>),
-        deliver: Deliver,
-    ) -> Result<(), AssemblyError>;
+    /// Its calls as [`MovingCalls`] of a set's lanes, along each coordinate of a facet. None of kernels whose points nothing moves: they are not
+    /// compiled once more.
+    fn moving_calls(self: Arc<Self>, set: Checked) -> Option<Box<dyn Any>>;
 
     fn compute_twice_moving(
         &self,
@@ -285,32 +293,25 @@ impl<K: LinearKernel<D>, const D: usize> AnyLinearKernel<D> for K {
         sink: &mut dyn Sink,
     ) -> Result<(), AssemblyError> {
         with_lanes!(task.binding.instructions.checked(), L => {
-            let calls = &mut LinearCalls::<K, L, D>::new(self);
+            let calls = &mut LinearCalls::<&K, L, D>::new(self);
             L::call(vectors::Loops { task, kernel, calls, order: None, range, buffers: None, sink })
         })
     }
 
-    fn compute_moving(
-        &self,
-        task: &ElementVectors<D>,
-        kernel: &LinearConstants,
-        (motion, range): (PointMotion, Range<usize>),
-        deliver: Deliver,
-    ) -> Result<(), AssemblyError> {
-        // Kernels whose points nothing moves are not compiled once more.
+    fn moving_calls(self: Arc<Self>, set: Checked) -> Option<Box<dyn Any>> {
         if const { K::SLIDES && D == 2 } {
-            return with_lanes!(task.binding.instructions.checked(), L => {
-                let calls = &mut LinearCalls::<K, Moving<L>, D>::new(self);
-                L::call(moving_points::Loops::<L, L, D> { task, kernel, calls, motion, range, deliver })
+            return with_lanes!(set, L => {
+                let calls = Box::new(LinearCalls::<Arc<K>, Moving<L>, D>::new(self));
+                Some(Box::new(MovingCalls::<L, L, D>(calls)))
             });
         }
         if const { K::SLIDES && D != 2 } {
-            return with_lanes!(task.binding.instructions.checked(), L => {
-                let calls = &mut LinearCalls::<K, Moving<L, Both<L>>, D>::new(self);
-                L::call(moving_points::Loops::<L, Both<L>, D> { task, kernel, calls, motion, range, deliver })
+            return with_lanes!(set, L => {
+                let calls = Box::new(LinearCalls::<Arc<K>, Moving<L, Both<L>>, D>::new(self));
+                Some(Box::new(MovingCalls::<L, Both<L>, D>(calls)))
             });
         }
-        Ok(())
+        None
     }
 
     fn compute_twice_moving(
@@ -322,7 +323,7 @@ impl<K: LinearKernel<D>, const D: usize> AnyLinearKernel<D> for K {
     ) -> Result<(), AssemblyError> {
         if const { K::OF_ENERGY } {
             return with_lanes!(task.binding.instructions.checked(), L => {
-                let calls = &mut LinearCalls::<K, Twice<L>, D>::new(self);
+                let calls = &mut LinearCalls::<&K, Twice<L>, D>::new(self);
                 L::call(second_motion::Loops { task, kernel, calls, range, deliver })
             });
         }
@@ -338,7 +339,7 @@ impl<K: LinearKernel<D>, const D: usize> AnyLinearKernel<D> for K {
     ) -> Result<(), AssemblyError> {
         if const { K::MOVED_BY_LEVEL_SET } {
             return with_lanes!(task.binding.instructions.checked(), L => {
-                let calls = &mut LinearCalls::<K, Moving<L>, D>::new(self);
+                let calls = &mut LinearCalls::<&K, Moving<L>, D>::new(self);
                 L::call(piece_slopes::Loops { task, kernel, calls, tests, range, deliver })
             });
         }

@@ -12,7 +12,8 @@ use super::groups::groups;
 use super::groups::own_facets::{facet_means, of_list};
 use super::kernels::MatrixKernel;
 use super::scatter::group_nodes::{GroupNodes, Reading, seen_places};
-use super::segment_tangent::{Motion, displacing_segments};
+use super::segment_columns::{Motion, MovingTerm};
+use super::segment_tangent::displacing_segments;
 use super::tangent::{TangentIntegrals, Target};
 use super::{AssemblyError, Parts};
 use crate::assemble::groups::degrees::Estimate;
@@ -153,7 +154,8 @@ impl<const D: usize> TangentIntegrals<'_, D> {
         let element = binding.constant_element()?;
         for term in form.means().iter().filter(|term| of_list(term.integral, number).is_some()) {
             let Some(displacing) = displacing_segments(form, term) else { continue };
-            let motion = Motion { binding, term, element, threads };
+            let terms = &[MovingTerm { term, element }];
+            let motion = Motion { binding, terms, threads };
             let kernel = term.kernel.constants();
             let groups =
                 groups(binding, term.integral, self.quadrature, &self.degrees, kernel.requirements, &[])?;
@@ -163,8 +165,8 @@ impl<const D: usize> TangentIntegrals<'_, D> {
                     let (Some(pairs), Some(means)) = (group.pairs(), &group.means) else { continue };
                     let space = self.trials[trial];
                     motion.each_column(
-                        (group, 0),
-                        PointMotion::ByFeet(&[0]),
+                        group,
+                        &[(0, PointMotion::ByFeet(&[0]))],
                         space,
                         &mut |unit, node, column| {
                             let key = (facets[&pairs.group.facets[unit][0]], means.weight);

@@ -44,6 +44,7 @@ mod means_tangent;
 pub(crate) mod projection;
 mod residual;
 mod scatter;
+mod segment_columns;
 mod segment_energy;
 mod segment_tangent;
 mod shared_work;

@@ -18,7 +18,8 @@ use super::element_loops::vectors::ElementVectors;
 use super::foot_rates::SeenNodes;
 use super::groups::{Group, groups};
 use super::scatter::group_nodes::{Reading, seen_places};
-use super::segment_tangent::{Motion, displacing_segments};
+use super::segment_columns::{Motion, MovingTerm};
+use super::segment_tangent::displacing_unknowns;
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::contract::Function;
 use crate::element::lagrange::MAXIMUM_NODES;
@@ -153,14 +154,7 @@ impl<const D: usize> Assembler<D> {
         matrix: &mut BlockMatrix,
     ) -> Result<(), AssemblyError> {
         for term in form.motion().iter().filter(|term| parts.contain(term.integral.dependence)) {
-            let Some(displacing) = displacing_segments(form, term) else { continue };
-            let trials: Vec<usize> = displacing
-                .iter()
-                .filter_map(|field| match form.fields()[*field].role {
-                    Role::Unknown(trial) => Some(trial),
-                    _ => None,
-                })
-                .collect();
+            let trials = displacing_unknowns(form, term);
             if trials.is_empty() {
                 continue;
             }
@@ -171,7 +165,8 @@ impl<const D: usize> Assembler<D> {
             let arguments = [(Role::Test(row), &**tests[row])];
             let (integral, requirements) = (term.integral, term.kernel.constants().requirements);
             for group in groups(&binding, integral, &self.quadrature, &degrees, requirements, &arguments)? {
-                let motion = self.motion(&binding, term, element);
+                let terms = &[MovingTerm { term, element }];
+                let motion = Motion { binding: &binding, terms, threads: self.threads };
                 let numbers = motion.energies_by_feet(&group)?;
                 for trial in &trials {
                     let spaces = [tests[row], unknowns[*trial].space];
@@ -196,7 +191,7 @@ impl<const D: usize> Motion<'_, D> {
         pattern: &BlockPattern<D>,
         matrix: &mut BlockMatrix,
     ) -> Result<(), AssemblyError> {
-        let Motion { binding, term, element, .. } = *self;
+        let (binding, MovingTerm { term, element }) = (self.binding, self.terms[0]);
         let (integral, constants) = (term.integral, term.kernel.constants());
         let degrees = binding.degrees(tests);
         let arguments = [(Role::Test(integral.test), &**columns)];
@@ -210,8 +205,8 @@ impl<const D: usize> Motion<'_, D> {
             let local = group.sides[side].facet.map(|(local, _)| local);
             let (values, zeros) = matrix.values_and_zero_rows();
             let (values, zeros) = (&mut values[blocks.values()], &mut zeros[zero_rows.clone()]);
-            let motion = PointMotion::ByFeet(&seen);
-            self.each_column((&group, side), motion, tests[row], &mut |unit, node, column| {
+            let motion = [(side, PointMotion::ByFeet(&seen))];
+            self.each_column(&group, &motion, tests[row], &mut |unit, node, column| {
                 let at = columns.nodes_at(group.sides[side].cells[unit], local);
                 zeros[node as usize] = false;
                 for (number, place) in seen.iter().enumerate() {
@@ -240,7 +235,7 @@ impl<const D: usize> Motion<'_, D> {
 
     /// The first and second derivatives of the energy of each unit by its feet.
     fn energies_by_feet(&self, group: &Group<D>) -> Result<Vec<f64>, AssemblyError> {
-        let Motion { binding, term, element, threads } = *self;
+        let (binding, threads, MovingTerm { term, element }) = (self.binding, self.threads, self.terms[0]);
         let task = ElementVectors { binding, group, cells: Cells::Mesh(binding.mesh), side: 0, element };
         let count = group.entities();
         let number = threads.count().min(count.div_ceil(64)).max(1);
@@ -269,7 +264,7 @@ impl<const D: usize> Motion<'_, D> {
         matrix: &mut BlockMatrix,
     ) -> Result<(), AssemblyError> {
         let Some(pairs) = group.pairs() else { return Ok(()) };
-        let (row, units) = (self.term.integral.test, group.entities());
+        let (row, units) = (self.terms[0].term.integral.test, group.entities());
         let blocks = pattern.sparsity().pair(row, trial);
         let (values, zeros) = matrix.values_and_zero_rows();
         let values = &mut values[blocks.values()];

@@ -2,32 +2,27 @@
 //! derivatives by the shape and by states, that of their integrand J is ∂J/∂c ∂c/∂T.
 //!
 //! `element_loops/moving_points.rs` has the first factor and `foot_rates.rs` the second one, which has entries for the nodes of the own facet and those
-//! of the facet that has the node.
+//! of the facet that has the node. `segment_columns.rs` multiplies them.
 
-use std::ops::Range;
 use std::sync::Arc;
 
-use forms_core::contract::{FieldSlot, Role, Term};
+use forms_core::contract::{Role, Term};
 
-use super::batch::Cells;
 use super::binding::{Binding, Values, pair_error};
 use super::element_loops::moving_points::PointMotion;
-use super::element_loops::vectors::ElementVectors;
-use super::foot_rates::{FunctionsAtFeet, MotionColumn, Rates};
 use super::groups::{Group, groups};
 use super::kernels::VectorKernel;
 use super::scatter::group_nodes::{Reading, seen_places};
 use super::scatter::motion_blocks::MotionBlocks;
+use super::segment_columns::{Motion, MovingTerm};
 use super::{Assembler, AssemblyError, BlockPattern, Parts};
 use crate::contract::Function;
 use crate::field::FieldView;
 use crate::instantiate::instantiate;
-use crate::lanes::WIDEST;
 use crate::linear_algebra::BlockMatrix;
 use crate::pairs::PairError;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
-use crate::threads::Threads;
 
 /// Whether a form has integrals over moving segments.
 pub(super) fn has_segments<const D: usize>(form: &Function<D>) -> bool {
@@ -41,6 +36,18 @@ pub(super) fn displacing_segments<const D: usize>(
 ) -> Option<&'static [usize]> {
     let region = &form.inputs().regions[term.integral.region];
     term.integral.displacement.filter(|by| region.is_on_moving_segments(Some(by)))
+}
+
+/// The unknowns that displace the moving segments of a term.
+pub(super) fn displacing_unknowns<const D: usize>(
+    form: &Function<D>,
+    term: &Term<VectorKernel<D>>,
+) -> Vec<usize> {
+    let unknown = |field: &usize| match form.fields()[*field].role {
+        Role::Unknown(trial) => Some(trial),
+        _ => None,
+    };
+    displacing_segments(form, term).unwrap_or_default().iter().filter_map(unknown).collect()
 }
 
 impl<const D: usize> Assembler<D> {
@@ -57,18 +64,28 @@ impl<const D: usize> Assembler<D> {
         pattern: &BlockPattern<D>,
         matrix: &mut BlockMatrix,
     ) -> Result<(), AssemblyError> {
-        for term in form.residual().iter().filter(|term| parts.contain(term.integral.dependence)) {
-            let Some(displacing) = displacing_segments(form, term) else { continue };
+        let moves = |term: &&Term<VectorKernel<D>>| {
+            parts.contain(term.integral.dependence) && displacing_segments(form, term).is_some()
+        };
+        let moving: Vec<_> = form.residual().iter().filter(moves).collect();
+        if !moving.is_empty() {
             let mut binding = self.bind(form, unknowns)?;
-            let element = binding.element(tests[term.integral.test]);
-            for field in displacing {
-                if let Role::Unknown(trial) = binding.fields[*field].role {
-                    let motion = self.motion(&binding, term, element);
+            let mut terms = Vec::new();
+            for term in moving {
+                terms.push(MovingTerm { term, element: binding.element(tests[term.integral.test]) });
+            }
+            for terms in terms.chunk_by(|first, second| first.has_points_of(second)) {
+                for trial in displacing_unknowns(form, terms[0].term) {
+                    let motion = Motion { binding: &binding, terms, threads: self.threads };
                     motion.add((trial, unknowns[trial].space, tests), &self.quadrature, pattern, matrix)?;
-                    if term.kernel.constants().requirements.varies_energy {
-                        let space = unknowns[term.integral.test].space;
-                        let element = binding.element(space);
-                        let motion = self.motion(&binding, term, element);
+                }
+            }
+            for MovingTerm { term, .. } in terms {
+                if term.kernel.constants().requirements.varies_energy {
+                    let space = unknowns[term.integral.test].space;
+                    let terms = &[MovingTerm { term, element: binding.element(space) }];
+                    for trial in displacing_unknowns(form, term) {
+                        let motion = Motion { binding: &binding, terms, threads: self.threads };
                         motion.add_transposed((trial, space, tests), &self.quadrature, pattern, matrix)?;
                     }
                 }
@@ -105,8 +122,10 @@ impl<const D: usize> Assembler<D> {
             let arguments = [(Role::Test(integral.test), &**test)];
             for group in groups(&binding, integral, &self.quadrature, &degrees, requirements, &arguments)? {
                 check_covers(&binding, term, &group)?;
-                let motion = self.motion(&binding, term, element);
-                motion.each_column((&group, 0), PointMotion::OfIntegrand, test, &mut |_, node, column| {
+                let terms = &[MovingTerm { term, element }];
+                let motion = Motion { binding: &binding, terms, threads: self.threads };
+                let integrand = [(0, PointMotion::OfIntegrand)];
+                motion.each_column(&group, &integrand, test, &mut |_, node, column| {
                     let entries = &mut vector[node as usize * D..][..D];
                     column.of(0).iter().zip(entries).for_each(|(rate, entry)| *entry += rate);
                     Ok(())
@@ -114,15 +133,6 @@ impl<const D: usize> Assembler<D> {
             }
         }
         Ok(())
-    }
-
-    pub(super) fn motion<'a>(
-        &self,
-        binding: &'a Binding<'a, D>,
-        term: &'a Term<VectorKernel<D>>,
-        element: usize,
-    ) -> Motion<'a, D> {
-        Motion { binding, term, element, threads: self.threads }
     }
 }
 
@@ -143,18 +153,20 @@ fn check_covers<const D: usize>(
     Ok(())
 }
 
-/// One term's segments, whose points move.
-pub(super) struct Motion<'a, const D: usize> {
-    pub binding: &'a Binding<'a, D>,
-    pub term: &'a Term<VectorKernel<D>>,
-    /// That of the test function.
-    pub element: usize,
-    pub threads: Threads,
+/// The rows of one integral's test functions on a group.
+struct TestRows<'a, const D: usize> {
+    test: &'a Space<D>,
+    side: usize,
+    local: Option<u8>,
+    /// The places of the functions that are seen.
+    seen: &'a [usize],
+    /// Components of a function.
+    height: usize,
+    /// The starts of the pair of spaces among the values and rows of the matrix.
+    starts: [usize; 2],
+    places: MotionBlocks<'a>,
+    missing: [&'static str; 2],
 }
-
-/// Takes a unit, a node of the space that displaces it, and the column of that node.
-pub(super) type ReceiveColumn<'r, const D: usize> =
-    dyn FnMut(usize, u32, &MotionColumn<D>) -> Result<(), AssemblyError> + 'r;
 
 impl<const D: usize> Motion<'_, D> {
     fn add(
@@ -164,129 +176,93 @@ impl<const D: usize> Motion<'_, D> {
         pattern: &BlockPattern<D>,
         matrix: &mut BlockMatrix,
     ) -> Result<(), AssemblyError> {
-        let Motion { binding, term, element, .. } = *self;
-        let (integral, constants) = (term.integral, term.kernel.constants());
-        let (test, form) = (tests[integral.test], binding.name);
-        let missing = || AssemblyError::Pattern {
-            form,
-            test: binding.name_of(Role::Test(integral.test)),
-            trial: binding.name_of(Role::Unknown(trial)),
-        };
+        let Motion { binding, terms, .. } = *self;
+        let (integral, requirements) = (terms[0].term.integral, self.requirements());
         let degrees = binding.degrees(tests);
-        let arguments = [(Role::Test(integral.test), &**test)];
-        let blocks = pattern.sparsity().pair(integral.test, trial);
-        let rows = pattern.sparsity().pair_rows(integral.test, trial);
-        let (height, [reading, _]) = (constants.components, Reading::of_arguments(constants.requirements));
-        for group in groups(binding, integral, quadrature, &degrees, constants.requirements, &arguments)? {
-            let side = group.side(form, integral.test_side)?;
-            let nodes = group.sides[side].elements[element].nodes;
-            let seen = seen_places(&group, side, test, reading).unwrap_or_else(|| (0..nodes).collect());
-            let local = group.sides[side].facet.map(|(local, _)| local);
+        let number_of = |moving: &MovingTerm<D>| moving.term.integral.test;
+        let arguments: Vec<(Role, &Space<D>)> =
+            terms.iter().map(|moving| (Role::Test(number_of(moving)), &**tests[number_of(moving)])).collect();
+        let blocks: Vec<_> =
+            terms.iter().map(|moving| pattern.sparsity().pair(number_of(moving), trial)).collect();
+        for group in groups(binding, integral, quadrature, &degrees, &requirements, &arguments)? {
+            let (mut sides, mut all_seen) = (Vec::new(), Vec::new());
+            for MovingTerm { term, element } in terms {
+                let [reading, _] = Reading::of_arguments(term.kernel.constants().requirements);
+                let side = group.side(binding.name, term.integral.test_side)?;
+                let nodes = group.sides[side].elements[*element].nodes;
+                let seen = seen_places(&group, side, tests[term.integral.test], reading);
+                sides.push((side, reading));
+                all_seen.push(seen.unwrap_or_else(|| (0..nodes).collect()));
+            }
+            let mut rows = Vec::new();
+            for (number, MovingTerm { term, .. }) in terms.iter().enumerate() {
+                let ((side, reading), seen) = (sides[number], &all_seen[number][..]);
+                let numbers = [term.integral.test, trial];
+                let test = &**tests[numbers[0]];
+                let of_tests = (test, side, seen, reading);
+                rows.push(TestRows {
+                    test,
+                    side,
+                    local: group.sides[side].facet.map(|(local, _)| local),
+                    seen,
+                    height: term.kernel.constants().components,
+                    starts: [
+                        blocks[number].values().start,
+                        pattern.sparsity().pair_rows(numbers[0], trial).start,
+                    ],
+                    places: MotionBlocks::new(pattern, (blocks[number], numbers), &group, of_tests, trials),
+                    missing: [Role::Test(numbers[0]), Role::Unknown(trial)].map(|role| binding.name_of(role)),
+                });
+            }
+            let motions: Vec<(usize, PointMotion)> =
+                rows.iter().map(|rows| (rows.side, PointMotion::ByFeet(rows.seen))).collect();
             let (values, zeros) = matrix.values_and_zero_rows();
-            let (values, zeros) = (&mut values[blocks.values()], &mut zeros[rows.clone()]);
-            let motion = PointMotion::ByFeet(&seen);
-            let of_tests = (&**test, side, &seen[..], reading);
-            let numbers = [integral.test, trial];
-            let places = MotionBlocks::new(pattern, (blocks, numbers), &group, of_tests, trials);
-            self.each_column((&group, side), motion, trials, &mut |unit, node, column| {
-                let at = test.nodes_at(group.sides[side].cells[unit], local);
-                for (number, place) in seen.iter().enumerate() {
-                    let row = at[*place] as usize;
-                    let place = places.place((unit, number, row), (node, column.of_cell));
-                    let first = place.ok_or_else(missing)? * height * D;
-                    zeros[row] = false;
-                    for (component, entries) in values[first..][..height * D].chunks_exact_mut(D).enumerate()
+            let mut starts = Vec::new();
+            self.each_unit(&group, &motions, trials, &mut |unit, columns| {
+                // First all places, so that the blocks come from memory while products are made.
+                starts.clear();
+                for (node, of_cell) in columns.nodes() {
+                    for TestRows {
+                        test,
+                        side,
+                        local,
+                        seen,
+                        height,
+                        starts: [first, rows],
+                        places,
+                        missing,
+                    } in &rows
                     {
-                        let rates = column.of(number * height + component);
-                        (0..D).for_each(|k| entries[k] += rates[k]);
+                        let at = test.nodes_at(group.sides[*side].cells[unit], *local);
+                        for (number, place) in seen.iter().enumerate() {
+                            let row = at[*place] as usize;
+                            let place = places.place((unit, number, row), (node, of_cell));
+                            let place = place.ok_or_else(|| {
+                                let [test, trial] = *missing;
+                                AssemblyError::Pattern { form: binding.name, test, trial }
+                            })?;
+                            zeros[rows + row] = false;
+                            starts.push([first + place * height * D, height * D]);
+                        }
+                    }
+                }
+                columns.multiply(values, &starts);
+                let mut starts = starts.iter();
+                for column in columns.products() {
+                    let mut entry = 0;
+                    while entry < columns.entries {
+                        let Some([start, length]) = starts.next() else { break };
+                        for entries in values[*start..][..*length].chunks_exact_mut(D) {
+                            let rates = column.of(entry);
+                            (0..D).for_each(|k| entries[k] += rates[k]);
+                            entry += 1;
+                        }
                     }
                 }
                 Ok(())
             })?;
         }
         Ok(())
-    }
-
-    /// The columns of all units of a group, handed over one after the other.
-    ///
-    /// # Errors
-    /// As [`Assembler::add_motion_of_segments`], and those of `receive`.
-    pub fn each_column(
-        &self,
-        (group, side): (&Group<D>, usize),
-        motion: PointMotion,
-        space: &Space<D>,
-        receive: &mut ReceiveColumn<D>,
-    ) -> Result<(), AssemblyError> {
-        let Some(pairs) = group.pairs() else { return Ok(()) };
-        let vectors = self.vectors_by_feet(group, side, motion)?;
-        let (units, instructions) = (group.entities(), self.binding.instructions);
-        let length = (vectors.len() - WIDEST) / units.max(1);
-        let entries = length / pairs.group.motion.coordinates(units).max(1);
-        let (own, mut rates) = (FunctionsAtFeet::new(&pairs.group, space, instructions), Rates::default());
-        for unit in 0..units {
-            rates.take(&pairs.group, unit, &own, space);
-            rates.multiply((&vectors, unit * length, entries), instructions);
-            for column in rates.products(entries) {
-                receive(unit, column.node, &column)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// The derivatives of the element vectors of a group by the feet of their segments, unit after unit, with as many zeros behind them as lanes may have.
-    fn vectors_by_feet(
-        &self,
-        group: &Group<D>,
-        side: usize,
-        motion: PointMotion,
-    ) -> Result<Vec<f64>, AssemblyError> {
-        let Motion { binding, term, element, threads } = *self;
-        let cells = Cells::Mesh(binding.mesh);
-        let task = ElementVectors { binding, group, cells, side, element };
-        let count = group.entities();
-        let number = threads.count().min(count.div_ceil(64)).max(1);
-        let parts = (0..number).map(|part| part * count / number..(part + 1) * count / number).collect();
-        let found = threads.run(parts, |units: Range<usize>| {
-            let mut vectors: Vec<f64> = Vec::new();
-            let moving = (motion, units);
-            term.kernel.compute_moving(&task, moving, &mut |_, some| {
-                vectors.extend_from_slice(some);
-                Ok(())
-            })?;
-            Ok(vectors)
-        });
-        let mut vectors: Vec<f64> = Vec::new();
-        for part in found {
-            match part? {
-                first if vectors.is_empty() => vectors = first,
-                later => vectors.extend(later),
-            }
-        }
-        vectors.resize(vectors.len() + WIDEST, 0.0);
-        match vectors.iter().all(|value| value.is_finite()) {
-            true => Ok(vectors),
-            false => Err(self.no_gradient()),
-        }
-    }
-
-    #[cold]
-    fn no_gradient(&self) -> AssemblyError {
-        let field = self.without_derivatives();
-        self.refused(PairError::NoGradient { field })
-    }
-
-    /// The name of something that is read at the points and has too few derivatives.
-    pub fn without_derivatives(&self) -> &'static str {
-        let Motion { binding, term, .. } = *self;
-        let without = |slot: &&FieldSlot| matches!(binding.values[slot.field], Values::Function { .. });
-        let slots = term.kernel.constants().requirements.fields;
-        slots.iter().find(without).map_or("external function", |slot| binding.fields[slot.field].name)
-    }
-
-    pub fn refused(&self, source: PairError) -> AssemblyError {
-        let Motion { binding, term, .. } = *self;
-        pair_error(binding.name, &binding.regions[term.integral.region], source)
     }
 }
 

@@ -134,6 +134,17 @@ pub(super) struct Found<const D: usize> {
 /// The index of the opposite facet of a pair that has its unit.
 const TAKEN: usize = usize::MAX;
 
+/// Own facets after which room is made for the next ones, and the largest factor by which a list grows then.
+const FIRST_GUESS: usize = 32;
+const GROWTH: usize = 8;
+
+/// Room in a list for a multiple of its length and an eighth, unless it has room for twice its length.
+fn grow<T>(list: &mut Vec<T>, times: usize) {
+    if list.capacity() < 2 * list.len() {
+        list.reserve_exact(list.len() * times.max(1) - list.len() + list.len() / 8);
+    }
+}
+
 /// Room for what is computed of one own facet.
 #[derive(Debug, Default)]
 pub(super) struct Room<const D: usize> {
@@ -156,6 +167,20 @@ impl<const D: usize> Found<D> {
             counts: Vec::with_capacity(facets),
             remade: vec![],
         }
+    }
+
+    /// Room for what the next own facets may have as those did that are done: lists that grow by doubling would be copied once more.
+    pub fn make_room(&mut self, done: usize, facets: usize) {
+        if done < FIRST_GUESS || !done.is_power_of_two() {
+            return;
+        }
+        let times = (facets / done).min(GROWTH);
+        let [slopes, further] = &mut self.slopes;
+        for list in [&mut self.points, slopes, further, &mut self.bends, &mut self.shares] {
+            grow(list, times);
+        }
+        grow(&mut self.feet, times);
+        grow(&mut self.units, times);
     }
 
     /// Beginning of one more own facet.

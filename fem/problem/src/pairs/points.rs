@@ -32,7 +32,8 @@ impl<const D: usize> LaneWork for OfFacets<'_, '_, '_, D> {
         let mut found = Found::with_room(facets.len(), points);
         if search.places == PlacesOfPoints::Segments {
             let mut room = SegmentRoom::default();
-            for index in facets {
+            for (done, index) in facets.clone().enumerate() {
+                found.make_room(done, facets.len());
                 found.begin();
                 search.add_segments_of::<L>(index, &mut found, &mut room)?;
             }

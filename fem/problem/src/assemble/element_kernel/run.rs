@@ -68,7 +68,7 @@ pub(super) fn run_vectors<K: LinearKernel<D>, const D: usize>(
     let (task, order, range, sink) = (&task, Some(&tables.orders[2]), 0..cells.count, &mut sink);
     with_lanes!(tables.instructions, L => {
         let mut known = recall::<VectorBuffers<L, D>>(memory);
-        let (buffers, calls) = (Some(&mut *known), &mut LinearCalls::<K, L, D>::new(kernel));
+        let (buffers, calls) = (Some(&mut *known), &mut LinearCalls::<&K, L, D>::new(kernel));
         let done = L::call(vectors::Loops { task, kernel: constants, calls, order, range, buffers, sink });
         *memory = Some(known);
         done

@@ -16,5 +16,5 @@ pub(super) mod second_motion;
 pub(super) mod vectors;
 
 pub(super) use bilinear_calls::{BilinearCalls, Factors};
-pub(super) use linear_calls::LinearCalls;
+pub(super) use linear_calls::{LinearCalls, MovingCalls};
 pub(super) use node_pairs::{NodePairs, no_products};

@@ -5,21 +5,25 @@
 //! ```text
 //! ∂/∂c Σ W ρ(s) = Σ W (ρ,_α ∂s^α/∂c + ρ ∂W/∂c / W)
 //! ```
+//!
+//! Integrals at the same points, as of the test functions of both sides, have them in common: geometry, basis functions and fields are evaluated once.
 
 // Closures and iterator adaptors do not inherit a caller's target features: loops over lane values are plain.
 #![allow(clippy::needless_range_loop)]
 
 use std::ops::Range;
 
-use forms_core::contract::{Basis, Further, Lane, LinearConstants};
+use forms_core::contract::{Basis, Further, Lane, LinearConstants, Requirements};
 
-use super::linear_calls::{VectorCall, VectorCalls};
+use super::MovingCalls;
+use super::linear_calls::{VectorCall, values_at_point};
 use super::sink::Deliver;
-use super::vectors::ElementVectors;
 #[cfg(not(test))]
 use super::{piece_slopes, second_motion};
 use crate::assemble::AssemblyError;
-use crate::assemble::batch::{ArgumentBasis, Batch, BatchBuffers};
+use crate::assemble::batch::{ArgumentBasis, Batch, BatchBuffers, Cells};
+use crate::assemble::binding::Binding;
+use crate::assemble::groups::Group;
 use crate::assemble::scatter::group_nodes::Reading;
 use crate::instantiate::instantiate;
 #[cfg(not(test))]
@@ -35,12 +39,58 @@ pub enum PointMotion<'a> {
     OfIntegrand,
 }
 
-/// The loops over the batches of a range: derivatives of the element vectors of its entities, in their order.
-pub(in crate::assemble) struct Loops<'a, 'd, 'c, L, S, const D: usize> {
-    pub task: &'a ElementVectors<'d, D>,
-    pub kernel: &'a LinearConstants,
-    pub calls: &'a mut dyn VectorCalls<Moving<L, S>, D>,
+/// A linear kernel whose points move, with its test function.
+#[derive(Clone, Copy)]
+pub(in crate::assemble) struct MovingTest<'a> {
+    pub kernel: LinearConstants,
+    /// The factor of the kernel's values.
+    pub factor: f64,
     pub motion: PointMotion<'a>,
+    /// The side on which the test function lives.
+    pub side: usize,
+    /// Its element, by index into the binding's.
+    pub element: usize,
+}
+
+impl MovingTest<'_> {
+    /// The places of the test functions that count.
+    #[inline(always)]
+    fn places(&self) -> &[usize] {
+        match self.motion {
+            PointMotion::ByFeet(places) => places,
+            PointMotion::OfIntegrand => &[0],
+        }
+    }
+
+    /// Numbers of its vector.
+    #[inline(always)]
+    pub fn size(&self) -> usize {
+        self.places().len() * self.kernel.components
+    }
+
+    fn argument(&self) -> Option<ArgumentBasis> {
+        let (MovingTest { side, element, .. }, requirements) = (*self, self.kernel.requirements);
+        let [reading, _] = Reading::of_arguments(requirements);
+        let basis = ArgumentBasis { side, element, reading, mean: requirements.test_mean };
+        (self.motion != PointMotion::OfIntegrand).then_some(basis)
+    }
+}
+
+/// The inputs of kernels that have their points in common.
+pub(in crate::assemble) struct MovingVectors<'a, const D: usize> {
+    pub binding: &'a Binding<'a, D>,
+    pub group: &'a Group<D>,
+    /// The inputs of all kernels together.
+    pub requirements: Requirements,
+    pub tests: &'a [MovingTest<'a>],
+}
+
+/// The loops over the batches of a range: derivatives of the element vectors of its entities, in their order. By each coordinate of a foot an entity
+/// has the vectors of all kernels, one after the other.
+pub(in crate::assemble) struct Loops<'a, 'd, 'c, L, S, const D: usize> {
+    pub task: &'a MovingVectors<'d, D>,
+    /// Those of each test function's kernel.
+    pub calls: &'a mut [MovingCalls<L, S, D>],
     pub range: Range<usize>,
     pub deliver: Deliver<'c>,
 }
@@ -50,69 +100,59 @@ impl<L: SimdLane, S: SimdSlope<L>, const D: usize> SharedWork<L> for Loops<'_, '
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let Loops { task, kernel, calls, motion, range, deliver } = self;
-        let ElementVectors { group, side, element, .. } = *task;
+        let Loops { task, calls, range, deliver } = self;
+        let MovingVectors { binding, group, requirements, tests } = *task;
         // No segments, no feet.
         let Some(moving) = group.pairs().map(|pairs| &pairs.group.motion) else { return Ok(()) };
         let (vectors_each, directions) = (moving.coordinates(group.entities()), D - 1);
-        let (of_integrand, places) = match motion {
-            PointMotion::ByFeet(places) => (false, places),
-            PointMotion::OfIntegrand => (true, &[0][..]),
-        };
-        let (nodes, zero) = (if of_integrand { 1 } else { task.nodes() }, L::splat(0.0));
         let unit = Basis { value: Moving::splat(1.0), gradient: [Moving::splat(0.0); D] };
-        let (components, size) = (kernel.components, places.len() * kernel.components);
-        let requirements = *kernel.requirements;
-        let [reading, _] = Reading::of_arguments(&requirements);
-        let own = [ArgumentBasis { side, element, reading, mean: requirements.test_mean }];
-        let arguments = if of_integrand { &[][..] } else { &own };
+        let arguments: Vec<ArgumentBasis> = tests.iter().filter_map(MovingTest::argument).collect();
         let mut buffers = BatchBuffers::<Moving<L, S>, D>::default();
-        let mut batch = Batch::new(task.binding, group, task.cells, requirements, arguments, &mut buffers)?;
-        let nothing = Moving::<L, S>::splat(0.0);
-        let stride = vectors_each * size;
-        let (mut at_point, mut sums) = (vec![nothing; nodes * components], vec![zero; stride]);
+        let cells = Cells::Mesh(binding.mesh);
+        let mut batch = Batch::new(binding, group, cells, requirements, &arguments, &mut buffers)?;
+        let size: usize = tests.iter().map(MovingTest::size).sum();
+        let (zero, stride) = (L::splat(0.0), vectors_each * size);
+        let (mut at_point, mut sums) = (vec![], vec![zero; stride]);
         let (mut values, mut slopes) = (vec![zero; size], vec![zero; directions.max(S::DIRECTIONS) * size]);
         let mut vectors = vec![0.0; L::WIDTH * stride];
         let mut start = range.start;
         while start < range.end {
             let filled = L::WIDTH.min(range.end - start);
-            calls.call(&mut VectorCall::Cell(&batch.load(start, filled)));
+            let geometry = batch.load(start, filled);
+            for t in 0..tests.len() {
+                calls[t].0.call(&mut VectorCall::Cell(&geometry));
+            }
             for k in 0..stride {
                 sums[k] = zero;
             }
             for q in 0..group.points() {
                 for first in (0..directions).step_by(S::DIRECTIONS) {
-                    for k in 0..nodes * components {
-                        at_point[k] = nothing;
-                    }
                     batch.move_along(first);
                     batch.point(q)?;
-                    let (geometry, fields) = (batch.geometry(), batch.fields());
-                    let (basis, further) = match of_integrand {
-                        true => (&[unit][..], &[Further::none()][..]),
-                        false => {
-                            (&batch.basis(side, element)[..nodes], &batch.further(side, element)[..nodes])
-                        }
-                    };
-                    let target = &mut at_point[..];
-                    calls.call(&mut VectorCall::Point {
-                        geometry,
-                        fields,
-                        basis,
-                        further,
-                        target,
-                        stride: 1,
-                    });
-                    for i in 0..places.len() {
-                        for component in 0..components {
-                            let Moving { value, slope } = at_point[places[i] * components + component];
-                            let k = i * components + component;
-                            // The same in all directions.
-                            values[k] = value;
-                            for direction in 0..S::DIRECTIONS {
-                                slopes[(first + direction) * size + k] = slope.along(direction);
+                    let mut before = 0;
+                    for t in 0..tests.len() {
+                        let MovingTest { side, element, motion, .. } = tests[t];
+                        let functions = match motion {
+                            PointMotion::OfIntegrand => (&[unit][..], &[Further::none()][..]),
+                            PointMotion::ByFeet(_) => {
+                                batch.functions(side, element, group.sides[side].elements[element].nodes)
+                            }
+                        };
+                        let (places, components) = (tests[t].places(), tests[t].kernel.components);
+                        at_point.resize(functions.0.len() * components, Moving::splat(0.0));
+                        values_at_point(&mut *calls[t].0, &batch, functions, &mut at_point);
+                        for i in 0..places.len() {
+                            for component in 0..components {
+                                let Moving { value, slope } = at_point[places[i] * components + component];
+                                let k = before + i * components + component;
+                                // The same in all directions.
+                                values[k] = value;
+                                for direction in 0..S::DIRECTIONS {
+                                    slopes[(first + direction) * size + k] = slope.along(direction);
+                                }
                             }
                         }
+                        before += places.len() * components;
                     }
                 }
                 let mut first = [0; WIDEST];
@@ -136,6 +176,18 @@ impl<L: SimdLane, S: SimdSlope<L>, const D: usize> SharedWork<L> for Loops<'_, '
                         sums[k] = sum;
                     }
                 }
+            }
+            let mut before = 0;
+            for t in 0..tests.len() {
+                let (own, factor) = (tests[t].size(), tests[t].factor);
+                if factor != 1.0 {
+                    for number in 0..vectors_each {
+                        for k in number * size + before..number * size + before + own {
+                            sums[k] = sums[k] * L::splat(factor);
+                        }
+                    }
+                }
+                before += own;
             }
             L::call(Transposition { source: &sums[..], filled, target: &mut vectors, stride });
             deliver(start, &vectors[..filled * stride])?;

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use forms_core::contract::LinearConstants;
 
-use super::linear_calls::{VectorCall, VectorCalls};
+use super::linear_calls::{VectorCall, VectorCalls, values_at_point};
 use super::sink::Deliver;
 use super::vectors::ElementVectors;
 use crate::assemble::AssemblyError;
@@ -69,23 +69,10 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
             for q in 0..group.points() {
                 let own = &mut slopes[q * numbers..][..numbers];
                 for number in (0..numbers).filter(|number| *number != D) {
-                    for k in 0..size {
-                        at_point[k] = nothing;
-                    }
                     batch.move_along(number);
                     batch.point(q)?;
-                    let (geometry, fields) = (batch.geometry(), batch.fields());
-                    let basis = &batch.basis(side, element)[..nodes];
-                    let further = &batch.further(side, element)[..nodes];
-                    let target = &mut at_point[..];
-                    calls.call(&mut VectorCall::Point {
-                        geometry,
-                        fields,
-                        basis,
-                        further,
-                        target,
-                        stride: 1,
-                    });
+                    let functions = batch.functions(side, element, nodes);
+                    values_at_point(calls, &batch, functions, &mut at_point);
                     let (mut slope, mut value) = (zero, zero);
                     for k in 0..size {
                         slope = at_point[k].slope.multiply_add(test[k], slope);

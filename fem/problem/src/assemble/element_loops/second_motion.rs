@@ -14,7 +14,7 @@ use std::ops::Range;
 
 use forms_core::contract::{Basis, Further, Lane, LinearConstants};
 
-use super::linear_calls::{VectorCall, VectorCalls};
+use super::linear_calls::{VectorCall, VectorCalls, values_at_point};
 use super::sink::Deliver;
 use super::vectors::ElementVectors;
 use crate::assemble::AssemblyError;
@@ -58,14 +58,8 @@ impl<L: SimdLane, const D: usize> SharedWork<L> for Loops<'_, '_, '_, L, D> {
                 sums[k] = zero;
             }
             for q in 0..group.points() {
-                for k in 0..kernel.components {
-                    at_point[k] = nothing;
-                }
                 batch.point(q)?;
-                let (geometry, fields) = (batch.geometry(), batch.fields());
-                let (basis, further) = (&[unit][..], &[Further::none()][..]);
-                let target = &mut at_point[..];
-                calls.call(&mut VectorCall::Point { geometry, fields, basis, further, target, stride: 1 });
+                values_at_point(calls, &batch, (&[unit], &[Further::none()]), &mut at_point);
                 // The test function's first component has the density.
                 let Moving { value, slope } = at_point[0];
                 let (density, first, second) = (value.value, value.slope, slope.slope);
