@@ -17,7 +17,7 @@ COUNTS = [
     ("#[inline(never)]", r"#\[inline\(never\)\]", False, 274),
     ("instantiate! blocks", r"^\s*instantiate!\(", False, 98),
 ]
-LINES = [("lines of Rust without tests", False, 192_200), ("lines of Rust", True, 268_000)]
+LINES = [("lines of Rust without tests", False, 193_000), ("lines of Rust", True, 268_900)]
 
 
 def sources():
