@@ -27,8 +27,8 @@ impl<const D: usize> MeshPart<'_, D> {
     /// This part with some surfaces whole on each process, for contact pairs between them, periodic conditions and rigid bodies: a [`Pairing`]
     /// or a relation between unknowns may have these surfaces, and facets that are named within them. Each process has copies of all cells at the surfaces ([`MeshPart::ghost_cells`]) with their unknowns.
     /// All else is of the process's own cells: integrals over cells, facets and own facets of pairs, regions, files. Spaces come afterwards.
-    /// Where nodes hang, all processes have the cells on both sides of those at the surfaces, too. [`MeshPart::with_interior_facets`] may come
-    /// before or afterwards, and surfaces may be named in several calls.
+    /// Where nodes hang at one of these cells, the cells on both sides are copied. [`MeshPart::with_interior_facets`] may come before or
+    /// afterwards, and surfaces may be named in several calls.
     ///
     /// ```no_run
     /// # use forms_distributed::World;

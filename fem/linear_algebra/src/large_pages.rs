@@ -35,8 +35,8 @@ pub fn room<T>(count: usize) -> Vec<T> {
 
 /// Memory that is about to be added to, handed over before anything was written to it.
 ///
-/// Addition reads first. The system then shows a page of zeros that all share, and takes it away from every processor when the sum is
-/// written. On several threads these interruptions take longer than the additions.
+/// Addition reads first. The system then shows a shared page of zeros, and takes it away from every processor when the sum is written.
+/// On several threads these interruptions take longer than the additions.
 pub fn hand_over<T>(values: &mut [T]) {
     let begin = values.as_ptr();
     advise(begin, &pages_of(SMALLEST_PAGE, begin.addr(), size_of_val(values)), Advice::Now);

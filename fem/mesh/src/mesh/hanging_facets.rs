@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::conformity::SAME_PLACE;
 use super::{Facet, Mesh, MeshError};
+use crate::disjoint_sets::DisjointSets;
 use crate::instantiate;
 use crate::locate::nearest_on_facet;
 
@@ -71,24 +72,12 @@ impl<const D: usize> Mesh<D> {
 
     /// The body of each cell, by a number that its cells have in common: cells that share a vertex are of one body.
     fn bodies(&self) -> Vec<u32> {
-        fn root(of: &mut [u32], mut vertex: u32) -> u32 {
-            while of[vertex as usize] != vertex {
-                let above = of[of[vertex as usize] as usize];
-                of[vertex as usize] = above;
-                vertex = above;
-            }
-            vertex
-        }
-        let mut of: Vec<u32> = (0..self.nodes().len() as u32).collect();
+        let mut bodies = DisjointSets::new(self.nodes().len());
         for cell in 0..self.cell_count() {
             let vertices = self.cell_vertices(cell);
-            let first = root(&mut of, vertices[0]);
-            for vertex in &vertices[1..] {
-                let other = root(&mut of, *vertex);
-                of[other as usize] = first;
-            }
+            vertices[1..].iter().for_each(|vertex| bodies.join(vertices[0], *vertex));
         }
-        (0..self.cell_count()).map(|cell| root(&mut of, self.cell_vertices(cell)[0])).collect()
+        (0..self.cell_count()).map(|cell| bodies.root(self.cell_vertices(cell)[0])).collect()
     }
 
     /// A point of a facet near one of its vertices, on the way to its centre: it tells facets that run along another one from

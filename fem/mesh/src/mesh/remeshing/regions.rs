@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::RemeshingError;
 use super::outline::{Arc, Outline, ends_and_middle};
+use crate::disjoint_sets::DisjointSets;
 use crate::facet::Facet;
 use crate::mesh::{EVERYWHERE, INTERIOR, Mesh};
 
@@ -74,19 +75,11 @@ pub(super) fn carry(
 
 /// The component of each cell, by the least cell of it.
 fn components(mesh: &Mesh<2>) -> Vec<u32> {
-    let mut parent: Vec<u32> = (0..mesh.cell_count() as u32).collect();
-    fn root(parent: &mut [u32], mut cell: u32) -> u32 {
-        while parent[cell as usize] != cell {
-            parent[cell as usize] = parent[parent[cell as usize] as usize];
-            cell = parent[cell as usize];
-        }
-        cell
-    }
+    let mut components = DisjointSets::new(mesh.cell_count());
     for [one, other] in mesh.interior_facets() {
-        let (a, b) = (root(&mut parent, one.cell), root(&mut parent, other.cell));
-        parent[a.max(b) as usize] = a.min(b);
+        components.join(one.cell, other.cell);
     }
-    (0..mesh.cell_count() as u32).map(|cell| root(&mut parent, cell)).collect()
+    (0..mesh.cell_count() as u32).map(|cell| components.root(cell)).collect()
 }
 
 /// The mesh with the nodes of a region of facets on a curve.

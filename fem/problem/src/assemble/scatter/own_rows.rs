@@ -32,7 +32,7 @@ pub(in crate::assemble) struct OwnRows<'a> {
     pub zeros: &'a mut [bool],
     /// Rows before this one have values; those from it on are still to be set to zero.
     pub written: usize,
-    /// Whether entities add to most of the rows. Their memory is handed over before that, of a vector all at once.
+    /// Whether entities add to most of the rows, and new memory is handed over before they do.
     pub is_dense: bool,
     /// Places of blocks that were copied ahead of the matrices.
     pub known: CopiedPlaces,

@@ -1,5 +1,7 @@
 //! Bodies that nothing holds, and rigid tools that an unknown is not given on, by name.
 
+use forms_mesh::disjoint_sets::DisjointSets;
+
 use super::Problem;
 use crate::instantiate::instantiate;
 use crate::linear_algebra::{free_motions, free_motions_of_body};
@@ -9,30 +11,16 @@ use crate::space::Space;
 /// The nodes of the cells that hang together with those of a node, by common nodes; none where it belongs to no body's cell.
 fn body_of<const D: usize>(space: &Space<D>, node: usize) -> Option<Vec<u32>> {
     let mesh = space.mesh();
-    let mut bodies: Vec<u32> = (0..space.node_count() as u32).collect();
+    let mut bodies = DisjointSets::new(space.node_count());
     for cell in mesh.body_cells() {
         let Some((&first, others)) = space.cell_nodes(cell).split_first() else { continue };
-        let first = root(&mut bodies, first);
-        for &other in others {
-            let other = root(&mut bodies, other);
-            bodies[other as usize] = first;
-        }
+        others.iter().for_each(|other| bodies.join(first, *other));
     }
-    let all: Vec<u32> = (0..space.node_count() as u32).map(|node| root(&mut bodies, node)).collect();
+    let all: Vec<u32> = (0..space.node_count() as u32).map(|node| bodies.root(node)).collect();
     let own = all[node];
     let nodes: Vec<u32> =
         (0..space.node_count() as u32).filter(|other| all[*other as usize] == own).collect();
     (nodes.len() > 1).then_some(nodes)
-}
-
-/// The node that represents all nodes which a node hangs together with.
-fn root(bodies: &mut [u32], mut node: u32) -> u32 {
-    while bodies[node as usize] != node {
-        let next = bodies[bodies[node as usize] as usize];
-        bodies[node as usize] = next;
-        node = next;
-    }
-    node
 }
 
 /// The name of the cells that have these nodes (in ascending order), and no others; that of all cells does not say which body.

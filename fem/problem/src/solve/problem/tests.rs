@@ -55,7 +55,7 @@ fn problems_with_one_solver_assemble_in_the_same_memory() {
             + integral(facets("left"), 50 * pos_part(u - 0.5) * v)
     });
     let assembler = Assembler::new(&mesh);
-    let pattern = assembler.pattern(&press, &[&space], &[&space]).unwrap();
+    let pattern = Arc::new(assembler.pattern(&press, &[&space], &[&space]).unwrap());
     let mut solver = CondensedSolver::default();
     let mut places = vec![];
     for form in [&press, &press, &bend, &press] {
